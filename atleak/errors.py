@@ -1,0 +1,103 @@
+"""The package's own exceptions and the messages a result carries."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+
+class AtleakError(Exception):
+    """Everything atleak raises on purpose."""
+
+
+class DomainError(AtleakError, ValueError):
+    """A number outside the domain in which an equation holds."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where in the user's material something stands; any part may be unknown.
+
+    ``row`` counts from 1 as a spreadsheet does, ``column`` is the column's letter or heading.
+    ``table`` and ``key`` serve for TOML files.
+    """
+
+    file: str | None = None
+    sheet: str | None = None
+    row: int | None = None
+    column: str | None = None
+    table: str | None = None
+    key: str | None = None
+
+    def __str__(self) -> str:
+        parts = [
+            self.file,
+            f"sheet {self.sheet!r}" if self.sheet else None,
+            f"row {self.row}" if self.row is not None else None,
+            f"column {self.column}" if self.column is not None else None,
+            f"[{self.table}]" if self.table else None,
+            f"key {self.key!r}" if self.key else None,
+        ]
+        return ", ".join(part for part in parts if part)
+
+
+class InputError(AtleakError):
+    """Something a user gave cannot be used: says where, what stood there and what was expected."""
+
+    def __init__(
+        self,
+        problem: str,
+        *,
+        place: Place | None = None,
+        value: object = None,
+        expected: str | None = None,
+        nearest: str | None = None,
+    ) -> None:
+        self.problem, self.place, self.value = problem, place or Place(), value
+        self.expected, self.nearest = expected, nearest
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        where = str(self.place)
+        text = f"{where}: {self.problem}" if where else self.problem
+        if self.value is not None:
+            text += f" (found {self.value!r})"
+        if self.expected:
+            text += f"; expected {self.expected}"
+        if self.nearest:
+            text += f"; did you mean {self.nearest!r}?"
+        return text
+
+
+class CatalogueError(InputError):
+    """A controller, fluid, limits or instrument file that does not say what it must."""
+
+
+class ReadingsError(InputError):
+    """A measuring sheet that cannot be used."""
+
+
+class RoadTestError(InputError):
+    """A road-test log that cannot be used."""
+
+
+@dataclass(frozen=True)
+class Message:
+    """What a result has to say besides its numbers: ``code`` for programs, ``text`` for people."""
+
+    level: Literal["info", "warning"]
+    code: str
+    text: str
+    place: Place | None = None
+
+
+def nearest_name(name: str, names: Iterable[str]) -> str | None:
+    """The valid name closest to a mistyped one, or None.
+
+    >>> nearest_name("paper_", ["paper", "workshop"])
+    'paper'
+    """
+    found = difflib.get_close_matches(name, list(names), n=1, cutoff=0.5)
+    return found[0] if found else None

@@ -1,0 +1,132 @@
+"""Unit names as people and loggers write them, by kind of quantity, into SI.
+
+Each kind is its own table: a temperature is no temperature difference, a pressure no percentage. A name that a
+table does not hold is refused, never guessed.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+from typing import Any
+
+from atleak.errors import InputError, nearest_name
+
+
+@dataclass(frozen=True)
+class Unit:
+    """``si = value · factor + offset``."""
+
+    name: str
+    factor: float
+    offset: float = 0.0
+
+    def to_si(self, value: Any) -> Any:
+        """Value or array in this unit → SI."""
+        return value * self.factor + self.offset if self.offset else value * self.factor
+
+    def from_si(self, value: Any) -> Any:
+        """SI value or array → this unit."""
+        return (value - self.offset) / self.factor if self.offset else value / self.factor
+
+
+_INCH, _PSI = 0.0254, 6894.757293168361
+_KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
+    "length": {
+        Unit("mm", 1e-3): ("mm", "millimetre", "millimeter"),
+        Unit("µm", 1e-6): ("µm", "um", "micron", "microns", "micrometre", "micrometer", "mkm", "мкм"),
+        Unit("inch", _INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
+        Unit("mil", _INCH / 1000): ("mil", "thou"),
+        Unit("cm", 1e-2): ("cm",),
+        Unit("m", 1.0): ("m",),
+    },
+    "pressure": {
+        Unit("kPa", 1e3): ("kpa",),
+        Unit("bar", 1e5): ("bar",),
+        Unit("mbar", 1e2): ("mbar", "hpa"),
+        Unit("MPa", 1e6): ("mpa",),
+        Unit("psi", _PSI): ("psi", "psig", "lbf/in2", "lb/in2"),
+        Unit("Pa", 1.0): ("pa",),
+        Unit("kgf/cm²", 98066.5): ("kgf/cm2", "kg/cm2"),
+    },
+    "temperature": {
+        Unit("°C", 1.0): ("°c", "c", "degc", "deg c", "*c", "celsius", "grad c", "º c", "ºc"),
+        Unit("°F", 5.0 / 9.0, -160.0 / 9.0): ("°f", "f", "degf", "deg f", "*f", "fahrenheit", "ºf"),
+        Unit("K", 1.0, -273.15): ("k", "kelvin"),
+    },
+    "rotational_speed": {
+        Unit("rpm", 1.0 / 60.0): ("rpm", "1/min", "/min", "u/min", "min-1", "r/min", "obr/min", "об/мин", "tr/min"),
+        Unit("1/s", 1.0): ("1/s", "rps", "hz"),
+        Unit("rad/s", 0.15915494309189535): ("rad/s",),
+    },
+    "speed": {
+        Unit("km/h", 1.0 / 3.6): ("km/h", "kph", "kmh", "kmph", "км/ч"),
+        Unit("mph", 0.44704): ("mph", "mi/h", "miles/h"),
+        Unit("m/s", 1.0): ("m/s", "meters/second", "metres/second"),
+    },
+    "time": {
+        Unit("s", 1.0): ("s", "sec", "secs", "second", "seconds", "sek"),
+        Unit("ms", 1e-3): ("ms", "msec", "millisecond", "milliseconds"),
+        Unit("µs", 1e-6): ("µs", "us", "usec"),
+        Unit("min", 60.0): ("min", "minute", "minutes"),
+        Unit("h", 3600.0): ("h", "hour", "hours"),
+    },
+    "ratio": {
+        Unit("1", 1.0): ("1", "-", "ratio", ""),
+        Unit("%", 1e-2): ("%", "percent"),
+    },
+}
+
+
+def _spelling(name: str) -> str:
+    # NFKC turns ℃ into °C, the micro sign and Greek mu into one letter, superscripts into digits
+    text = unicodedata.normalize("NFKC", name).strip().lower().replace("μ", "µ")
+    return re.sub(r"\s+", " ", text)
+
+
+_TABLE: dict[str, dict[str, Unit]] = {
+    kind: {_spelling(alias): unit for unit, aliases in units.items() for alias in aliases}
+    for kind, units in _KINDS.items()
+}
+
+
+def find_unit(name: str, kind: str) -> Unit | None:
+    """The unit of that kind with that name, or None.
+
+    >>> find_unit("℃", "temperature").name
+    '°C'
+    >>> find_unit("%", "pressure") is None
+    True
+    """
+    return _TABLE[kind].get(_spelling(name))
+
+
+def unit(name: str, kind: str) -> Unit:
+    """As `find_unit`, but a name the table lacks raises.
+
+    Raises
+    ------
+    InputError
+        naming the unit, the units of that kind and the nearest.
+    """
+    found = find_unit(name, kind)
+    if found is None:
+        known = unit_names(kind)
+        raise InputError(
+            f"unknown unit of {kind.replace('_', ' ')}",
+            value=name,
+            expected="one of " + ", ".join(known),
+            nearest=nearest_name(name, known),
+        )
+    return found
+
+
+def unit_names(kind: str) -> list[str]:
+    """The canonical names of a kind's units, the most usual first."""
+    return [found.name for found in _KINDS[kind]]
+
+
+def kinds_of(name: str) -> list[str]:
+    """Every kind that knows a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
+    return [kind for kind in _TABLE if find_unit(name, kind)]
