@@ -1,0 +1,71 @@
+"""What the equations share: numbers in, domain checks, numbers out.
+
+A check costs one ``min()`` or ``max()`` over the array and copies nothing; only where that fails, or meets a
+NaN, the array is looked through for the first offending value. NaN passes every check.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from atleak.errors import DomainError
+
+type_of_values = np.float64
+
+
+def values(given: ArrayLike) -> NDArray[np.float64]:
+    """The given number or numbers as a float array; float arrays are not copied."""
+    return np.asarray(given, dtype=type_of_values)
+
+
+def result(computed: Any) -> Any:
+    """A Python float where everything given was a scalar, the array otherwise."""
+    return float(computed) if np.ndim(computed) == 0 else computed
+
+
+def refuse(name: str, value: NDArray[np.float64], bad: NDArray[np.bool_], expected: str, unit: str) -> None:
+    """Raise DomainError for the first value marked bad, if there is one."""
+    bad = np.asarray(bad)
+    if not bad.any():
+        return
+    place = np.unravel_index(int(np.argmax(bad)), bad.shape)
+    first = float(np.broadcast_to(value, bad.shape)[place])
+    where = f" at index {', '.join(str(int(i)) for i in place)}" if place else ""
+    raise DomainError(f"{name} must be {expected}, found {f'{first:g} {unit}'.rstrip()}{where}")
+
+
+def positive(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """The values, all of them above zero."""
+    value = values(given)
+    if value.size and not value.min() > 0.0:
+        refuse(name, value, value <= 0.0, "positive", unit)
+    return value
+
+
+def not_negative(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """The values, none of them below zero."""
+    value = values(given)
+    if value.size and not value.min() >= 0.0:
+        refuse(name, value, value < 0.0, "zero or positive", unit)
+    return value
+
+
+def within(name: str, given: ArrayLike, low: float, high: float, unit: str = "") -> NDArray[np.float64]:
+    """The values, all of them between low and high, both included."""
+    value = values(given)
+    if value.size and not (value.min() >= low and value.max() <= high):
+        refuse(
+            name, value, (value < low) | (value > high), f"between {low:g} and {high:g} {unit}".rstrip(), unit
+        )
+    return value
+
+
+def above(name: str, given: ArrayLike, low: float, unit: str = "") -> NDArray[np.float64]:
+    """The values, all of them above low."""
+    value = values(given)
+    if value.size and not value.min() > low:
+        refuse(name, value, value <= low, f"above {low:g} {unit}".rstrip(), unit)
+    return value

@@ -1,0 +1,227 @@
+"""From diameters to clearances, cold and warm (equations 1, 2 and 28)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from atleak.equations._domain import not_negative, positive, refuse, result, values
+
+
+def radial_clearance(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> Any:
+    """Radial clearance of a pair from its two diameters, ``(D − d) / 2``.
+
+    Parameters
+    ----------
+    sleeve_diameter : float or array
+        D, inner diameter of the sleeve [m].
+    spool_diameter : float or array
+        d, outer diameter of the spool or piston [m].
+
+    Returns
+    -------
+    float or ndarray
+        Radial clearance at the temperature of the measurement [m].
+
+    Raises
+    ------
+    DomainError
+        Sleeve smaller than the spool; a diameter not positive.
+
+    References
+    ----------
+    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (28).
+
+    Examples
+    --------
+    >>> round(radial_clearance(0.010000, 0.009940) * 1e6, 6)
+    30.0
+    """
+    sleeve, spool = _diameters(sleeve_diameter, spool_diameter)
+    return result((sleeve - spool) * 0.5)
+
+
+def worn_clearance(mounting_clearance: ArrayLike, wear_increment: ArrayLike) -> Any:
+    """Radial clearance after wear, ``c_r = c_m + Δc_e``.
+
+    Parameters
+    ----------
+    mounting_clearance : float or array
+        c_m, radial clearance when new [m].
+    wear_increment : float or array
+        Δc_e, what wear has added to it [m].
+
+    Returns
+    -------
+    float or ndarray
+        Radial clearance [m].
+
+    Raises
+    ------
+    DomainError
+        Negative mounting clearance; an increment that makes the clearance negative.
+
+    References
+    ----------
+    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (1).
+
+    Examples
+    --------
+    >>> round(worn_clearance(24e-6, 12e-6) * 1e6, 6)
+    36.0
+    """
+    mounting = not_negative("mounting clearance", mounting_clearance, "m")
+    worn = mounting + values(wear_increment)
+    return result(not_negative("worn clearance", worn, "m"))
+
+
+def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
+    """Wear of a pair, ``Z = (c_r − c_m) / c_m``.
+
+    Parameters
+    ----------
+    radial_clearance : float or array
+        c_r, radial clearance as measured [m].
+    mounting_clearance : float or array
+        c_m, radial clearance when new [m].
+
+    Returns
+    -------
+    float or ndarray
+        Wear as a fraction [-]: 0.5 is 50 %. Negative for a pair tighter than when new.
+
+    Raises
+    ------
+    DomainError
+        Negative radial clearance; mounting clearance not positive.
+
+    References
+    ----------
+    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (1) with the nominal degree of wear of its Table 2.
+
+    Examples
+    --------
+    >>> round(wear(36e-6, 24e-6), 12)
+    0.5
+    """
+    c_r = not_negative("radial clearance", radial_clearance, "m")
+    c_m = positive("mounting clearance", mounting_clearance, "m")
+    return result((c_r - c_m) / c_m)
+
+
+def effective_clearance(
+    radial_clearance: ArrayLike,
+    sleeve_diameter: ArrayLike,
+    spool_diameter: ArrayLike,
+    body_expansion: ArrayLike,
+    spool_expansion: ArrayLike,
+    body_rise: ArrayLike,
+    spool_rise: ArrayLike,
+) -> Any:
+    """Radial clearance at operating temperature.
+
+    ``c_re = c_r + (β_k D ΔT_k − β_s d ΔT_s) / 2``
+
+    Parameters
+    ----------
+    radial_clearance : float or array
+        c_r, at the temperature of the measurement [m].
+    sleeve_diameter : float or array
+        D [m].
+    spool_diameter : float or array
+        d [m].
+    body_expansion : float or array
+        β_k, linear expansion coefficient of the body [1/K].
+    spool_expansion : float or array
+        β_s, linear expansion coefficient of the spool [1/K].
+    body_rise : float or array
+        ΔT_k, temperature of the body minus that of the measurement, 20 ± 0.5 °C [K].
+    spool_rise : float or array
+        ΔT_s, the same of the spool [K].
+
+    Returns
+    -------
+    float or ndarray
+        Effective clearance [m].
+
+    Raises
+    ------
+    DomainError
+        Negative clearance, cold or effective (the pair binds); sleeve smaller than the spool; a diameter not
+        positive; a negative expansion coefficient.
+
+    Notes
+    -----
+    Strain by pressure is left out: negligible up to 1000 kPa.
+
+    References
+    ----------
+    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (2).
+
+    Examples
+    --------
+    Steel spool in an aluminium body, 60 K warmer:
+
+    >>> c_re = effective_clearance(30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 60.0, 60.0)
+    >>> round(c_re * 1e6, 4)
+    32.8887
+    """
+    c_r = not_negative("radial clearance", radial_clearance, "m")
+    sleeve, spool = _diameters(sleeve_diameter, spool_diameter)
+    beta_k = not_negative("body expansion", body_expansion, "1/K")
+    beta_s = not_negative("spool expansion", spool_expansion, "1/K")
+    opening = beta_k * sleeve * values(body_rise) - beta_s * spool * values(spool_rise)
+    return result(not_negative("effective clearance", c_r + 0.5 * opening, "m"))
+
+
+def thermal_rate(
+    sleeve_diameter: ArrayLike,
+    spool_diameter: ArrayLike,
+    body_expansion: ArrayLike,
+    spool_expansion: ArrayLike,
+) -> Any:
+    """How fast a radial clearance opens when body and spool warm up together, ``(β_k D − β_s d) / 2``.
+
+    Parameters
+    ----------
+    sleeve_diameter : float or array
+        D [m].
+    spool_diameter : float or array
+        d [m].
+    body_expansion : float or array
+        β_k [1/K].
+    spool_expansion : float or array
+        β_s [1/K].
+
+    Returns
+    -------
+    float or ndarray
+        Change of radial clearance per temperature [m/K]; negative where the gap closes with heat.
+
+    Raises
+    ------
+    DomainError
+        Sleeve smaller than the spool; a diameter not positive; a negative expansion coefficient.
+
+    References
+    ----------
+    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (2) with ΔT_k = ΔT_s.
+
+    Examples
+    --------
+    >>> round(thermal_rate(0.010, 0.010, 21.5e-6, 12e-6) * 1e9, 6)
+    47.5
+    """
+    sleeve, spool = _diameters(sleeve_diameter, spool_diameter)
+    beta_k = not_negative("body expansion", body_expansion, "1/K")
+    beta_s = not_negative("spool expansion", spool_expansion, "1/K")
+    return result(0.5 * (beta_k * sleeve - beta_s * spool))
+
+
+def _diameters(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> tuple[Any, Any]:
+    """Both diameters, the sleeve at least as large as the spool."""
+    sleeve = positive("sleeve diameter", sleeve_diameter, "m")
+    spool = positive("spool diameter", spool_diameter, "m")
+    refuse("sleeve diameter", sleeve, sleeve < spool, "at least the spool's", "m")
+    return sleeve, spool
