@@ -1,0 +1,567 @@
+"""What a controller is: its pairs and lands, the gaps between pressures, pump, pressure relations, operating points.
+
+A controller is described in a TOML file (see ``docs/describing-a-controller.md``); this module checks one and turns
+it into frozen objects in SI units.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from atleak import catalogue
+from atleak.catalogue import Entry, Finite, NonNegative, Origin, Positive, Strict, Text, catalogue_error
+from atleak.equations import clearance as clearance_equations
+from atleak.equations import pressure as pressure_equations
+from atleak.equations import pump as pump_equations
+from atleak.errors import nearest_name
+
+SECTIONS = ("p_g", "p_s", "p_m", "p_k")
+SECTION_NAMES = MappingProxyType(
+    {"p_g": "main", "p_s": "control", "p_m": "modulated", "p_k": "converter"}
+)
+HOT_IDLE = "hot_idle"
+REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
+
+_PRESSURE = re.compile(r"^\s*(?:(?P<factor>\d*\.?\d+)\s*\*\s*)?(?P<section>p_[gsmk])\s*$")
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A share of one section's pressure; a drain at atmospheric pressure has no section and coefficient 0."""
+
+    coefficient: float
+    section: str | None
+
+    @classmethod
+    def parse(cls, text: str) -> Pressure:
+        """From ``"p_g"``, ``"0.1*p_g"``, ``"0"`` or ``"drain"``.
+
+        >>> Pressure.parse("0.1*p_g")
+        Pressure(coefficient=0.1, section='p_g')
+        """
+        if text.strip() in {"0", "drain"}:
+            return cls(0.0, None)
+        found = _PRESSURE.match(text)
+        if found is None:
+            raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k), '0' or 'drain'")
+        return cls(float(found["factor"] or 1.0), found["section"])
+
+    def __str__(self) -> str:
+        if self.section is None:
+            return "drain"
+        return self.section if self.coefficient == 1.0 else f"{self.coefficient:g}*{self.section}"
+
+
+@dataclass(frozen=True)
+class Land:
+    """One cylindrical section of a spool or piston in its sleeve."""
+
+    component: str
+    land: int
+    planes: tuple[str, ...]
+    part: Literal["spool", "piston"]
+    nominal_diameter: float  # [m] of the spool or piston
+    contact_length: float  # [m]
+    mounting_clearance: float  # [m] radial
+    body_material: str
+    spool_material: str
+    body_expansion: float  # [1/K]
+    spool_expansion: float  # [1/K]
+    clearance_limit: float | None  # [m] radial, the workshop's own
+    representative: tuple[str, ...]  # which of its values are representative
+
+    @property
+    def key(self) -> tuple[str, int]:
+        return self.component, self.land
+
+    @property
+    def nominal_sleeve_diameter(self) -> float:
+        """Nominal spool diameter and twice the mounting clearance [m]."""
+        return self.nominal_diameter + 2.0 * self.mounting_clearance
+
+    def thermal_rate(self, spool_diameter: float, sleeve_diameter: float) -> float:
+        """Growth of the radial clearance with temperature [m/K], eq. (2) at equal temperature of body and spool."""
+        return clearance_equations.thermal_rate(
+            sleeve_diameter, spool_diameter, self.body_expansion, self.spool_expansion
+        )
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A land seen as a leak path from one pressure to another in given gears."""
+
+    component: str
+    land: int
+    section: str
+    high: Pressure
+    low: Pressure
+    gears: frozenset[int]
+    into_sump: bool  # ends in the sump, not in another section
+    published: bool
+
+    @property
+    def key(self) -> tuple[str, int]:
+        return self.component, self.land
+
+
+@dataclass(frozen=True)
+class Pump:
+    """The fixed-displacement pump on the engine's shaft."""
+
+    displacement: float  # [m³/rev]
+    volumetric_efficiency: float
+    slip_coefficient: float | None  # Wilson's C_s, None where the controller states none
+    representative: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PressureRelation:
+    """A section's pressure as a line in p_g: ``min(ratio · p_g + offset, limit)``.
+
+    Eq. (14) is such a line with offset 0; so is eq. (13), whose spool balance is affine in p_g.
+    """
+
+    relation: Literal["spool_balance", "line"]
+    ratio: float
+    offset: float  # [Pa]
+    limit: float | None  # [Pa], the valve's own
+
+    def __call__(self, main_pressure: Any) -> Any:
+        pressure = main_pressure * self.ratio + self.offset
+        return pressure if self.limit is None else np.minimum(pressure, self.limit)
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """A stated condition at which leakage and pump are compared."""
+
+    name: str
+    label: str
+    temperature: float  # [°C]
+    engine_speed: float  # [1/s]
+    gear: int
+    main_pressure: float  # [Pa]
+    converter_pressure: float  # [Pa]
+    source: str
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A transmission's electro-hydraulic controller."""
+
+    id: str
+    name: str
+    source: str
+    date: str
+    note: str
+    representative: str  # what of it is representative, "" where nothing is
+    gears: tuple[int, ...]
+    components: MappingProxyType[str, str]  # number → name
+    lands: tuple[Land, ...]
+    gaps: tuple[Gap, ...]
+    relations: MappingProxyType[str, PressureRelation]  # of p_s, p_m and, where stated, p_k
+    pump: Pump
+    operating_points: tuple[OperatingPoint, ...]
+    origin: Origin
+
+    @property
+    def sha256(self) -> str:
+        return self.origin.sha256
+
+    @cached_property
+    def _by_key(self) -> dict[tuple[str, int], Land]:
+        return {land.key: land for land in self.lands}
+
+    @cached_property
+    def _by_plane(self) -> dict[tuple[str, str], Land]:
+        return {(land.component, plane): land for land in self.lands for plane in land.planes}
+
+    def land(self, component: str, land: int) -> Land:
+        """The land of that component and number.
+
+        Raises
+        ------
+        KeyError
+            where the controller has none.
+        """
+        return self._by_key[component, land]
+
+    def land_of_plane(self, component: str, plane: str) -> Land | None:
+        """The land that is measured in that plane, or None."""
+        return self._by_plane.get((component, plane))
+
+    def lands_of(self, component: str) -> tuple[Land, ...]:
+        return tuple(land for land in self.lands if land.component == component)
+
+    def gaps_in(self, gear: int) -> tuple[Gap, ...]:
+        """The gaps that see a pressure drop in that gear."""
+        return tuple(gap for gap in self.gaps if gear in gap.gears)
+
+    def operating_point(self, name: str) -> OperatingPoint | None:
+        return next((point for point in self.operating_points if point.name == name), None)
+
+    def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
+        """All four section pressures [Pa] from the two that are measured; arrays as they come."""
+        return {
+            "p_g": main_pressure,
+            "p_s": self.relations["p_s"](main_pressure),
+            "p_m": self.relations["p_m"](main_pressure),
+            "p_k": converter_pressure,
+        }
+
+
+def load_controller(id_or_path: str | Path) -> Controller:
+    """A shipped controller by id or a workshop's own by path.
+
+    Raises
+    ------
+    CatalogueError
+        naming file, table, key and value.
+    """
+    entry, origin = catalogue.read_entry("controllers", id_or_path, ControllerFile)
+    return _build(entry, origin)
+
+
+def controllers() -> list[Controller]:
+    """Every shipped controller."""
+    return [load_controller(found) for found in catalogue.catalogue_files("controllers")]
+
+
+# --- the file -----------------------------------------------------------------------------------------------------
+
+
+class MaterialTable(Strict):
+    expansion_per_k: Positive
+    source: Text
+
+
+class LandTable(Strict):
+    land: int = Field(ge=1, le=9)
+    planes: list[Text] | None = None
+    nominal_diameter_mm: float = Field(gt=0.5, lt=200)
+    contact_length_mm: Positive | None = None
+    mounting_clearance_um: float = Field(gt=0, lt=500)
+    clearance_limit_um: Positive | None = None
+    body: Text | None = None
+    spool: Text | None = None
+    published: list[str] = []
+
+
+class ComponentTable(Strict):
+    id: Text
+    name: Text
+    part: Literal["spool", "piston"] = "spool"
+    lands: list[LandTable] = []
+
+
+class GapTable(Strict):
+    component: Text
+    land: int
+    section: Literal["p_g", "p_s", "p_m", "p_k"]
+    high: Text = Field(alias="from")
+    low: Text = Field(alias="to")
+    gears: list[int] = Field(min_length=1)
+    ends_in: Literal["sump", "section"] | None = None
+    published: bool = False
+
+
+class PumpTable(Strict):
+    module_mm: Positive | None = None
+    teeth: int | None = Field(default=None, gt=0)
+    width_mm: Positive | None = None
+    tooth_height_mm: Positive | None = None
+    displacement_mm3: Positive | None = None
+    volumetric_efficiency: float = Field(gt=0, le=1)
+    slip_coefficient: Positive | None = None
+    source: Text
+    representative: list[str] = []
+
+    @model_validator(mode="after")
+    def _geometry_or_displacement(self) -> PumpTable:
+        geometry = (self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm)
+        if (self.displacement_mm3 is None) == any(value is None for value in geometry):
+            return self
+        raise ValueError(
+            "either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both"
+        )
+
+
+class SpringTable(Strict):
+    shear_modulus_mpa: Positive
+    wire_diameter_mm: Positive
+    active_coils: Positive
+    mean_coil_diameter_mm: Positive
+    free_length_mm: Positive
+    working_length_mm: Positive
+
+
+class RelationTable(Strict):
+    """``relation = "spool_balance"`` wants the diameters and the spring, ``"line"`` the ratio."""
+
+    relation: Literal["spool_balance", "line"]
+    limit_kpa: Positive | None = None
+    source: Text
+    ratio: NonNegative | None = None
+    offset_kpa: Finite = 0.0
+    diameter_1_mm: Positive | None = None
+    diameter_2_mm: Positive | None = None
+    diameter_3_mm: Positive | None = None
+    rod_diameter_mm: Positive | None = None
+    diameter_g1_mm: Positive | None = None
+    diameter_g2_mm: Positive | None = None
+    spring: SpringTable | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> RelationTable:
+        if self.relation == "line" and self.ratio is None:
+            raise ValueError("a line needs its ratio")
+        wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
+        missing = [key for key in wanted if getattr(self, key) is None]
+        if self.relation == "spool_balance" and missing:
+            raise ValueError(f"a spool balance also needs {', '.join(missing)}")
+        return self
+
+
+class OperatingPointTable(Strict):
+    name: catalogue.Identifier
+    label: Text
+    temperature_c: float = Field(ge=-60, le=200)
+    engine_rpm: Positive
+    gear: int
+    p_g_kpa: Positive
+    p_k_kpa: NonNegative
+    source: Text
+
+
+class DefaultsTable(Strict):
+    contact_length_mm: Positive | None = None
+    body: Text | None = None
+    spool: Text | None = None
+
+
+class ControllerFile(Entry):
+    representative: str = ""
+    representative_values: list[str] = []
+    gears: list[int] = Field(min_length=1)
+    materials: dict[str, MaterialTable] = Field(min_length=1)
+    defaults: DefaultsTable = DefaultsTable()
+    pump: PumpTable
+    pressures: dict[Literal["p_s", "p_m", "p_k"], RelationTable] = {}
+    operating_points: list[OperatingPointTable] = Field(min_length=1)
+    components: list[ComponentTable] = Field(min_length=1)
+    gaps: list[GapTable] = []
+
+
+# --- from the file to the objects ---------------------------------------------------------------------------------
+
+
+def _build(entry: ControllerFile, origin: Origin) -> Controller:
+    lands = tuple(_lands(entry, origin.path))
+    relations = {name: _relation(table) for name, table in entry.pressures.items()}
+    gaps = tuple(_gaps(entry, lands, origin.path))
+    needed = {
+        pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
+    }
+    for section in sorted(needed - set(relations)):
+        raise catalogue_error(
+            origin.path, "pressures", section, f"a gap uses {section}, which no relation gives",
+            expected=f"a table [pressures.{section}]",
+        )
+    # a controller whose gaps use neither still answers what they would be
+    for section in ("p_s", "p_m"):
+        relations.setdefault(section, PressureRelation("line", 0.0, 0.0, None))
+    return Controller(
+        id=entry.id,
+        name=entry.name,
+        source=entry.source,
+        date=entry.date,
+        note=entry.note,
+        representative=entry.representative,
+        gears=tuple(entry.gears),
+        components=MappingProxyType({component.id: component.name for component in entry.components}),
+        lands=lands,
+        gaps=gaps,
+        relations=MappingProxyType(relations),
+        pump=_pump(entry.pump),
+        operating_points=tuple(_operating_points(entry, origin.path)),
+        origin=origin,
+    )
+
+
+def _lands(entry: ControllerFile, path: Path) -> list[Land]:
+    lands: list[Land] = []
+    seen: set[tuple[str, int]] = set()
+    components: set[str] = set()
+    for component in entry.components:
+        if component.id in components:
+            raise catalogue_error(path, "components", "id", "component given twice", value=component.id)
+        components.add(component.id)
+        planes: set[str] = set()
+        for table in component.lands:
+            where = f"components ({component.id}).lands"
+            if (component.id, table.land) in seen:
+                raise catalogue_error(path, where, "land", "land given twice", value=table.land)
+            seen.add((component.id, table.land))
+            land = _land(entry, component, table, where, path)
+            for plane in land.planes:
+                if plane in planes:
+                    raise catalogue_error(path, where, "planes", "plane given to two lands", value=plane)
+                planes.add(plane)
+            lands.append(land)
+    if not lands:
+        raise catalogue_error(path, "components", "lands", "no component has a land", expected="at least one land")
+    return lands
+
+
+def _land(
+    entry: ControllerFile, component: ComponentTable, table: LandTable, where: str, path: Path
+) -> Land:
+    length = table.contact_length_mm or entry.defaults.contact_length_mm
+    if length is None:
+        raise catalogue_error(
+            path, where, "contact_length_mm", f"land {table.land} has no contact length",
+            expected="contact_length_mm here or in [defaults]",
+        )
+    materials: list[tuple[str, float]] = []
+    for key in ("body", "spool"):
+        name = getattr(table, key) or getattr(entry.defaults, key)
+        if name is None or name not in entry.materials:
+            raise catalogue_error(
+                path, where, key, f"land {table.land}: " + ("no material" if name is None else "unknown material"),
+                value=name, expected=f"one of {', '.join(entry.materials)}",
+                nearest=nearest_name(name or "", entry.materials),
+            )
+        materials.append((name, entry.materials[name].expansion_per_k))
+    return Land(
+        component=component.id,
+        land=table.land,
+        planes=tuple(table.planes or [str(table.land)]),
+        part=component.part,
+        nominal_diameter=table.nominal_diameter_mm * 1e-3,
+        contact_length=length * 1e-3,
+        mounting_clearance=table.mounting_clearance_um * 1e-6,
+        body_material=materials[0][0],
+        spool_material=materials[1][0],
+        body_expansion=materials[0][1],
+        spool_expansion=materials[1][1],
+        clearance_limit=None if table.clearance_limit_um is None else table.clearance_limit_um * 1e-6,
+        representative=tuple(name for name in entry.representative_values if name not in table.published),
+    )
+
+
+def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Gap]:
+    if not entry.gaps:  # a minimal description: every land leaks from main pressure to the drain in every gear
+        every_gear = frozenset(entry.gears)
+        drain = Pressure(0.0, None)
+        return [
+            Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, False)
+            for land in lands
+        ]
+    known = {land.key for land in lands}
+    gaps: list[Gap] = []
+    for number, table in enumerate(entry.gaps, start=1):
+        where = f"gaps[{number}] ({table.component})"
+        if (table.component, table.land) not in known:
+            mine = [str(land.land) for land in lands if land.component == table.component]
+            expected = f"lands {', '.join(mine)}" if mine else "the id of a component with lands"
+            raise catalogue_error(
+                path, where, "land" if mine else "component", "no such land in this controller",
+                value=table.land if mine else table.component, expected=expected,
+            )
+        unknown = sorted(set(table.gears) - set(entry.gears))
+        if unknown:
+            raise catalogue_error(
+                path, where, "gears", "unknown gear", value=unknown[0], expected=f"one of {entry.gears}"
+            )
+        ends: dict[str, Pressure] = {}
+        for key, text in (("from", table.high), ("to", table.low)):
+            try:
+                ends[key] = Pressure.parse(text)
+            except ValueError as error:
+                raise catalogue_error(
+                    path, where, key, "not a pressure", value=text, expected=str(error)
+                ) from None
+        low = ends["to"]
+        ends_in_section = low.section is not None and low.coefficient == 1.0
+        gaps.append(
+            Gap(
+                component=table.component,
+                land=table.land,
+                section=table.section,
+                high=ends["from"],
+                low=low,
+                gears=frozenset(table.gears),
+                into_sump=(table.ends_in == "sump") if table.ends_in else not ends_in_section,
+                published=table.published,
+            )
+        )
+    return gaps
+
+
+def _pump(table: PumpTable) -> Pump:
+    if table.displacement_mm3 is not None:
+        displacement = table.displacement_mm3 * 1e-9
+    else:
+        displacement = pump_equations.displacement(
+            table.module_mm * 1e-3, table.teeth, table.width_mm * 1e-3, table.tooth_height_mm * 1e-3
+        )
+    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
+
+
+def _relation(table: RelationTable) -> PressureRelation:
+    limit = None if table.limit_kpa is None else table.limit_kpa * 1e3
+    if table.relation == "line":
+        return PressureRelation("line", float(table.ratio or 0.0), table.offset_kpa * 1e3, limit)
+    spring, area = table.spring, pressure_equations.annulus_area
+    rod = table.rod_diameter_mm * 1e-3
+    rate = pressure_equations.spring_rate(
+        spring.shear_modulus_mpa * 1e6,
+        spring.wire_diameter_mm * 1e-3,
+        spring.active_coils,
+        spring.mean_coil_diameter_mm * 1e-3,
+    )
+    deflection = pressure_equations.spring_deflection(
+        spring.free_length_mm * 1e-3, spring.working_length_mm * 1e-3
+    )
+    force = pressure_equations.spring_force(rate, deflection)
+    areas = (
+        area(table.diameter_1_mm * 1e-3),
+        area(table.diameter_2_mm * 1e-3, rod),
+        area(table.diameter_3_mm * 1e-3, rod),
+        area((table.diameter_g1_mm or table.diameter_2_mm) * 1e-3, rod),
+        area((table.diameter_g2_mm or table.diameter_3_mm) * 1e-3, rod),
+    )
+    offset = pressure_equations.control_pressure(0.0, force, *areas)
+    ratio = pressure_equations.control_pressure(1.0, 0.0, *areas)
+    return PressureRelation("spool_balance", ratio, offset, limit)
+
+
+def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]:
+    points = []
+    for number, table in enumerate(entry.operating_points, start=1):
+        if table.gear not in entry.gears:
+            raise catalogue_error(
+                path, f"operating_points[{number}] ({table.name})", "gear", "unknown gear",
+                value=table.gear, expected=f"one of {entry.gears}",
+            )
+        points.append(
+            OperatingPoint(
+                name=table.name,
+                label=table.label,
+                temperature=table.temperature_c,
+                engine_speed=table.engine_rpm / 60.0,
+                gear=table.gear,
+                main_pressure=table.p_g_kpa * 1e3,
+                converter_pressure=table.p_k_kpa * 1e3,
+                source=table.source,
+            )
+        )
+    return points

@@ -1,0 +1,195 @@
+"""A fluid: data-sheet points → viscosity and density over temperature, and where they can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from atleak import catalogue
+from atleak.catalogue import Entry, Finite, Origin, Positive, Strict, catalogue_error
+from atleak.equations import fluid as fluid_equations
+from atleak.errors import DomainError, Message
+
+ViscosityModel = Literal["d341", "tabulated", "regression"]
+VISCOSITY_MODELS: tuple[ViscosityModel, ...] = ("d341", "tabulated", "regression")
+HIGHEST_TEMPERATURE = 150.0  # °C: above it nothing the catalogue cites was measured
+D341_LOWEST = -20.0  # °C: below it D341 under-predicts real fluids 1.2-3.4 times
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """One automatic transmission fluid.
+
+    ``points`` are the data sheet's (temperature [°C], kinematic viscosity [m²/s]); ``table`` holds
+    (temperature [°C], kinematic viscosity [m²/s], density [kg/m³]) where a source tabulates both.
+    """
+
+    id: str
+    name: str
+    source: str
+    date: str
+    note: str
+    representative: tuple[str, ...]
+    points: tuple[tuple[float, float], ...]
+    table: tuple[tuple[float, float, float], ...]
+    density_at: tuple[float, float]  # (temperature [°C], density [kg/m³])
+    density_slope: float  # [kg/(m³·K)]
+    pour_point: float | None  # [°C]
+    origin: Origin
+
+    def kinematic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+        """Kinematic viscosity [m²/s] at a temperature [°C]; array in, array out.
+
+        ``d341``: ASTM D341 through the lowest and highest data-sheet point. ``tabulated``: straight lines of
+        log ν between the table's points (the data sheet's where there is no table). ``regression``: the source study's
+        eq. (29), whatever the fluid. Outside `span` the result is NaN: see `span` and `messages`.
+        """
+        temperature = np.asarray(temperature, dtype=float)
+        low, high = self.span(model)
+        inside = np.where((temperature >= low) & (temperature <= high), temperature, np.nan)
+        return _plain(self._viscosity(inside, model))
+
+    def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+        """Density [kg/m³] at a temperature [°C]: the table's, linear between points, with ``tabulated``; eq. (30)
+        with ``regression``; else a line through the data sheet's point."""
+        if model == "tabulated" and self.table:
+            temperatures, _, densities = np.array(self.table).T
+            return _plain(np.interp(temperature, temperatures, densities))
+        if model == "regression":
+            return fluid_equations.study_density(temperature)
+        at, density = self.density_at
+        return _plain(density + self.density_slope * (np.asarray(temperature, dtype=float) - at))
+
+    def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
+        """Lowest and highest temperature [°C] at which the model answers."""
+        if model == "regression":
+            return -40.0, 100.0
+        if model == "tabulated":
+            temperatures = [row[0] for row in self.table or self.points]
+            return min(temperatures), max(temperatures)
+        lowest = self.pour_point if self.pour_point is not None else D341_LOWEST
+        return lowest, HIGHEST_TEMPERATURE
+
+    def require(self, temperature: float, model: ViscosityModel = "d341") -> None:
+        """Raise where the model has no answer.
+
+        Raises
+        ------
+        DomainError
+            below the pour point, or outside the fluid's data.
+        """
+        low, high = self.span(model)
+        if low <= temperature <= high:
+            return
+        if model == "d341" and temperature < low:
+            why = "its pour point" if self.pour_point is not None else "where D341 holds (no pour point is stated)"
+            raise DomainError(f"{self.name}: {temperature:g} °C is below {why}, {low:g} °C")
+        raise DomainError(
+            f"{self.name}: {temperature:g} °C is outside the fluid's data ({model}), {low:g} to {high:g} °C"
+        )
+
+    def messages(self, lowest: float, highest: float, model: ViscosityModel = "d341") -> list[Message]:
+        """What a reader must know of results between two temperatures [°C]."""
+        found = []
+        if model == "d341" and lowest < D341_LOWEST:
+            text = f"Below {D341_LOWEST:g} °C ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times."
+            found.append(Message("warning", "viscosity_cold", text))
+        if model == "regression" and self.id != "hipol_atf_iid":
+            text = f"The study's viscosity regression describes HIPOL ATF IID, not {self.name}."
+            found.append(Message("warning", "viscosity_of_another_fluid", text))
+        if self.representative:
+            text = f"{self.name}: representative, not from the data sheet: {', '.join(self.representative)}."
+            found.append(Message("info", "fluid_representative", text))
+        if self.note:
+            found.append(Message("info", "fluid_note", f"{self.name}: {self.note}"))
+        span = self.points[0][0], self.points[-1][0]
+        if model == "d341" and highest > span[1] + 20.0:
+            text = f"{highest:g} °C is well above the data sheet's last point ({span[1]:g} °C)."
+            found.append(Message("warning", "viscosity_extrapolated", text))
+        return found
+
+    def _viscosity(self, temperature: np.ndarray, model: ViscosityModel) -> Any:
+        if model == "d341":
+            return fluid_equations.astm_d341(temperature, *self.d341)
+        if model == "regression":
+            return fluid_equations.study_viscosity(temperature)
+        rows = np.array([row[:2] for row in self.table or self.points])
+        return np.exp(np.interp(temperature, rows[:, 0], np.log(rows[:, 1])))
+
+    @property
+    def d341(self) -> tuple[float, float]:
+        """Coefficients A and B of ASTM D341."""
+        (t_1, nu_1), (t_2, nu_2) = self.points[0], self.points[-1]
+        return fluid_equations.astm_d341_coefficients(t_1, nu_1, t_2, nu_2)
+
+
+def load_fluid(id_or_path: str | Path) -> Fluid:
+    """A shipped fluid by id, or a workshop's own by path.
+
+    Raises
+    ------
+    CatalogueError
+        naming file, table, key and value.
+    """
+    entry, origin = catalogue.read_entry("fluids", id_or_path, FluidFile)
+    points = sorted((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6) for row in entry.viscosity)
+    for (t_1, nu_1), (t_2, nu_2) in pairwise(points):
+        if t_1 == t_2 or nu_2 >= nu_1:
+            raise catalogue_error(
+                origin.path, "viscosity", "kinematic_viscosity_mm2_s", f"viscosity must fall from {t_1:g} to {t_2:g} °C",
+                value=nu_2 * 1e6, expected=f"two different temperatures and less than {nu_1 * 1e6:g} mm²/s",
+            )
+    rows = sorted(
+        (row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in entry.table
+    )
+    return Fluid(
+        id=entry.id,
+        name=entry.name,
+        source=entry.source,
+        date=entry.date,
+        note=entry.note,
+        representative=tuple(entry.representative),
+        points=tuple(points),
+        table=tuple(rows),
+        density_at=(entry.density.at_c, entry.density.density_g_cm3 * 1e3),
+        density_slope=entry.density.density_slope_g_cm3_k * 1e3,
+        pour_point=entry.pour_point_c,
+        origin=origin,
+    )
+
+
+def fluids() -> list[Fluid]:
+    """Every shipped fluid."""
+    return [load_fluid(found) for found in catalogue.catalogue_files("fluids")]
+
+
+def _plain(value: Any) -> Any:
+    return float(value) if np.ndim(value) == 0 else value
+
+
+class ViscosityTable(Strict):
+    temperature_c: float = Field(ge=-60, le=200)
+    kinematic_viscosity_mm2_s: float = Field(gt=0, le=1e6)
+
+
+class PropertyTable(ViscosityTable):
+    density_g_cm3: float = Field(gt=0.5, lt=1.5)
+
+
+class DensityTable(Strict):
+    density_g_cm3: float = Field(gt=0.5, lt=1.5)
+    at_c: Finite = 15.0
+    density_slope_g_cm3_k: float = Field(le=0, gt=-0.01)
+
+
+class FluidFile(Entry):
+    representative: list[str] = []
+    pour_point_c: float | None = Field(default=None, ge=-80, le=20)
+    density: DensityTable
+    viscosity: list[ViscosityTable] = Field(min_length=2)
+    table: list[PropertyTable] = []
