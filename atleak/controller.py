@@ -24,9 +24,7 @@ from atleak.equations import pump as pump_equations
 from atleak.errors import nearest_name
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
-SECTION_NAMES = MappingProxyType(
-    {"p_g": "main", "p_s": "control", "p_m": "modulated", "p_k": "converter"}
-)
+SECTION_NAMES = MappingProxyType({"p_g": "main", "p_s": "control", "p_m": "modulated", "p_k": "converter"})
 HOT_IDLE = "hot_idle"
 REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
 
@@ -287,7 +285,8 @@ class PumpTable(Strict):
     @model_validator(mode="after")
     def _geometry_or_displacement(self) -> PumpTable:
         geometry = (self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm)
-        if (self.displacement_mm3 is None) == any(value is None for value in geometry):
+        given = sum(value is not None for value in geometry)
+        if given == (4 if self.displacement_mm3 is None else 0):
             return self
         raise ValueError(
             "either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both"
@@ -368,11 +367,17 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
     relations = {name: _relation(table) for name, table in entry.pressures.items()}
     gaps = tuple(_gaps(entry, lands, origin.path))
     needed = {
-        pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
+        pressure.section
+        for gap in gaps
+        for pressure in (gap.high, gap.low)
+        if pressure.section in {"p_s", "p_m"}
     }
     for section in sorted(needed - set(relations)):
         raise catalogue_error(
-            origin.path, "pressures", section, f"a gap uses {section}, which no relation gives",
+            origin.path,
+            "pressures",
+            section,
+            f"a gap uses {section}, which no relation gives",
             expected=f"a table [pressures.{section}]",
         )
     # a controller whose gaps use neither still answers what they would be
@@ -417,17 +422,20 @@ def _lands(entry: ControllerFile, path: Path) -> list[Land]:
                 planes.add(plane)
             lands.append(land)
     if not lands:
-        raise catalogue_error(path, "components", "lands", "no component has a land", expected="at least one land")
+        raise catalogue_error(
+            path, "components", "lands", "no component has a land", expected="at least one land"
+        )
     return lands
 
 
-def _land(
-    entry: ControllerFile, component: ComponentTable, table: LandTable, where: str, path: Path
-) -> Land:
+def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, where: str, path: Path) -> Land:
     length = table.contact_length_mm or entry.defaults.contact_length_mm
     if length is None:
         raise catalogue_error(
-            path, where, "contact_length_mm", f"land {table.land} has no contact length",
+            path,
+            where,
+            "contact_length_mm",
+            f"land {table.land} has no contact length",
             expected="contact_length_mm here or in [defaults]",
         )
     materials: list[tuple[str, float]] = []
@@ -435,8 +443,12 @@ def _land(
         name = getattr(table, key) or getattr(entry.defaults, key)
         if name is None or name not in entry.materials:
             raise catalogue_error(
-                path, where, key, f"land {table.land}: " + ("no material" if name is None else "unknown material"),
-                value=name, expected=f"one of {', '.join(entry.materials)}",
+                path,
+                where,
+                key,
+                f"land {table.land}: " + ("no material" if name is None else "unknown material"),
+                value=name,
+                expected=f"one of {', '.join(entry.materials)}",
                 nearest=nearest_name(name or "", entry.materials),
             )
         materials.append((name, entry.materials[name].expansion_per_k))
@@ -458,7 +470,9 @@ def _land(
 
 
 def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Gap]:
-    if not entry.gaps:  # a minimal description: every land leaks from main pressure to the drain in every gear
+    if (
+        not entry.gaps
+    ):  # a minimal description: every land leaks from main pressure to the drain in every gear
         every_gear = frozenset(entry.gears)
         drain = Pressure(0.0, None)
         return [
@@ -473,8 +487,12 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
             mine = [str(land.land) for land in lands if land.component == table.component]
             expected = f"lands {', '.join(mine)}" if mine else "the id of a component with lands"
             raise catalogue_error(
-                path, where, "land" if mine else "component", "no such land in this controller",
-                value=table.land if mine else table.component, expected=expected,
+                path,
+                where,
+                "land" if mine else "component",
+                "no such land in this controller",
+                value=table.land if mine else table.component,
+                expected=expected,
             )
         unknown = sorted(set(table.gears) - set(entry.gears))
         if unknown:
@@ -513,7 +531,9 @@ def _pump(table: PumpTable) -> Pump:
         displacement = pump_equations.displacement(
             table.module_mm * 1e-3, table.teeth, table.width_mm * 1e-3, table.tooth_height_mm * 1e-3
         )
-    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
+    return Pump(
+        displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative)
+    )
 
 
 def _relation(table: RelationTable) -> PressureRelation:
@@ -549,8 +569,12 @@ def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]
     for number, table in enumerate(entry.operating_points, start=1):
         if table.gear not in entry.gears:
             raise catalogue_error(
-                path, f"operating_points[{number}] ({table.name})", "gear", "unknown gear",
-                value=table.gear, expected=f"one of {entry.gears}",
+                path,
+                f"operating_points[{number}] ({table.name})",
+                "gear",
+                "unknown gear",
+                value=table.gear,
+                expected=f"one of {entry.gears}",
             )
         points.append(
             OperatingPoint(

@@ -87,7 +87,11 @@ class Fluid:
         if low <= temperature <= high:
             return
         if model == "d341" and temperature < low:
-            why = "its pour point" if self.pour_point is not None else "where D341 holds (no pour point is stated)"
+            why = (
+                "its pour point"
+                if self.pour_point is not None
+                else "where D341 holds (no pour point is stated)"
+            )
             raise DomainError(f"{self.name}: {temperature:g} °C is below {why}, {low:g} °C")
         raise DomainError(
             f"{self.name}: {temperature:g} °C is outside the fluid's data ({model}), {low:g} to {high:g} °C"
@@ -141,11 +145,16 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
     for (t_1, nu_1), (t_2, nu_2) in pairwise(points):
         if t_1 == t_2 or nu_2 >= nu_1:
             raise catalogue_error(
-                origin.path, "viscosity", "kinematic_viscosity_mm2_s", f"viscosity must fall from {t_1:g} to {t_2:g} °C",
-                value=nu_2 * 1e6, expected=f"two different temperatures and less than {nu_1 * 1e6:g} mm²/s",
+                origin.path,
+                "viscosity",
+                "kinematic_viscosity_mm2_s",
+                f"viscosity must fall from {t_1:g} to {t_2:g} °C",
+                value=nu_2 * 1e6,
+                expected=f"two different temperatures and less than {nu_1 * 1e6:g} mm²/s",
             )
     rows = sorted(
-        (row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in entry.table
+        (row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3)
+        for row in entry.table
     )
     return Fluid(
         id=entry.id,

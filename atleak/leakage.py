@@ -82,12 +82,16 @@ class _GapGeometry:
         return np.maximum(self.clearance + self.thermal_rate * (temperature - REFERENCE_TEMPERATURE), 0.0)
 
     def diameter(self, effective_clearance: Any, profile: Profile) -> Any:
-        return self.spool_diameter + effective_clearance if profile.diameter == "mean" else self.spool_diameter
+        return (
+            self.spool_diameter + effective_clearance if profile.diameter == "mean" else self.spool_diameter
+        )
 
     def polynomial(self, profile: Profile) -> np.ndarray:
         """π D c³ f(e)/12l as ascending coefficients of (T − T₀), shape (5,)."""
         clearance = np.array([self.clearance, self.thermal_rate])
-        diameter = clearance + [self.spool_diameter, 0.0] if profile.diameter == "mean" else [self.spool_diameter]
+        diameter = (
+            clearance + [self.spool_diameter, 0.0] if profile.diameter == "mean" else [self.spool_diameter]
+        )
         cube = np.convolve(np.convolve(clearance, clearance), clearance)
         factor = np.pi * _eccentric(profile) / (12.0 * self.contact_length)
         coefficients = np.convolve(cube, diameter) * factor
@@ -235,7 +239,13 @@ class LeakageModel:
     # --- a log
 
     def series(
-        self, main_pressure: Any, converter_pressure: Any, temperature: Any, gear: Any, *, sections: bool = False
+        self,
+        main_pressure: Any,
+        converter_pressure: Any,
+        temperature: Any,
+        gear: Any,
+        *,
+        sections: bool = False,
     ) -> LeakageSeries:
         """Leakage of every sample of a log.
 
@@ -250,7 +260,9 @@ class LeakageModel:
         sections
             Whether the totals of p_g, p_s, p_m and p_k are kept too.
         """
-        arrays = np.broadcast_arrays(*(np.asarray(a, float) for a in (main_pressure, converter_pressure, temperature)))
+        arrays = np.broadcast_arrays(
+            *(np.asarray(a, float) for a in (main_pressure, converter_pressure, temperature))
+        )
         gear = np.asarray(gear)
         size = max(arrays[0].size, gear.size)
         p_g, p_k, temperature = (np.broadcast_to(array, (size,)) for array in arrays)
@@ -258,9 +270,7 @@ class LeakageModel:
         work = _Work(np.empty(size), {name: np.zeros(size) for name in SECTIONS} if sections else {})
         finite = temperature[np.isfinite(temperature)] if size else temperature
         span = (float(finite.min()), float(finite.max())) if finite.size else (REFERENCE_TEMPERATURE,) * 2
-        plans = {
-            number: self._plan(number, span) for number in self.controller.gears
-        }
+        plans = {number: self._plan(number, span) for number in self.controller.gears}
         outside = other = 0
         for start in range(0, size, _CHUNK):
             part = slice(start, start + _CHUNK)
@@ -269,11 +279,19 @@ class LeakageModel:
             for number, samples in _by_gear(gear[part]):
                 if number not in plans:
                     work.blank(start, samples)
-                    other += int(np.count_nonzero(samples)) if isinstance(samples, np.ndarray) else len(viscous)
+                    other += (
+                        int(np.count_nonzero(samples)) if isinstance(samples, np.ndarray) else len(viscous)
+                    )
                     continue
                 self._evaluate(
-                    plans[number], work, start, samples,
-                    p_g[part][samples], p_k[part][samples], temperature[part][samples], viscous[samples],
+                    plans[number],
+                    work,
+                    start,
+                    samples,
+                    p_g[part][samples],
+                    p_k[part][samples],
+                    temperature[part][samples],
+                    viscous[samples],
                 )
         return LeakageSeries(work.total, work.sections, work.reversed_samples, outside, other)
 
@@ -328,8 +346,12 @@ class LeakageModel:
             clearance = single.effective_clearance(temperature)
             density = self.fluid.density(temperature, self.profile.viscosity)
             flow = self._flow(
-                np.maximum(drop, 0.0), single.diameter(clearance, self.profile), clearance,
-                viscous / density, density, single.contact_length,
+                np.maximum(drop, 0.0),
+                single.diameter(clearance, self.profile),
+                clearance,
+                viscous / density,
+                density,
+                single.contact_length,
             )
             flows.append((single.gap.section, flow * viscous))
         work.put(start, samples, flows, viscous)
@@ -449,7 +471,11 @@ def entry_loss_share(gap: GapLeakage) -> float:
     if gap.pressure_drop <= 0 or gap.effective_clearance <= 0:
         return 0.0
     factors = (
-        gap.pressure_drop, gap.diameter, gap.effective_clearance,
-        gap.kinematic_viscosity, gap.density, gap.contact_length,
+        gap.pressure_drop,
+        gap.diameter,
+        gap.effective_clearance,
+        gap.kinematic_viscosity,
+        gap.density,
+        gap.contact_length,
     )
     return 1.0 - gap_equations.entry_loss_flow(*factors) / gap_equations.annular_flow(*factors)

@@ -73,10 +73,16 @@ class Limits:
         """The band of a total share (a fraction)."""
         return self.total_share.judge(share, "green")[0]  # type: ignore[return-value]
 
-    def as_dict(self) -> MappingProxyType[str, Steps | None]:
-        return MappingProxyType(
-            {"wear": self.wear, "clearance": self.clearance, "pair_share": self.pair_share, "total_share": self.total_share}
-        )
+    @property
+    def rules(self) -> MappingProxyType[str, Steps]:
+        """The rules that are applied, by name."""
+        found = {
+            "wear": self.wear,
+            "radial_clearance": self.clearance,
+            "pair_share": self.pair_share,
+            "total_share": self.total_share,
+        }
+        return MappingProxyType({name: steps for name, steps in found.items() if steps is not None})
 
 
 def load_limits(id_or_path: str | Path) -> Limits:

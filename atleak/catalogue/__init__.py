@@ -134,9 +134,7 @@ class _Several(CatalogueError):
         return str(self.args[0])
 
 
-def _explain_one(
-    fault: Any, path: Path, data: dict[str, Any], model: type[BaseModel]
-) -> CatalogueError:
+def _explain_one(fault: Any, path: Path, data: dict[str, Any], model: type[BaseModel]) -> CatalogueError:
     location = list(fault["loc"])
     table, key = _table_name(location[:-1], data), str(location[-1]) if location else ""
     place = Place(file=path.name, table=table or None, key=key or None)
@@ -178,9 +176,10 @@ def _keys_at(model: type[BaseModel], location: list[Any]) -> list[str]:
         if isinstance(step, int):
             continue
         field = getattr(current, "model_fields", {}).get(step)
-        if field is None:
-            return []
-        current = _model_in(field.annotation)
+        if (
+            field is not None
+        ):  # a key of a dictionary of tables is no field: its tables are of the model found before
+            current = _model_in(field.annotation)
     return [field.alias or name for name, field in getattr(current, "model_fields", {}).items()]
 
 

@@ -1,0 +1,311 @@
+"""The command line: files in, a verdict, JSON, a workbook out.
+
+Exit status: 0 done, 1 only with ``--fail-on`` and a pair at or past it, 2 bad input or usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from atleak import __version__
+from atleak.errors import AtleakError, InputError, Place
+
+if TYPE_CHECKING:
+    from atleak.diagnosis import Diagnosis
+
+DEFAULT_CONTROLLER = "four_speed_2023"
+DEFAULT_FLUID = "hipol_atf_iid"
+DEFAULT_LIMITS = "project_default"
+_BROKEN_PIPE = 141  # as a shell reports a program whose reader went away
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # µ and ° must survive a Windows code page
+            stream.reconfigure(encoding="utf-8", errors="replace")
+    options = _parser().parse_args(arguments)
+    try:
+        return options.run(options)
+    except AtleakError as error:
+        print(f"atleak: {error}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _BROKEN_PIPE
+    except KeyboardInterrupt:
+        return 130
+
+
+# --- diagnose -----------------------------------------------------------------------------------------------------
+
+
+def _diagnose(options: argparse.Namespace) -> int:
+    from atleak.controller import load_controller
+    from atleak.diagnosis import diagnose
+    from atleak.fluid import load_fluid
+    from atleak.intake.readings import read_readings
+    from atleak.limits import VERDICTS, load_limits
+    from atleak.profile import find_profile
+    from atleak.projection import stated_condition
+
+    _one_stream(options)
+    controller = load_controller(options.controller)
+    profile = find_profile(options.profile, dict(options.set))
+    road_test = None
+    if options.road_test is not None:
+        from atleak.intake.road_test import read_road_test
+
+        road_test = read_road_test(Path(options.road_test))
+    diagnosis = diagnose(
+        controller,
+        load_fluid(options.fluid),
+        load_limits(options.limits),
+        readings=read_readings(Path(options.readings), controller),
+        road_test=road_test,
+        profile=profile,
+        condition=stated_condition(
+            controller,
+            temperature=options.temperature,
+            engine_speed=None if options.rpm is None else options.rpm / 60.0,
+            gear=options.gear,
+        ),
+        mileage=options.mileage,
+    )
+    written = []
+    if options.json is not None:
+        from atleak.report.record import diagnosis_record, to_json
+
+        written += _write(options.json, to_json(diagnosis_record(diagnosis)).encode())
+    if options.xlsx is not None:
+        from atleak.report.xlsx import write_workbook
+
+        written += _write(options.xlsx, write_workbook(diagnosis))
+    if options.json != "-":
+        _summary(diagnosis, written)
+    if options.fail_on and VERDICTS.index(diagnosis.verdict) >= VERDICTS.index(options.fail_on):
+        return 1
+    return 0
+
+
+def _one_stream(options: argparse.Namespace) -> None:
+    if options.xlsx == "-":
+        raise InputError(
+            "a workbook cannot be written to standard output", value="--xlsx -", expected="a file name"
+        )
+
+
+def _summary(diagnosis: Diagnosis, written: list[str]) -> None:
+    from atleak.report.text import print_diagnosis
+
+    print_diagnosis(diagnosis)
+    for name in written:
+        print(f"written: {name}")
+
+
+# --- template, catalogue ------------------------------------------------------------------------------------------
+
+
+def _template(options: argparse.Namespace) -> int:
+    from atleak.controller import load_controller
+    from atleak.report.template import write_template
+
+    if Path(options.output).suffix.lower() != ".xlsx":
+        raise InputError(
+            "the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx"
+        )
+    for name in _write(options.output, write_template(load_controller(options.controller))):
+        print(f"written: {name}")
+    return 0
+
+
+def _controllers(options: argparse.Namespace) -> int:
+    from atleak.controller import controllers
+
+    rows = [
+        {
+            "id": found.id,
+            "name": found.name,
+            "components": len({land.component for land in found.lands}),
+            "lands": len(found.lands),
+            "gaps": len(found.gaps),
+            "gears": list(found.gears),
+            "operating_points": [point.name for point in found.operating_points],
+            "representative": bool(found.representative),
+            "source": found.source,
+            "sha256": found.sha256,
+        }
+        for found in controllers()
+    ]
+    return _list(rows, ["id", "name", "lands", "gaps", "representative"], options)
+
+
+def _fluids(options: argparse.Namespace) -> int:
+    from atleak.fluid import fluids
+
+    rows = [
+        {
+            "id": found.id,
+            "name": found.name,
+            "viscosity_mm2_s": {f"{at:g}": nu * 1e6 for at, nu in found.points},
+            "density_g_cm3": found.density_at[1] * 1e-3,
+            "density_at_c": found.density_at[0],
+            "pour_point_c": found.pour_point,
+            "representative": list(found.representative),
+            "note": found.note or None,
+            "source": found.source,
+            "sha256": found.origin.sha256,
+        }
+        for found in fluids()
+    ]
+    return _list(rows, ["id", "name", "viscosity_mm2_s", "density_g_cm3", "pour_point_c"], options)
+
+
+def _limits(options: argparse.Namespace) -> int:
+    from atleak.limits import limit_sets
+    from atleak.report.record import limits_record
+
+    rows = [limits_record(found) for found in limit_sets()]
+    return _list(rows, ["id", "name", "source"], options)
+
+
+def _list(rows: list[dict[str, Any]], columns: list[str], options: argparse.Namespace) -> int:
+    if options.json is not None:
+        from atleak.report.record import to_json
+
+        for name in _write(options.json, to_json(rows).encode()):
+            print(f"written: {name}")
+    if options.json != "-":
+        from atleak.report.text import print_table
+
+        print_table(columns, rows)
+    return 0
+
+
+# --- the dashboard ------------------------------------------------------------------------------------------------
+
+
+def dashboard_file() -> Path:
+    """The dashboard's ``app.py``: inside an installed wheel, or at the root of a checkout.
+
+    Raises
+    ------
+    InputError
+        where neither is there.
+    """
+    package = Path(__file__).resolve().parent
+    for folder in (package / "_dashboard", package.parent):
+        if (folder / "app.py").is_file() and (folder / "pages").is_dir():
+            return folder / "app.py"
+    raise InputError("the dashboard's files are not beside the package", place=Place(file=str(package)))
+
+
+def _app(options: argparse.Namespace) -> int:
+    if find_spec("streamlit") is None:
+        raise InputError("the dashboard needs streamlit", expected="python -m pip install streamlit")
+    app = dashboard_file()
+    command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", options.address]
+    if options.port is not None:
+        command += ["--server.port", str(options.port)]
+    # its configuration is found in the working directory, so the server works in the dashboard's own
+    return subprocess.call(command, cwd=app.parent)
+
+
+# --- the words of the command line --------------------------------------------------------------------------------
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="atleak", description="Internal leakage of automatic-transmission valve bodies."
+    )
+    parser.add_argument("--version", action="version", version=f"atleak {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    add = _adder(commands)
+    diagnose = add("diagnose", _diagnose, "a verdict for every land from a measuring sheet and a road test")
+    diagnose.add_argument("readings", metavar="READINGS", help="measuring sheet: xlsx, xls, ods or csv")
+    diagnose.add_argument("--road-test", metavar="LOG", help="road-test log: csv or xlsx")
+    _add_controller(diagnose)
+    diagnose.add_argument("--fluid", metavar="ID|FILE", default=DEFAULT_FLUID)
+    diagnose.add_argument("--limits", metavar="ID|FILE", default=DEFAULT_LIMITS)
+    diagnose.add_argument("--profile", choices=["workshop", "paper"], default="workshop")
+    diagnose.add_argument(
+        "--set",
+        metavar="OPTION=VALUE",
+        type=_pair,
+        action="append",
+        default=[],
+        help="one option of the profile",
+    )
+    diagnose.add_argument("--temperature", metavar="C", type=_number, help="of the stated condition [°C]")
+    diagnose.add_argument("--rpm", metavar="N", type=_number, help="engine speed of the stated condition")
+    diagnose.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
+    diagnose.add_argument("--mileage", metavar="KM", type=_mileage, help="of the vehicle [km]")
+    diagnose.add_argument("--json", metavar="FILE|-")
+    diagnose.add_argument("--xlsx", metavar="FILE")
+    diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])
+
+    template = add("template", _template, "a measuring sheet to fill in")
+    _add_controller(template)
+    template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+
+    for name, run in (("controllers", _controllers), ("fluids", _fluids), ("limits", _limits)):
+        add(name, run, f"the {name} of the catalogue").add_argument("--json", metavar="FILE|-")
+
+    app = add("app", _app, "the dashboard in a browser")
+    app.add_argument("--port", metavar="N", type=int)
+    app.add_argument("--address", metavar="A", default="127.0.0.1")
+    return parser
+
+
+def _adder(commands: Any) -> Callable[[str, Callable[..., int], str], argparse.ArgumentParser]:
+    def add(name: str, run: Callable[..., int], about: str) -> argparse.ArgumentParser:
+        parser = commands.add_parser(name, help=about, description=about[0].upper() + about[1:] + ".")
+        parser.set_defaults(run=run)
+        return parser
+
+    return add
+
+
+def _add_controller(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--controller", metavar="ID|FILE", default=DEFAULT_CONTROLLER)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+
+
+def _mileage(text: str) -> float:
+    value = _number(text)
+    if not 0.0 <= value < 1e7:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a mileage in km")
+    return value
+
+
+def _pair(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip():
+        raise argparse.ArgumentTypeError(f"{text!r} is not OPTION=VALUE")
+    return name.strip(), value.strip()
+
+
+def _write(target: str, content: bytes) -> list[str]:
+    """Write to a file or, for ``-``, to standard output; the names of the files written."""
+    if target == "-":
+        sys.stdout.write(content.decode("utf-8"))
+        return []
+    try:
+        Path(target).write_bytes(content)
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", place=Place(file=target)) from error
+    return [target]

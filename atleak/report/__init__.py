@@ -1,0 +1,1 @@
+"""A diagnosis → bytes and records. Renderers compute nothing: every number comes from the result."""

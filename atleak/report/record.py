@@ -1,0 +1,217 @@
+"""A diagnosis as the JSON record that scripts rely on (``format`` 1): numbers with the unit in the key, unrounded."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from atleak import __version__
+from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
+from atleak.errors import Message
+from atleak.leakage import GapLeakage
+from atleak.limits import Limits, Steps
+from atleak.projection import Projection
+from atleak.road_leakage import Instant, RoadLeakage
+
+FORMAT = 1
+DM3_MIN = 6.0e4  # m³/s → dm³/min
+MM3_S = 1.0e9
+KPA = 1.0e-3
+MM = 1.0e3
+UM = 1.0e6
+RPM = 60.0
+PERCENT = 100.0
+_RULE_UNITS = {"%": (PERCENT, "percent"), "µm": (UM, "um")}
+
+
+def to_json(record: Any) -> str:
+    """A record as JSON text: UTF-8 signs kept, no NaN or infinity (unknown is null)."""
+    return json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False) + "\n"
+
+
+def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
+    readings, idle = diagnosis.readings, diagnosis.hot_idle
+    projection = diagnosis.projection
+    return {
+        "format": FORMAT,
+        "atleak": __version__,
+        "profile": {"name": diagnosis.profile.name, **diagnosis.profile.options},
+        "controller": {
+            "id": diagnosis.controller.id,
+            "name": diagnosis.controller.name,
+            "source": diagnosis.controller.source,
+            "sha256": diagnosis.controller.sha256,
+            "representative": bool(diagnosis.controller.representative),
+            "representative_note": diagnosis.controller.representative or None,
+        },
+        "fluid": {
+            "id": diagnosis.fluid.id,
+            "name": diagnosis.fluid.name,
+            "source": diagnosis.fluid.source,
+            "sha256": diagnosis.fluid.origin.sha256,
+            "representative": list(diagnosis.fluid.representative),
+        },
+        "limits": limits_record(diagnosis.limits),
+        "mileage_km": diagnosis.mileage,
+        "readings": {
+            "file": readings.file if readings else None,
+            "sha256": readings.sha256 if readings else None,
+            "lands_measured": diagnosis.measured,
+            "lands_total": len(diagnosis.lands),
+        },
+        "verdict": diagnosis.verdict,
+        "lands": [_land(land) for land in diagnosis.lands],
+        "gaps": [_gap(gap) for gap in projection.gaps],
+        "projection": _projection(diagnosis, projection),
+        "hot_idle": None if idle is None else _projection(diagnosis, idle),
+        "repair_plan": [
+            {
+                "component": step.land.state.land.component,
+                "land": step.land.state.land.land,
+                "verdict": step.land.verdict,
+                "at": step.condition.name,
+                "share_before_percent": _finite(step.share_before * PERCENT),
+                "share_after_percent": _finite(step.share_after * PERCENT),
+            }
+            for step in diagnosis.repair_plan
+        ],
+        "road_test": None if diagnosis.road is None else _road(diagnosis.road),
+        "messages": [message_record(message) for message in diagnosis.messages],
+    }
+
+
+def limits_record(limits: Limits) -> dict[str, Any]:
+    """A limit set with every limit and its origin."""
+    return {
+        "id": limits.id,
+        "name": limits.name,
+        "source": limits.source,
+        "sha256": limits.origin.sha256,
+        "rules": {name: _steps(name, steps) for name, steps in limits.rules.items()},
+    }
+
+
+def message_record(message: Message) -> dict[str, Any]:
+    """A message, with its place where it has one."""
+    record: dict[str, Any] = {"level": message.level, "code": message.code, "text": message.text}
+    if message.place is not None:
+        known = {name: value for name, value in vars(message.place).items() if value is not None}
+        record["place"] = known or None
+    return record
+
+
+def _steps(name: str, steps: Steps) -> dict[str, Any]:
+    factor, suffix = _RULE_UNITS["µm" if name == "radial_clearance" else "%"]
+    levels = {f"{level}_{suffix}": limit * factor for level, limit in steps.levels}
+    return {**levels, "origin": steps.origin, "source": steps.source}
+
+
+def _land(found: LandDiagnosis) -> dict[str, Any]:
+    state, land = found.state, found.state.land
+    return {
+        "component": land.component,
+        "land": land.land,
+        "measured": state.status,
+        "spool_diameter_mm": state.spool_diameter * MM,
+        "sleeve_diameter_mm": state.sleeve_diameter * MM,
+        "radial_clearance_um": state.radial_clearance * UM,
+        "uncertainty_um": None,
+        "mounting_clearance_um": land.mounting_clearance * UM,
+        "wear_percent": None if found.wear is None else found.wear * PERCENT,
+        "effective_clearance_um": found.effective_clearance * UM,
+        "leakage_dm3_min": found.leakage * DM3_MIN,
+        "drawn_from_pump_dm3_min": found.drawn_from_pump * DM3_MIN,
+        "leakage_low_dm3_min": None,
+        "leakage_high_dm3_min": None,
+        "share_percent": _finite(found.share * PERCENT),
+        "verdict": found.verdict,
+        "decision": None,
+        "probability_over_limit": None,
+        "replace_mileage_km": found.replace_mileage,
+        "representative": list(land.representative),
+        "rules": [_rule(rule) for rule in found.rules],
+        "messages": [message_record(message) for message in found.messages],
+    }
+
+
+def _rule(rule: RuleResult) -> dict[str, Any]:
+    factor, suffix = _RULE_UNITS[rule.unit]
+    return {
+        "rule": f"{rule.rule}_{suffix}",
+        "value": _finite(rule.value * factor),
+        "limit": rule.limit * factor,
+        "verdict": rule.verdict,
+        "decision": None,
+        "origin": rule.origin,
+    }
+
+
+def _gap(found: GapLeakage) -> dict[str, Any]:
+    gap = found.gap
+    return {
+        "component": gap.component,
+        "land": gap.land,
+        "section": gap.section,
+        "from": str(gap.high),
+        "to": str(gap.low),
+        "pressure_drop_kpa": found.pressure_drop * KPA,
+        "diameter_mm": found.diameter * MM,
+        "contact_length_mm": found.contact_length * MM,
+        "effective_clearance_um": found.effective_clearance * UM,
+        "kinematic_viscosity_mm2_s": found.kinematic_viscosity * 1.0e6,
+        "density_g_cm3": found.density * 1.0e-3,
+        "leakage_mm3_s": found.leakage * MM3_S,
+        "drawn_from_pump": found.drawn_from_pump,
+        "reynolds_number": found.reynolds_number,
+        "published": gap.published,
+    }
+
+
+def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
+    at = projection.condition
+    return {
+        "name": at.name,
+        "temperature_c": at.temperature,
+        "engine_rpm": at.engine_speed * RPM,
+        "gear": at.gear,
+        **{f"{name}_kpa": value * KPA for name, value in projection.pressures.items()},
+        "leakage_dm3_min": projection.leakage * DM3_MIN,
+        "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
+        "share_percent": _finite(projection.share * PERCENT),
+        "band": diagnosis.band(projection),
+        "minimum_engine_rpm": projection.minimum_speed * RPM,
+        "source": at.source,
+    }
+
+
+def _road(road: RoadLeakage) -> dict[str, Any]:
+    test = road.road_test
+    return {
+        "file": test.file,
+        "sha256": test.sha256,
+        "rows": test.rows,
+        "duration_s": test.duration,
+        "gears": list(road.gears),
+        "sections": dict(road.section_shares),
+        "max_leakage": _instant(road.max_leakage),
+        "min_leakage": _instant(road.min_leakage),
+        "max_share": _instant(road.max_share),
+        "messages": [message_record(message) for message in (*test.messages, *road.messages)],
+    }
+
+
+def _instant(instant: Instant | None) -> dict[str, Any] | None:
+    if instant is None:
+        return None
+    return {
+        "time_s": instant.time,
+        "leakage_dm3_min": instant.leakage * DM3_MIN,
+        "pump_capacity_dm3_min": None if instant.pump_capacity is None else instant.pump_capacity * DM3_MIN,
+        "share_percent": None if instant.share is None else instant.share * PERCENT,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
