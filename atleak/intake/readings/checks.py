@@ -1,0 +1,240 @@
+"""Whether diameters can be what they say: against the nominal ones, against one another, spool against sleeve."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+
+from atleak.controller import Controller, Land
+from atleak.errors import Place, ReadingsError
+from atleak.intake.units import find_unit, unit_names
+from atleak.readings import REPEAT_TOLERANCE, LandClearance, Reading, Readings, clearances
+
+CLEARANCE_LIMIT = 0.5e-3  # [m] radial; a pair further apart than this is a slip of the pen: choice of this project
+REPEAT_LIMIT = 0.5e-3  # [m] repeats further apart than this are a slip too
+FACTORS = (10.0, 25.4, 1000.0 / 25.4, 100.0, 1000.0, 25400.0)  # between units, or a lost decimal point
+_FACTOR_TOLERANCE = 1.2  # a factor is recognised this far off: a nominal diameter is only nominal
+_FAR = 2.0  # times the nominal diameter, that is another component's land
+_WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, not the readings
+
+
+def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
+    """Everything that makes readings unusable, in the order of the sheet; empty where they can be used.
+
+    Refused are diameters off their nominal one by a factor of 10, 25.4, 1000 and other factors between units, or more
+    than twice too large or small, repeats more than 0.5 mm apart, a sleeve that measures smaller than its spool, and a
+    radial clearance over 0.5 mm.
+    """
+    problems, doubtful = _factors(readings, controller)
+    apart = list(_repeats(readings, doubtful))
+    problems += [problem for problem, _ in apart]
+    doubtful |= {controller.land_of_plane(reading.component, reading.plane).key for _, reading in apart}
+    by_land: dict[tuple[str, int], list[Reading]] = defaultdict(list)
+    for reading in readings.readings:
+        land = controller.land_of_plane(reading.component, reading.plane)
+        if land is not None:
+            by_land[land.key].append(reading)
+    for found in clearances(readings, controller):
+        if found.measured and found.land.key not in doubtful:
+            problems += _clearance(found, by_land[found.land.key], readings)
+    problems.sort(key=lambda problem: problem.place.row or 0)
+    return problems
+
+
+def _nominal(land: Land, reading: Reading) -> float:
+    return land.nominal_diameter if reading.part == "spool" else land.nominal_sleeve_diameter
+
+
+def _factor(ratio: float) -> float | None:
+    """The factor nearest to a ratio, above or below 1, if one is near."""
+    for factor in FACTORS:
+        for candidate in (factor, 1.0 / factor):
+            if 1.0 / _FACTOR_TOLERANCE < ratio / candidate < _FACTOR_TOLERANCE:
+                return candidate
+    return None
+
+
+def _factors(readings: Readings, controller: Controller) -> tuple[list[ReadingsError], set[tuple[str, int]]]:
+    off: list[tuple[Reading, Land, float, float | None]] = []
+    known = 0
+    for reading in readings.readings:
+        land = controller.land_of_plane(reading.component, reading.plane)
+        if land is None:
+            continue
+        known += 1
+        ratio = reading.diameter / _nominal(land, reading)
+        if not 1.0 / _FAR < ratio < _FAR:
+            off.append((reading, land, ratio, _factor(ratio)))
+    doubtful = {land.key for _, land, _, _ in off}
+    counts = Counter(factor for *_, factor in off if factor is not None)
+    common, count = counts.most_common(1)[0] if counts else (None, 0)
+    problems = []
+    if common is not None and count > 1 and count >= _WHOLE_SHEET * known:
+        first, land, *_ = next(entry for entry in off if entry[3] == common)
+        problems.append(_wrong_unit(readings, first, land, common, count, known))
+        off = [entry for entry in off if entry[3] != common]
+    for reading, land, ratio, factor in off:
+        nominal = _nominal(land, reading)
+        if factor is None:
+            what = f"the diameter is {ratio:.3g} times the nominal one"
+            if abs(ratio - 0.5) < 0.05:
+                what += ": a radius?"
+        else:
+            what = f"the diameter is {_times(factor)} the nominal one: {_slip(factor)}"
+        problems.append(
+            ReadingsError(
+                what,
+                place=reading.place,
+                value=_written(readings, reading.diameter),
+                expected=f"about {_written(readings, nominal)} (component {land.component} land {land.land})",
+            )
+        )
+    return problems, doubtful
+
+
+def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, count: int, known: int) -> ReadingsError:
+    stated = find_unit(readings.unit, "length")
+    fits = None
+    if stated is not None:
+        fits = next(
+            (
+                name
+                for name in unit_names("length")
+                if abs(stated.factor / find_unit(name, "length").factor - factor) < 1e-6 * factor
+            ),
+            None,
+        )
+    text = f"{count} of {known} diameters, read as {readings.unit}, are {_times(factor)} the nominal ones"
+    return ReadingsError(
+        f"{text}: a wrong unit{f' ({fits}?)' if fits else ''}",
+        place=first.place,
+        value=_written(readings, first.diameter),
+        expected=f"about {_written(readings, _nominal(land, first))} (component {land.component} land {land.land}); "
+        f"{f'if the numbers are in {fits}, state that unit' if fits else 'check the unit in the heading'}",
+    )
+
+
+def _times(factor: float) -> str:
+    return f"{factor:.4g} times" if factor > 1.0 else f"1/{1.0 / factor:.4g} of"
+
+
+def _slip(factor: float) -> str:
+    size = max(factor, 1.0 / factor)
+    if size in (25.4, 25400.0) or abs(size - 1000.0 / 25.4) < 1e-9:
+        return "inch and millimetre mixed?"
+    return "a decimal point lost, or another unit?"
+
+
+def _written(readings: Readings, metres: float) -> str:
+    unit = find_unit(readings.unit, "length") or find_unit("mm", "length")
+    return f"{unit.from_si(metres):.7g} {unit.name}"
+
+
+def _repeats(readings: Readings, doubtful: set[tuple[str, int]]) -> Iterable[tuple[ReadingsError, Reading]]:
+    groups: dict[object, list[Reading]] = defaultdict(list)
+    for reading in readings.readings:
+        groups[reading.station].append(reading)
+    for group in groups.values():
+        low, high = min(group, key=_diameter), max(group, key=_diameter)
+        spread = high.diameter - low.diameter
+        # one that is off by a factor has been told already
+        if spread <= REPEAT_LIMIT or high.diameter > _FAR * low.diameter:
+            continue
+        yield (
+            ReadingsError(
+                f"repeats of component {high.component}, {high.part}, plane {high.plane} are "
+                f"{_written(readings, spread)} apart (rows {low.place.row} and {high.place.row})",
+                place=high.place,
+                value=_written(readings, high.diameter),
+                expected=f"about {_written(readings, low.diameter)}, as the other repeat; a difference over "
+                f"{_written(readings, REPEAT_TOLERANCE)} is flagged, over {_written(readings, REPEAT_LIMIT)} refused",
+            ),
+            high,
+        )
+
+
+def _diameter(reading: Reading) -> float:
+    return reading.diameter
+
+
+def _clearance(found: LandClearance, readings: list[Reading], all_readings: Readings) -> list[ReadingsError]:
+    land = found.land
+    name = f"component {land.component} land {land.land}"
+    spool, sleeve = (_written(all_readings, size) for size in (found.spool_diameter, found.sleeve_diameter))
+    place = _place(readings, "sleeve") or _place(readings, "spool")
+    if found.radial_clearance < 0.0:
+        return [_smaller(found, name, spool, sleeve, place)]
+    if found.radial_clearance > CLEARANCE_LIMIT:
+        return [
+            ReadingsError(
+                f"{name}: radial clearance {found.radial_clearance * 1e3:.3f} mm between {land.part} {spool} and "
+                f"sleeve {sleeve}{_unmeasured(found)}",
+                place=place,
+                value=sleeve if found.status != "spool_only" else spool,
+                expected=f"at most 0.5 mm; the mounting clearance is {land.mounting_clearance * 1e3:.4g} mm",
+            )
+        ]
+    # the spool has turned since it was measured: what cannot be is that in the same order of size it does not fit
+    if found.min_clearance < -0.5 * REPEAT_TOLERANCE and found.status == "measured":
+        station = min(found.stations, key=lambda each: each.radial_clearance)
+        where = f"plane {station.plane}" + ("" if station.direction is None else f", {station.direction:g}°")
+        row = next(
+            (
+                reading.place
+                for reading in readings
+                if reading.part == "sleeve" and (reading.plane, reading.direction) == (station.plane, station.direction)
+            ),
+            place,
+        )
+        return [
+            ReadingsError(
+                f"{name}, {where}: the sleeve measures smaller than the {land.part} "
+                f"({_written(all_readings, station.spool_diameter)}): spool and sleeve swapped there?",
+                place=row,
+                value=_written(all_readings, station.sleeve_diameter),
+                expected="in each direction a sleeve larger than the spool",
+            )
+        ]
+    return []
+
+
+def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Place | None) -> ReadingsError:
+    land = found.land
+    if found.status == "spool_only":
+        return ReadingsError(
+            f"{name}: the {land.part} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the "
+            "sleeve was not measured",
+            place=place,
+            value=spool,
+            expected="the sleeve's readings too, or the right nominal diameter in the controller's file",
+        )
+    if found.status == "sleeve_only":
+        return ReadingsError(
+            f"{name}: the sleeve ({sleeve}) measures smaller than the nominal {land.part} ({spool}), and the "
+            f"{land.part} was not measured",
+            place=place,
+            value=sleeve,
+            expected=f"the readings of the {land.part} too, or the right nominal diameter in the controller's file",
+        )
+    swapped = -found.radial_clearance
+    plausible = swapped <= max(5.0 * land.mounting_clearance, 0.1e-3)
+    return ReadingsError(
+        f"{name}: the sleeve ({sleeve}) measures smaller than the {land.part} ({spool})"
+        + (
+            f": spool and sleeve swapped? The other way round the radial clearance would be {swapped * 1e6:.1f} µm"
+            if plausible
+            else ""
+        ),
+        place=place,
+        value=sleeve,
+        expected=f"a sleeve larger than {spool}",
+    )
+
+
+def _unmeasured(found: LandClearance) -> str:
+    missing = {"spool_only": "sleeve", "sleeve_only": found.land.part}.get(found.status)
+    return f" (nominal: the {missing} was not measured)" if missing else ""
+
+
+def _place(readings: list[Reading], part: str) -> Place | None:
+    return next((reading.place for reading in readings if reading.part == part), None)

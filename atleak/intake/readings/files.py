@@ -1,0 +1,146 @@
+"""A file's bytes into sheets: what kind of file it is, and how a text file is written."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from atleak.errors import Place, ReadingsError
+from atleak.intake.readings.sheet import Sheet
+
+WANTED = "a measuring sheet as .xlsx workbook or .csv text"
+
+_FOREIGN = (  # first bytes → what it is
+    (b"\x89PNG", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"GIF8", "a GIF picture"),
+    (b"BM", "a bitmap picture"),
+    (b"II*\0", "a TIFF picture"),
+    (b"MM\0*", "a TIFF picture"),
+    (b"%PDF", "a PDF document"),
+    (b"{\\rtf", "an RTF document"),
+    (b"\x1f\x8b", "a gzip archive"),
+    (b"7z\xbc\xaf", "a 7-Zip archive"),
+    (b"Rar!", "a RAR archive"),
+    (b"MDF     ", "an MDF measurement file, so perhaps the road-test log"),
+)
+_DELIMITERS = (";", "\t", ",", "|")
+_LOOKED_AT = 400  # lines, to tell encoding and delimiter
+
+
+def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str]:
+    """The file's bytes and the name to call it by.
+
+    Raises
+    ------
+    ReadingsError
+        where a path leads to no readable file.
+    """
+    if isinstance(source, bytes | bytearray | memoryview):
+        return bytes(source), name or "readings"
+    path = Path(source)
+    try:
+        return path.read_bytes(), name or path.name
+    except OSError as error:
+        reason = "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read ({error.strerror})"
+        raise ReadingsError(reason, place=Place(str(path)), expected=WANTED) from None
+
+
+def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list[Sheet]:
+    """All sheets of a file. `score` says how much a sheet looks like readings: it settles encoding and delimiter.
+
+    Raises
+    ------
+    ReadingsError
+        where the file is empty, or neither a workbook nor text.
+    """
+    place = Place(file)
+    if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
+        raise ReadingsError("the file is empty", place=place, expected=WANTED)
+    if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
+        from atleak.intake.readings.workbook import read_workbook  # calamine only where it is needed
+
+        return read_workbook(data, file)
+    for magic, kind in _FOREIGN:
+        if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
+            raise ReadingsError(f"this is {kind}, whatever its name says", place=place, expected=WANTED)
+    head = data[:2000].lstrip(b"\xef\xbb\xbf \t\r\n").lower()
+    if head.startswith((b"<html", b"<!doctype html", b"<table", b"<?xml", b"<meta", b"<head")):
+        raise ReadingsError(
+            "this is a web page or XML file, whatever its name says",
+            place=place,
+            expected="the same table opened in a spreadsheet program and saved as .xlsx",
+        )
+    return [_read_text(data, file, score)]
+
+
+def _read_text(data: bytes, file: str, score: Callable[[Sheet], float]) -> Sheet:
+    best: tuple[float, str, str, str] | None = None
+    for encoding, text in _decoded(data, file):
+        start = "".join(text.splitlines(keepends=True)[:_LOOKED_AT])
+        for delimiter in _delimiters(start):
+            found = score(_sheet(start, file, delimiter, ""))
+            if best is None or found > best[0]:
+                best = (found, encoding, delimiter, text)
+    assert best is not None  # at least one encoding decodes
+    _, encoding, delimiter, text = best
+    spelled = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar"}[delimiter]
+    return _sheet(text, file, delimiter, f"read as {encoding}, columns separated by {spelled}")
+
+
+def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
+    for mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
+        if data.startswith(mark):
+            try:
+                yield encoding, data.decode(encoding)
+            except UnicodeDecodeError as error:
+                raise _not_text(file) from error
+            return
+    start = data[:4000]
+    if b"\0" in start:
+        # UTF-16 without its mark: every second byte of plain text is zero
+        for encoding, zeros in (("utf-16-le", start[1::2]), ("utf-16-be", start[0::2])):
+            if zeros.count(0) > 0.8 * len(zeros):
+                try:
+                    yield encoding, data.decode(encoding)
+                except UnicodeDecodeError as error:
+                    raise _not_text(file) from error
+                return
+        raise _not_text(file)
+    try:
+        yield "utf-8", data.decode("utf-8")
+    except UnicodeDecodeError:
+        # one byte a letter: which letters are meant, the headings tell
+        yield "cp1252", data.decode("cp1252", "replace")
+        yield "cp1250", data.decode("cp1250", "replace")
+
+
+def _not_text(file: str) -> ReadingsError:
+    return ReadingsError("this is neither a workbook nor text", place=Place(file), expected=WANTED)
+
+
+def _delimiters(text: str) -> tuple[str, ...]:
+    first = text.split("\n", 1)[0].strip().strip('"').lower()
+    if first.startswith("sep=") and len(first) == 5 and first[4] in _DELIMITERS:
+        return (first[4],)
+    return tuple(delimiter for delimiter in _DELIMITERS if delimiter in text) or (",",)
+
+
+def _sheet(text: str, file: str, delimiter: str, note: str) -> Sheet:
+    rows: list[list[str]] = []
+    lines: list[int] = []
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
+    before = 0
+    try:
+        for record in reader:
+            if not (before == 0 and len(record) <= 2 and record and record[0].lower().startswith("sep=")):
+                rows.append([value.strip() for value in record])
+                lines.append(before + 1)
+            before = reader.line_num
+    except csv.Error as error:
+        raise ReadingsError(
+            f"this text is no table ({error})", place=Place(file, row=before + 1), expected=WANTED
+        ) from None
+    return Sheet(file=file, name=None, rows=rows, lines=lines, note=note)

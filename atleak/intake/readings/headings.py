@@ -1,0 +1,309 @@
+"""Which row holds the headings, and what each column is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal
+
+from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.words import direction_of, is_blank, part_of, plain
+from atleak.intake.units import Unit, find_unit
+from atleak.readings import Part
+
+Role = Literal[
+    "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean", "ignored"
+]
+
+EXPECTED = (
+    "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
+    "diameter or coordinate x1 and coordinate x2; also read: direction, repeat, unit"
+)
+
+_DEPTH = 3  # rows that headings may be spread over
+_PREAMBLE = 120  # rows looked through for headings
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+_MEAN = _words("mean average avg mittel mittelwert mittlerer srednia sredni wartosc")
+_IGNORED = _words(
+    "nominal nenn nennmass nennmasse nominalna nominalny mounting clearance tolerance toleranz note notes remark "
+    "remarks comment comments bemerkung uwagi check checks date datum data limit uncertainty ovality taper material contact "
+    "length expected operator lp spiel luz wear ok"
+)
+_DIRECTION = _words("direction dir richtung messrichtung kierunek angle winkel kat orientation")
+_PLANE = _words("plane planes ebene messebene plaszczyzna przekroj schnitt")
+_LAND = _words("land lands steg bund")
+_REPEAT = _words("repeat repeats repetition rep replicate wiederholung powtorzenie trial run")
+_READING = _words("reading readings measurement measured messung messwert pomiar value wert value")
+_COORDINATE = _words("coordinate coordinates coord koordinate koordinaten wspolrzedna")
+_DIAMETER = _words("diameter diameters diam dia durchmesser srednica ø ⌀ φ")
+_PART = _words("part teil czesc element side")
+_COMPONENT = _words("component components bauteil komponente ventil valve zespol podzespol zawor pair")
+_NUMBER = _words("no nr number id nummer numer #")
+_FIGURE = _words("figure fig bild abb abbildung rys rysunek")
+_NAME = _words("name bezeichnung nazwa designation description")
+_GENERIC = _words("item pos position")
+_UNIT = _words("unit units einheit jednostka")
+_TRAILING_UNITS = _words("mm um µm μm micron microns micrometre micrometer inch inches in mil mils thou cm")
+_TOKEN = re.compile(r"\d+(?:°|deg\b)|[a-z]+\d*|\d+|[ø⌀φ#]")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the table. ``rank`` says how surely a component column is one, by its heading."""
+
+    index: int
+    heading: str
+    role: Role
+    unit: Unit | None = None
+    coordinate: int | None = None  # 1 or 2
+    part: Part | None = None
+    direction: float | None = None
+    repeat: int | None = None
+    rank: int = 0
+
+    @property
+    def holds_value(self) -> bool:
+        return self.role in {"diameter", "coordinate"}
+
+    @property
+    def group(self) -> tuple[Part | None, float | None, int | None]:
+        """Columns of one group make one diameter."""
+        return self.part, self.direction, self.repeat
+
+
+@dataclass(frozen=True)
+class Header:
+    """The headings of a sheet: rows ``first`` to ``last`` from 0."""
+
+    first: int
+    last: int
+    columns: tuple[Column, ...]
+
+    def of(self, role: Role) -> tuple[Column, ...]:
+        return tuple(column for column in self.columns if column.role == role)
+
+    @property
+    def values(self) -> tuple[Column, ...]:
+        return tuple(column for column in self.columns if column.holds_value)
+
+    @property
+    def complete(self) -> bool:
+        """Whether readings can be read from under it at all."""
+        return bool(self.of("component")) and bool(self.values)
+
+    @property
+    def score(self) -> float:
+        """How much this looks like the headings of a measuring sheet."""
+        named = {column.role for column in self.columns} - {"ignored"}
+        distinct = {(column.role, column.coordinate, column.group) for column in self.values}
+        doubled = len(self.values) - len(distinct)
+        return (
+            2.0 * ("component" in named)
+            + 2.0 * bool(distinct)
+            + len(named & {"part", "plane", "land", "direction"})
+            + 0.5 * ("repeat" in named)
+            + 0.1 * min(len(distinct), 20)
+            + 0.05 * any(column.unit for column in self.values)
+            - 0.1 * doubled
+        )
+
+
+def find_header(sheet: Sheet) -> Header | None:
+    """The best row (or up to three rows) of headings, or None where no row looks like headings at all."""
+    best: Header | None = None
+    for first in range(min(len(sheet.rows), _PREAMBLE)):
+        if sum(isinstance(cell, str) and bool(cell.strip()) for cell in sheet.rows[first]) < 1:
+            continue
+        for header in _headers_at(sheet, first):
+            if header.score > 2.0 and (best is None or header.score > best.score + 1e-9):
+                best = header
+    return best
+
+
+def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
+    for last in range(first, min(first + _DEPTH, len(sheet.rows))):
+        if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
+            return
+        width = max(len(row) for row in sheet.rows[first : last + 1])
+        headings = [_heading(sheet, first, last, column) for column in range(width)]
+        columns = [found for index, text in enumerate(headings) if (found := read_heading(text, index)) is not None]
+        header = Header(first, last, _settled(columns))
+        if last > first and _is_data(sheet, header, last):
+            return
+        yield header
+
+
+def _heading(sheet: Sheet, first: int, last: int, column: int) -> str:
+    texts = [str(sheet.filled(row, column)).strip() for row in range(first, last + 1)]
+    return " ".join(dict.fromkeys(text for text in texts if text))
+
+
+def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
+    """Whether the last row taken for headings is a row of readings: it names a component of its own."""
+    return any(
+        not is_blank(sheet.cell(row, column.index))
+        and any(not is_blank(sheet.cell(above, column.index)) for above in range(header.first, row))
+        for column in header.of("component")
+    )
+
+
+@lru_cache(maxsize=4096)
+def read_heading(text: str, index: int = 0) -> Column | None:
+    """What a heading says of its column; None where it says nothing.
+
+    >>> found = read_heading("Coordinate x1 (y1) [mm]")
+    >>> found.role, found.coordinate, found.unit.name
+    ('coordinate', 1, 'mm')
+    >>> read_heading("Diameter Mean Value di (Di) [mm]").role
+    'mean'
+    >>> found = read_heading("spool_diameter_2_um")
+    >>> found.role, found.part, found.repeat, found.unit.name
+    ('diameter', 'spool', 2, 'µm')
+    """
+    rest, unit = _split_unit(text)
+    tokens = _TOKEN.findall(plain(rest).replace("_", " "))
+    words = set(tokens)
+    if not words:
+        return None
+    role, rank = _role(words, rest, unit)
+    if role is None:
+        return None
+    if role not in {"diameter", "coordinate"}:
+        return Column(index, text, role, unit=unit, rank=rank)
+    coordinate, direction, repeat = _numbers(role, tokens)
+    return Column(index, text, role, unit, coordinate, _part(words, rest), direction, repeat)
+
+
+def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, int]:
+    axes = words & {"x1", "x2", "y1", "y2"}
+    sized = words & _DIAMETER or unit is not None
+    parts = {part_of(word) for word in words if len(word) > 2} - {None}
+    numbered = any(re.fullmatch(r"\d+", word) for word in words)
+    simple: list[tuple[bool, Role]] = [
+        (bool(words & _MEAN), "mean"),
+        (bool(words & _IGNORED), "ignored"),
+        (bool(words & _DIRECTION), "direction"),
+        (bool(words & _PLANE), "plane"),
+        (bool(words & _LAND), "land"),
+        (
+            bool(words & _COORDINATE) or (len(axes) >= 1 and not _both_ends(axes) and not words & _DIAMETER),
+            "coordinate",
+        ),
+        (bool(words & _DIAMETER) or _both_ends(axes), "diameter"),
+        (bool(words & (_REPEAT | _READING)) and unit is not None, "diameter"),
+        (bool(words & (_REPEAT | _READING)) and numbered, "diameter"),
+        (bool(words & _REPEAT), "repeat"),
+        (bool(words & {"value", "reading"}), "diameter"),
+        (bool(words & _UNIT) and not sized, "unit"),
+        (bool(words & _PART) and not words & _NUMBER, "part"),
+        (len(parts) == 2 and unit is None, "part"),
+        (len(parts) == 1 and unit is not None, "diameter"),
+        (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
+        (plain(text) in {"d", "di"} and unit is not None, "diameter"),
+        (all(_is_angle(word) for word in words), "diameter"),
+    ]
+    for holds, role in simple:
+        if holds:
+            return role, 0
+    return _component_rank(words)
+
+
+def _component_rank(words: set[str]) -> tuple[Role | None, int]:
+    if words & _NAME:
+        return "component", 1
+    if words & _COMPONENT:
+        return "component", 4 if words & _NUMBER else 3
+    if words & _NUMBER and words & _FIGURE:
+        return "component", 4
+    if words & (_NUMBER | _GENERIC) and len(words - _NUMBER - _GENERIC) <= 1:
+        return "component", 2
+    return None, 0
+
+
+def _both_ends(axes: set[str]) -> bool:
+    return {"x1", "x2"} <= axes or {"y1", "y2"} <= axes
+
+
+def _is_angle(word: str) -> bool:
+    return re.fullmatch(r"\d+(?:°|deg)", word) is not None
+
+
+def _numbers(role: str, tokens: Sequence[str]) -> tuple[int | None, float | None, int | None]:
+    """Coordinate 1 or 2, direction and repeat from the words of a value's heading."""
+    direction = next((direction_of(token) for token in tokens if _is_angle(token)), None)
+    axes = {token for token in tokens if token in {"x1", "x2", "y1", "y2"}}
+    letters = {axis[0] for axis in axes}
+    if len(letters) == 1 and direction is None:
+        direction = 0.0 if letters == {"x"} else 90.0
+    repeat = coordinate = None
+    plain_numbers: list[int] = []
+    for before, token in zip(("", *tokens), tokens, strict=False):
+        glued = re.fullmatch(r"([a-z]+)(\d+)", token)
+        if token.isdigit():
+            if repeat is None and before in _REPEAT | _READING | {"#"}:
+                repeat = int(token)
+            else:
+                plain_numbers.append(int(token))
+        elif glued and glued[1] in _REPEAT | _READING | {"r"}:
+            repeat = int(glued[2])
+        elif glued and glued[1] in _DIAMETER | _COORDINATE:
+            plain_numbers.append(int(glued[2]))
+    if role == "coordinate":
+        ends = {axis[1] for axis in axes}
+        if len(ends) == 1:
+            coordinate = int(ends.pop())
+        elif plain_numbers:
+            coordinate = plain_numbers.pop(0)
+    if repeat is None and plain_numbers:
+        repeat = plain_numbers[0]
+    return coordinate, direction, repeat
+
+
+def _part(words: set[str], text: str) -> Part | None:
+    letter = part_of(text.strip())
+    if letter is not None and len(text.strip()) <= 2:
+        return letter
+    parts = {part_of(word) for word in words if len(word) > 2} - {None}
+    return parts.pop() if len(parts) == 1 else None
+
+
+def _split_unit(text: str) -> tuple[str, Unit | None]:
+    for found in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
+        inner = re.sub(r"^\s*in\s+(?=\S)", "", found[1])
+        unit = find_unit(inner, "length") if inner.strip() else None
+        if unit is not None:
+            return f"{text[: found.start()]} {text[found.end() :]}", unit
+    trailing = re.search(r"[\s_,/:;]+(\S+?)\s*$", text.replace("_", " "))
+    if trailing and trailing[1].lower() in _TRAILING_UNITS:
+        return text[: trailing.start()], find_unit(trailing[1], "length")
+    if text.strip().lower() in _TRAILING_UNITS - {"in"}:
+        return "", find_unit(text, "length")
+    return text, None
+
+
+def _settled(columns: list[Column]) -> tuple[Column, ...]:
+    """What only the columns together tell.
+
+    A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
+    diameters where both stand there and nothing else is one.
+    """
+    roles = {column.role for column in columns}
+    bare = [column for column in columns if column.role == "diameter" and part_of(column.heading) and not column.unit]
+    others = any(column.holds_value and column not in bare for column in columns)
+    if others or "part" in roles or len({column.part for column in bare}) < 2:
+        columns = [column for column in columns if column not in bare]
+    settled = []
+    for column in columns:
+        if column.holds_value and "direction" in roles:
+            column = replace(column, direction=None)
+        if column.holds_value and "part" in roles:
+            column = replace(column, part=None)
+        settled.append(column)
+    return tuple(settled)

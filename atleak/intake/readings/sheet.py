@@ -1,0 +1,82 @@
+"""A sheet as read, before anything in it is understood."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from atleak.errors import Place
+
+Cell = Any  # str, float, int, bool, date or time; "" where empty
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Cells by row and column, both from 0.
+
+    ``merged`` leads from every further cell of a merged range to its first. ``faults`` holds cells whose formula has
+    no usable result. ``lines`` are the rows' numbers in the file where they differ from their position.
+    """
+
+    file: str
+    name: str | None
+    rows: Sequence[Sequence[Cell]]
+    merged: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
+    faults: Mapping[tuple[int, int], str] = field(default_factory=dict)
+    lines: Sequence[int] | None = None
+    hidden: bool = False
+    note: str = ""  # how a text file was read
+
+    @property
+    def is_text(self) -> bool:
+        return self.name is None
+
+    def cell(self, row: int, column: int) -> Cell:
+        """What stands in the cell itself; "" outside the sheet."""
+        if row < len(self.rows) and column < len(self.rows[row]):
+            return self.rows[row][column]
+        return ""
+
+    def filled(self, row: int, column: int) -> Cell:
+        """As `cell`, but inside a merged range what its first cell holds."""
+        return self.cell(*self.merged.get((row, column), (row, column)))
+
+    @property
+    def width(self) -> int:
+        return max((len(row) for row in self.rows), default=0)
+
+    def row_number(self, row: int) -> int:
+        """The row's number as a spreadsheet or an editor shows it."""
+        return self.lines[row] if self.lines is not None else row + 1
+
+    def place(self, row: int | None = None, column: int | None = None, heading: str = "") -> Place:
+        """Where a cell is: a workbook's column by its letter, a text file's by its heading."""
+        where = None
+        if column is not None:
+            where = heading or str(column + 1) if self.is_text else column_letter(column)
+        return Place(self.file, self.name, None if row is None else self.row_number(row), where)
+
+
+def column_letter(column: int) -> str:
+    """
+    >>> column_letter(0), column_letter(27)
+    ('A', 'AB')
+    """
+    letters = ""
+    column += 1
+    while column:
+        column, rest = divmod(column - 1, 26)
+        letters = chr(ord("A") + rest) + letters
+    return letters
+
+
+def column_index(letters: str) -> int:
+    """
+    >>> column_index("AB")
+    27
+    """
+    index = 0
+    for letter in letters:
+        index = index * 26 + ord(letter) - ord("A") + 1
+    return index - 1

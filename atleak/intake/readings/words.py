@@ -1,0 +1,214 @@
+"""What single cells say: numbers, parts, directions, names; and the vocabulary of headings."""
+
+from __future__ import annotations
+
+import datetime
+import re
+import unicodedata
+from functools import lru_cache
+
+from atleak.errors import Place, ReadingsError
+from atleak.intake.readings.sheet import Cell
+from atleak.intake.units import Unit, find_unit
+from atleak.readings import Part
+
+_SPACES = re.compile(r"\s+")
+_NUMBER = re.compile(r"^[+\-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+\-]?\d{1,3})?$", re.IGNORECASE)
+_NUMBER_AND_UNIT = re.compile(r"^([+\-]?[\d.,]*\d(?:[.,])?(?:[eE][+\-]?\d+)?)([^\d.,\s+\-][^\d]*)$")
+_ABSENT = {
+    "",
+    "-",
+    "–",
+    "—",
+    "--",
+    "n/a",
+    "na",
+    "n.a.",
+    "nan",
+    "none",
+    "null",
+    "not measured",
+    "nicht gemessen",
+    "brak",
+}
+
+_PARTS: dict[Part, tuple[str, ...]] = {
+    "spool": (
+        *("spool", "piston", "rod", "plunger", "shaft", "valve", "valve spool", "spool valve", "piston rod"),
+        *("damper", "damper piston", "damper piston rod", "male", "inner", "d", "di", "ds"),
+        *("schieber", "kolben", "kolbenstange", "ventilschieber", "steuerschieber", "welle"),
+        *("suwak", "tłok", "tłoczek", "tłoczysko"),
+    ),
+    "sleeve": (
+        *("sleeve", "bore", "opening", "cylindrical opening", "sleeve opening", "hole", "body", "housing", "casing"),
+        *("cylinder", "bushing", "female", "outer", "D", "Di", "Dk"),
+        *("hülse", "huelse", "bohrung", "gehäuse", "gehaeuse", "buchse", "zylinder"),
+        *("tuleja", "otwór", "gniazdo", "korpus"),
+    ),
+}
+_SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, D the sleeve
+_PART_WORDS: dict[str, Part] = {}
+
+
+def plain(text: object) -> str:
+    """Lower case, no accents, single spaces: for comparing words.
+
+    >>> plain("Średnica\\n Tłoka")
+    'srednica tloka'
+    """
+    folded = unicodedata.normalize("NFKD", str(text)).lower().replace("ł", "l").replace("ß", "ss")
+    return _SPACES.sub(" ", "".join(sign for sign in folded if not unicodedata.combining(sign))).strip()
+
+
+def is_blank(cell: Cell) -> bool:
+    """Whether nothing was measured here: an empty cell, a dash, "n/a"."""
+    if cell is None:
+        return True
+    return isinstance(cell, str) and plain(cell) in _ABSENT
+
+
+def text_of(cell: Cell) -> str:
+    """A cell as the label it is: 8.0 → "8", primes as one sign.
+
+    >>> text_of(8.0), text_of(" 12′ ")
+    ('8', "12'")
+    """
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    text = _SPACES.sub(" ", str(cell).replace("\u00a0", " ")).strip()
+    return re.sub(r"\s*[′’‘`´ʹ]", "'", text)
+
+
+def number(cell: Cell) -> tuple[float, Unit | None]:
+    """A cell's number and the unit written behind it, if any. The caller has seen that it is not blank.
+
+    Raises
+    ------
+    ReadingsError
+        without place: what the cell holds instead.
+
+    >>> number("12,034"), number("1 234,5")[0], number("1,234.5")[0]
+    ((12.034, None), 1234.5, 1234.5)
+    >>> number("9.939 mm")[1].name
+    'mm'
+    """
+    if isinstance(cell, bool):
+        raise ReadingsError("not a number", value=cell, expected="a diameter such as 9.939")
+    if isinstance(cell, int | float):
+        return float(cell), None
+    if isinstance(cell, datetime.date | datetime.time | datetime.timedelta):
+        raise ReadingsError(
+            "the spreadsheet program has turned this number into a date or time",
+            value=str(cell),
+            expected="a number: format the cell as number or text and type it again",
+        )
+    text, written = _split_unit(unicodedata.normalize("NFKC", str(cell)).strip().replace("−", "-"))
+    digits = _decimal_point(re.sub(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", text).strip())
+    if _NUMBER.match(digits):
+        return float(digits), written
+    raise ReadingsError("not a number", value=str(cell), expected="a diameter such as 9.939 or 9,939")
+
+
+def _split_unit(text: str) -> tuple[str, Unit | None]:
+    found = _NUMBER_AND_UNIT.match(_SPACES.sub("", text))
+    if found is None:
+        return text, None
+    written = find_unit(found[2], "length")
+    return (found[1], written) if written else (text, None)
+
+
+def _decimal_point(text: str) -> str:
+    """The last of the two signs is the decimal one; a sign that stands more than once groups thousands."""
+    commas, points = text.count(","), text.count(".")
+    if commas and points:
+        decimal, grouping = (",", ".") if text.rfind(",") > text.rfind(".") else (".", ",")
+        if text.count(decimal) > 1:
+            return text
+        whole, _, rest = text.partition(decimal)
+        return (
+            f"{whole.replace(grouping, '')}.{rest}"
+            if re.fullmatch(rf"[+\-]?\d{{1,3}}(\{grouping}\d{{3}})+", whole)
+            else text
+        )
+    if commas == 1:
+        return text.replace(",", ".")
+    if commas > 1 and re.fullmatch(r"[+\-]?\d{1,3}(,\d{3})+", text):
+        return text.replace(",", "")
+    if points > 1 and re.fullmatch(r"[+\-]?\d{1,3}(\.\d{3})+", text):
+        return text.replace(".", "")
+    return text
+
+
+def part_words() -> list[str]:
+    """The words a sheet may use for a part."""
+    return [word for word in _PART_WORDS if len(word) > _SINGLE_LETTERS]
+
+
+@lru_cache(maxsize=4096)
+def part_of(text: str) -> Part | None:
+    """The part a cell names, or None.
+
+    >>> part_of("Spool"), part_of("Bohrung"), part_of("opening (sleeve)"), part_of("D"), part_of("d")
+    ('spool', 'sleeve', 'sleeve', 'sleeve', 'spool')
+    """
+    stripped = text.strip().rstrip(".:")
+    if len(stripped) <= _SINGLE_LETTERS:
+        return _PART_WORDS.get(stripped)
+    folded = plain(stripped)
+    return _PART_WORDS.get(folded) or _PART_WORDS.get(re.sub(r"\s*[\(\[/].*$", "", folded))
+
+
+_DIRECTIONS = {
+    "x": 0.0, "x1-x2": 0.0, "x1x2": 0.0, "x-x": 0.0, "xx": 0.0, "i": 0.0, "a": 0.0, "1": 0.0, "i-i": 0.0, "a-a": 0.0,
+    "horizontal": 0.0, "waagerecht": 0.0, "poziomo": 0.0, "poziomy": 0.0,
+    "y": 90.0, "y1-y2": 90.0, "y1y2": 90.0, "y-y": 90.0, "yy": 90.0, "ii": 90.0, "b": 90.0, "2": 90.0, "ii-ii": 90.0,
+    "b-b": 90.0, "vertical": 90.0, "perpendicular": 90.0, "senkrecht": 90.0, "pionowo": 90.0, "pionowy": 90.0,
+}  # fmt: skip
+
+
+def direction_of(cell: Cell) -> float | None:
+    """The angle [°] from 0 to below 180 that a cell names, or None: a diameter at 270° is the one at 90°.
+
+    >>> direction_of("90°"), direction_of("y1-y2"), direction_of("II"), direction_of(270), direction_of("up")
+    (90.0, 90.0, 90.0, 90.0, None)
+    """
+    if isinstance(cell, bool):
+        return None
+    text = plain(text_of(cell)).replace(" ", "").replace("–", "-").replace("÷", "-")
+    if text in _DIRECTIONS:
+        return _DIRECTIONS[text]
+    # NFKD leaves ° as it is and turns º into o
+    found = re.fullmatch(r"([+\-]?\d+(?:[.,]\d+)?)(?:°|o|deg|degree|degrees|grad|st|stopni)?", text)
+    if found is None:
+        return None
+    return float(found[1].replace(",", ".")) % 180.0
+
+
+_ROMAN = {"i": "1", "ii": "2", "iii": "3", "iv": "4", "v": "5"}
+
+
+def plane_names(cell: Cell) -> list[str]:
+    """Spellings under which a controller may know the plane that a cell names, the literal one first.
+
+    >>> plane_names("Plane II")
+    ['Plane II', 'II', '2']
+    """
+    text = text_of(cell)
+    short = re.sub(
+        r"^(measurement |measuring )?(plane|land|ebene|plaszczyzna|płaszczyzna|no\.?|nr\.?)\s*", "", text, flags=re.I
+    )
+    short = short.strip("\"'“”„ ")
+    names = [text, short]
+    if short.lower() in _ROMAN:
+        names.append(_ROMAN[short.lower()])
+    return list(dict.fromkeys(names))
+
+
+_PART_WORDS.update(
+    (word if len(word) <= _SINGLE_LETTERS else plain(word), part) for part, words in _PARTS.items() for word in words
+)
+
+
+def at(place: Place, error: ReadingsError) -> ReadingsError:
+    """The same error, now with its place."""
+    return ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)

@@ -1,0 +1,391 @@
+"""What measured readings are, and the clearance of every land that follows from them.
+
+A reading is one diameter of a spool (or piston) or of its sleeve, in one plane and one direction. `clearances` averages
+the readings of each land and says what stands behind the average: ovality, taper, how far repeats agree, and what is
+missing.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from statistics import fmean
+from typing import Literal
+
+from atleak.controller import Controller, Land
+from atleak.equations.clearance import radial_clearance
+from atleak.errors import Message, Place
+
+Part = Literal["spool", "sleeve"]
+Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
+
+REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
+OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
+NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal one is flagged: choice of this project
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One measured diameter.
+
+    ``direction`` is the angle of the measured diameter around the axis, 0 ≤ direction < 180 [°], None where the sheet
+    does not say. ``coordinates`` are the two positions [m] whose distance is the diameter, where the sheet gives them.
+    ``repeat`` counts from 1 within one part, plane and direction.
+    """
+
+    component: str
+    part: Part
+    plane: str
+    direction: float | None
+    repeat: int
+    diameter: float  # [m]
+    place: Place = Place()  # noqa: RUF009  frozen, so safe to share
+    coordinates: tuple[float, float] | None = None  # [m]
+
+    @property
+    def station(self) -> tuple[str, str, str, float | None]:
+        """What repeats have in common."""
+        return self.component, self.part, self.plane, self.direction
+
+
+@dataclass(frozen=True)
+class Readings:
+    """All readings of one measuring sheet."""
+
+    file: str
+    sha256: str
+    sheet: str | None  # None for text files
+    unit: str  # of the diameters as written: "mm", or several joined by ", "
+    unit_assumed: bool  # told by the nominal diameters, not by the sheet
+    layout: Literal["table", "tidy", "columns"]  # coordinates; one diameter a row; several diameters a row
+    readings: tuple[Reading, ...]
+    messages: tuple[Message, ...] = ()
+
+
+@dataclass(frozen=True)
+class Station:
+    """One plane and direction of a land with both diameters; what was not measured there is the part's mean."""
+
+    plane: str
+    direction: float | None  # [°]
+    spool_diameter: float  # [m]
+    sleeve_diameter: float  # [m]
+
+    @property
+    def radial_clearance(self) -> float:
+        """[m], eq. (28); negative where the sleeve measures smaller than the spool."""
+        return _clearance(self.sleeve_diameter, self.spool_diameter)
+
+
+@dataclass(frozen=True)
+class LandClearance:
+    """The clearance of one land, cold, and what it rests on.
+
+    ``spool_diameter``, ``sleeve_diameter`` and ``radial_clearance`` are means [m] over repeats, then directions, then
+    planes. A part that was not measured has its nominal diameter, and ``status`` says so; a land that was not measured
+    at all has its mounting clearance. Ovality [m] is the largest difference between the directions of one plane, taper
+    [m] the difference between the planes, spread of repeats [m] the largest difference between *independent* repeats:
+    each is None where the readings cannot tell. ``…_repeats`` is the smallest number of independent repeats of any
+    plane and direction.
+    """
+
+    land: Land
+    status: Status
+    spool_diameter: float
+    sleeve_diameter: float
+    radial_clearance: float
+    min_clearance: float  # over planes and directions
+    max_clearance: float
+    worst_direction: float | None  # [°], of the largest clearance; None where there is no direction to compare
+    stations: tuple[Station, ...]
+    spool_ovality: float | None
+    sleeve_ovality: float | None
+    spool_taper: float | None
+    sleeve_taper: float | None
+    spool_repeat_spread: float | None
+    sleeve_repeat_spread: float | None
+    spool_readings: int
+    sleeve_readings: int
+    spool_repeats: int
+    sleeve_repeats: int
+    messages: tuple[Message, ...] = ()
+
+    @property
+    def measured(self) -> bool:
+        """Whether at least one of the two parts was measured."""
+        return self.status != "not_measured"
+
+
+@dataclass(frozen=True)
+class _PartMean:
+    """One part of one land: the averages and what they say about its shape."""
+
+    diameter: float
+    by_station: Mapping[tuple[str, float | None], float]
+    by_plane: Mapping[str, float]
+    ovality: float | None
+    taper: float | None
+    repeat_spread: float | None
+    readings: int
+    repeats: int
+    messages: tuple[Message, ...]
+
+
+def clearances(readings: Readings | None, controller: Controller) -> tuple[LandClearance, ...]:
+    """The clearance of every land of the controller, measured or not, in the controller's order.
+
+    Parameters
+    ----------
+    readings
+        as from `atleak.intake.readings.read_readings`; None computes every land at its mounting clearance.
+    controller
+        whose lands are asked for. Readings of planes it does not know are left out.
+
+    Returns
+    -------
+    tuple of LandClearance
+        one per land. A clearance can be negative only where the readings say the sleeve is smaller than the spool,
+        which `read_readings` refuses.
+
+    Notes
+    -----
+    Radial clearance is half the difference of the mean diameters, eq. (28) of the source study. Repeats with the two
+    coordinates swapped, as in the study's Table 1, or copied unchanged are no independent repeats: they count for the
+    mean, which they leave as it is, not for the spread.
+    """
+    parts: dict[tuple[str, int], dict[Part, list[Reading]]] = defaultdict(lambda: {"spool": [], "sleeve": []})
+    for reading in readings.readings if readings else ():
+        land = controller.land_of_plane(reading.component, reading.plane)
+        if land is not None:
+            parts[land.key][reading.part].append(reading)
+    return tuple(_land_clearance(land, parts[land.key]) for land in controller.lands)
+
+
+def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClearance:
+    means = {part: _part_mean(land, part, found) if found else None for part, found in parts.items()}
+    spool, sleeve = means["spool"], means["sleeve"]
+    status: Status = (
+        "not_measured"
+        if spool is None and sleeve is None
+        else "sleeve_only"
+        if spool is None
+        else "spool_only"
+        if sleeve is None
+        else "measured"
+    )
+    spool_diameter = land.nominal_diameter if spool is None else spool.diameter
+    sleeve_diameter = land.nominal_sleeve_diameter if sleeve is None else sleeve.diameter
+    clearance = land.mounting_clearance if status == "not_measured" else _clearance(sleeve_diameter, spool_diameter)
+    stations = _stations(spool, sleeve, spool_diameter, sleeve_diameter)
+    each = [station.radial_clearance for station in stations] or [clearance]
+    directions = {station.direction for station in stations}
+    worst = max(stations, key=lambda station: station.radial_clearance).direction if len(directions) > 1 else None
+    result = LandClearance(
+        land=land,
+        status=status,
+        spool_diameter=spool_diameter,
+        sleeve_diameter=sleeve_diameter,
+        radial_clearance=clearance,
+        min_clearance=min(each),
+        max_clearance=max(each),
+        worst_direction=worst,
+        stations=stations,
+        spool_ovality=spool.ovality if spool else None,
+        sleeve_ovality=sleeve.ovality if sleeve else None,
+        spool_taper=spool.taper if spool else None,
+        sleeve_taper=sleeve.taper if sleeve else None,
+        spool_repeat_spread=spool.repeat_spread if spool else None,
+        sleeve_repeat_spread=sleeve.repeat_spread if sleeve else None,
+        spool_readings=spool.readings if spool else 0,
+        sleeve_readings=sleeve.readings if sleeve else 0,
+        spool_repeats=spool.repeats if spool else 0,
+        sleeve_repeats=sleeve.repeats if sleeve else 0,
+    )
+    place = next((reading.place for found in parts.values() for reading in found), None)
+    messages = (
+        *(spool.messages if spool else ()),
+        *(sleeve.messages if sleeve else ()),
+        *_land_messages(result, place),
+    )
+    return replace(result, messages=messages)
+
+
+def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
+    groups: dict[tuple[str, float | None], list[Reading]] = defaultdict(list)
+    for reading in readings:
+        groups[reading.plane, reading.direction].append(reading)
+    by_station = {station: fmean(reading.diameter for reading in group) for station, group in groups.items()}
+    planes: dict[str, list[float]] = defaultdict(list)
+    for (plane, _), diameter in by_station.items():
+        planes[plane].append(diameter)
+    by_plane = {plane: fmean(diameters) for plane, diameters in planes.items()}
+    ovalities = [max(diameters) - min(diameters) for diameters in planes.values() if len(diameters) > 1]
+    independent = [independent_repeats(group) for group in groups.values()]
+    spreads = [_spread(group) for group in independent if len(group) > 1]
+    mean = _PartMean(
+        diameter=fmean(by_plane.values()),
+        by_station=by_station,
+        by_plane=by_plane,
+        ovality=max(ovalities, default=None),
+        taper=max(by_plane.values()) - min(by_plane.values()) if len(by_plane) > 1 else None,
+        repeat_spread=max(spreads, default=None),
+        readings=len(readings),
+        repeats=min(len(group) for group in independent),
+        messages=(),
+    )
+    return replace(mean, messages=tuple(_part_messages(land, part, readings, groups.values(), mean)))
+
+
+def independent_repeats(repeats: Iterable[Reading]) -> list[Reading]:
+    """Repeats of one station without those whose two coordinates only repeat or swap an earlier one's.
+
+    A microscope reads coordinates to 0.001 mm from an origin of its own, so two settings that agree in both are one
+    setting written twice. Diameters without coordinates are taken as independent.
+    """
+    kept: list[Reading] = []
+    seen: set[tuple[float, float]] = set()
+    for reading in repeats:
+        if reading.coordinates is not None:
+            low, high = sorted(reading.coordinates)
+            if (low, high) in seen:
+                continue
+            seen.add((low, high))
+        kept.append(reading)
+    return kept
+
+
+def _spread(repeats: list[Reading]) -> float:
+    diameters = [reading.diameter for reading in repeats]
+    return max(diameters) - min(diameters)
+
+
+def _stations(
+    spool: _PartMean | None, sleeve: _PartMean | None, spool_diameter: float, sleeve_diameter: float
+) -> tuple[Station, ...]:
+    found = {**(spool.by_station if spool else {}), **(sleeve.by_station if sleeve else {})}
+
+    def diameter(mean: _PartMean | None, station: tuple[str, float | None], otherwise: float) -> float:
+        if mean is None:
+            return otherwise
+        return mean.by_station.get(station, mean.by_plane.get(station[0], mean.diameter))
+
+    # a part without directions is known as its mean only: no station of its own beside the other's directions
+    named = {plane for plane, direction in found if direction is not None}
+    return tuple(
+        Station(*station, diameter(spool, station, spool_diameter), diameter(sleeve, station, sleeve_diameter))
+        for station in found
+        if not (station[1] is None and station[0] in named)
+    )
+
+
+def _part_messages(
+    land: Land, part: Part, readings: list[Reading], groups: Collection[list[Reading]], mean: _PartMean
+) -> Iterable[Message]:
+    name = f"component {land.component} land {land.land}"
+    word = land.part if part == "spool" else "sleeve"
+    for group in groups:
+        first = group[0]
+        where = f"{name}, {word}, plane {first.plane}{_direction(first.direction)}"
+        if _spread(group) > REPEAT_TOLERANCE + 1e-12:
+            values = ", ".join(_mm(reading.diameter) for reading in group)
+            yield Message(
+                "warning",
+                "repeats_disagree",
+                f"{where}: repeats are {_um(_spread(group))} µm apart ({values} mm), more than "
+                f"{_um(REPEAT_TOLERANCE)} µm: measure again",
+                max(group, key=lambda reading: abs(reading.diameter - mean.diameter)).place,
+            )
+    kept = {id(reading) for group in groups for reading in independent_repeats(group)}
+    lost = [reading for reading in readings if id(reading) not in kept]
+    if lost:
+        yield Message(
+            "info",
+            "mirrored_repeats",
+            f"{name}, {word}: {len(lost)} of {len(readings)} readings only swap or copy the coordinates "
+            "of another one: no independent repeats",
+            lost[0].place,
+        )
+    planes = {reading.plane: {r.direction for r in readings if r.plane == reading.plane} for reading in readings}
+    single = [plane for plane, directions in planes.items() if len(directions) == 1]
+    if single:
+        yield Message(
+            "warning",
+            "one_direction",
+            f"{name}, {word}: measured in one direction only in plane {', '.join(single)}. A bore wears to one side, "
+            "so wear found in one direction is a lower bound",
+            readings[0].place,
+        )
+    if mean.ovality is not None and mean.ovality > OVALITY_TO_LOOK_AT:
+        yield Message(
+            "warning",
+            "large_ovality",
+            f"{name}, {word}: the directions differ by {_um(mean.ovality)} µm: worn to one side, or a slip",
+            readings[0].place,
+        )
+    nominal = land.nominal_diameter if part == "spool" else land.nominal_sleeve_diameter
+    if abs(mean.diameter - nominal) > NOMINAL_TOLERANCE:
+        said = " (representative)" if "nominal_diameter_mm" in land.representative else ""
+        yield Message(
+            "warning",
+            "far_from_nominal",
+            f"{name}, {word}: mean diameter {_mm(mean.diameter)} mm, nominal{said} {_mm(nominal)} mm: is it this land?",
+            readings[0].place,
+        )
+
+
+def _land_messages(found: LandClearance, place: Place | None) -> Iterable[Message]:
+    land = found.land
+    name = f"component {land.component} land {land.land}"
+    if found.status == "spool_only":
+        yield Message(
+            "warning",
+            "sleeve_missing",
+            f"{name}: sleeve not measured; its nominal diameter {_mm(found.sleeve_diameter)} mm was taken, so wear "
+            "of the sleeve is not seen",
+            place,
+        )
+    elif found.status == "sleeve_only":
+        yield Message(
+            "warning",
+            "spool_missing",
+            f"{name}: {land.part} not measured; its nominal diameter {_mm(found.spool_diameter)} mm was taken, so its "
+            "wear is not seen",
+            place,
+        )
+    elif found.status == "measured":
+        if found.radial_clearance < 0.5 * land.mounting_clearance:
+            yield Message(
+                "warning",
+                "tighter_than_new",
+                f"{name}: radial clearance {_um(found.radial_clearance)} µm is less than half the mounting clearance "
+                f"of {_um(land.mounting_clearance)} µm: check the readings",
+                place,
+            )
+        if found.min_clearance < 0.0 <= found.radial_clearance:
+            yield Message(
+                "warning",
+                "tight_direction",
+                f"{name}: in one direction the sleeve measures {_um(-2.0 * found.min_clearance)} µm smaller than the "
+                f"{land.part}",
+                place,
+            )
+
+
+def _clearance(sleeve_diameter: float, spool_diameter: float) -> float:
+    # eq. (28) refuses a sleeve smaller than its spool; a single direction can be so, and is reported as negative
+    if sleeve_diameter >= spool_diameter:
+        return radial_clearance(sleeve_diameter, spool_diameter)
+    return -radial_clearance(spool_diameter, sleeve_diameter)
+
+
+def _direction(direction: float | None) -> str:
+    return "" if direction is None else f", {direction:g}°"
+
+
+def _mm(metres: float) -> str:
+    return f"{metres * 1e3:.4f}".rstrip("0").rstrip(".")
+
+
+def _um(metres: float) -> str:
+    return f"{metres * 1e6:.1f}".removesuffix(".0")
