@@ -1,0 +1,199 @@
+"""The job record: whose car, what was complained of, what was found and what was decided.
+
+Every field is optional. The measured diameters and the log are not part of the record: they stay in their own files.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+from types import MappingProxyType
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
+
+Decision = Literal["proposed", "done", "declined", "deferred"]
+Grade = Literal["none", "light", "moderate", "heavy"]
+
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp")
+_SURROGATES = re.compile("[\ud800-\udfff]")
+_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+
+
+def clean_text(text: str) -> str:
+    """Text without what no file can hold: lone surrogates and control characters other than tab and new line."""
+    return _CONTROL.sub("", _SURROGATES.sub("\ufffd", text))
+
+
+def _text(value: Any) -> Any:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        value = str(value)  # a customer number or a year typed without quotes
+    return clean_text(value).strip() if isinstance(value, str) else value
+
+
+def picture_name(name: str) -> str:
+    """A picture's name inside the job: relative, with ``/``, never out of the job's folder.
+
+    Raises
+    ------
+    ValueError
+        for an absolute path, one with ``..``, or a file that is no picture by its name.
+    """
+    path = PurePosixPath(name.replace("\\", "/"))
+    if not name or path.is_absolute() or ".." in path.parts or ":" in name:
+        raise ValueError("a file beside the job's own, named without '..' or a drive")
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        raise ValueError(f"a picture: {', '.join(PICTURE_SUFFIXES)}")
+    return str(path)
+
+
+Text = Annotated[str, BeforeValidator(_text)]
+Picture = Annotated[Text, AfterValidator(picture_name)]
+Kilometres = Annotated[float, Field(ge=0, lt=1e7, allow_inf_nan=False)]
+Celsius = Annotated[float, Field(ge=-60, le=200, allow_inf_nan=False)]
+
+
+class Record(BaseModel):
+    """A table of the job: unknown keys are errors, nothing is changed after it was made."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing was filled in."""
+        return not self.model_dump(exclude_defaults=True)
+
+
+class Workshop(Record):
+    """The letterhead."""
+
+    name: Text = ""
+    address: Text = ""
+    phone: Text = ""
+    email: Text = ""
+    website: Text = ""
+    registration: Text = ""  # tax or trade register number
+    logo: Picture | None = None
+
+
+class Customer(Record):
+    name: Text = ""
+    number: Text = ""
+    address: Text = ""
+    phone: Text = ""
+    email: Text = ""
+
+
+class Vehicle(Record):
+    make: Text = ""
+    model: Text = ""
+    year: Text = ""
+    engine: Text = ""
+    registration: Text = ""
+    vin: Text = ""
+    mileage_km: Kilometres | None = None
+
+
+class Transmission(Record):
+    maker: Text = ""
+    code: Text = ""
+    serial: Text = ""
+    note: Text = ""
+
+
+class Instrument(Record):
+    """What was measured with; ``calibrated`` is the date of its last calibration."""
+
+    name: Text = ""
+    serial: Text = ""
+    calibrated: dt.date | None = None
+    note: Text = ""
+
+
+class FluidCondition(Record):
+    """The oil as it was found in the car."""
+
+    product: Text = ""
+    changed_at_km: Kilometres | None = None
+    level: Text = ""
+    colour: Text = ""
+    smell: Text = ""
+    note: Text = ""
+
+
+class Contamination(Record):
+    grade: Grade | None = None
+    particles: Text = ""
+    note: Text = ""
+
+
+class Scratch(Record):
+    component: Text = ""
+    land: Annotated[int, Field(ge=1, le=9)] | None = None
+    part: Text = ""
+    description: Text = ""
+    photo: Picture | None = None
+
+
+class Photo(Record):
+    file: Picture
+    caption: Text = ""
+    component: Text = ""
+
+
+class RepairDecision(Record):
+    """What was proposed for a pair, and what became of it."""
+
+    component: Text = ""
+    land: Annotated[int, Field(ge=1, le=9)] | None = None
+    work: Text = ""
+    decision: Decision | None = None
+    reason: Text = ""
+    date: dt.date | None = None
+
+
+class Job(Record):
+    """Everything a workshop writes down about one controller on its bench."""
+
+    number: Text = ""
+    date: dt.date | None = None
+    technician: Text = ""
+    workshop: Workshop = Workshop()
+    customer: Customer = Customer()
+    vehicle: Vehicle = Vehicle()
+    transmission: Transmission = Transmission()
+    complaint: Text = ""
+    fault_codes: tuple[Text, ...] = ()
+    fluid_condition: FluidCondition = FluidCondition()
+    contamination: Contamination = Contamination()
+    measuring_temperature_c: Celsius | None = None
+    instruments: tuple[Instrument, ...] = ()
+    scratches: tuple[Scratch, ...] = ()
+    photos: tuple[Photo, ...] = ()
+    repair_decisions: tuple[RepairDecision, ...] = ()
+    notes: Text = ""
+
+    _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def pictures(self) -> Mapping[str, bytes]:
+        """The bytes of the pictures that are at hand, by name."""
+        return self._pictures
+
+    @property
+    def picture_names(self) -> tuple[str, ...]:
+        """Every picture the record names: logo, photos, scratches."""
+        names = [self.workshop.logo, *(photo.file for photo in self.photos), *(s.photo for s in self.scratches)]
+        return tuple(dict.fromkeys(name for name in names if name))
+
+    def with_pictures(self, pictures: Mapping[str, bytes]) -> Job:
+        """The same record with the bytes of its pictures; those it does not name are left out."""
+        job = self.model_copy()
+        job._pictures = MappingProxyType({name: pictures[name] for name in self.picture_names if name in pictures})
+        return job
+
+    def record(self) -> dict[str, Any]:
+        """What was filled in, as JSON values."""
+        return self.model_dump(mode="json", exclude_defaults=True)
