@@ -46,7 +46,27 @@ _ROOMS = {
     "diagnosis_record": "report.record",
 }
 
-__all__ = [*_ROOMS]  # noqa: PLE0604
+__all__ = [
+    "PROFILES",
+    "AtleakError",
+    "Controller",
+    "Diagnosis",
+    "Fluid",
+    "LeakageModel",
+    "Limits",
+    "Profile",
+    "Readings",
+    "RoadTest",
+    "clearances",
+    "diagnose",
+    "diagnosis_record",
+    "find_profile",
+    "load_controller",
+    "load_fluid",
+    "load_limits",
+    "read_readings",
+    "read_road_test",
+]
 
 
 def __getattr__(name: str) -> Any:

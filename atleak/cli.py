@@ -97,9 +97,7 @@ def _diagnose(options: argparse.Namespace) -> int:
 
 def _one_stream(options: argparse.Namespace) -> None:
     if options.xlsx == "-":
-        raise InputError(
-            "a workbook cannot be written to standard output", value="--xlsx -", expected="a file name"
-        )
+        raise InputError("a workbook cannot be written to standard output", value="--xlsx -", expected="a file name")
 
 
 def _summary(diagnosis: Diagnosis, written: list[str]) -> None:
@@ -118,9 +116,7 @@ def _template(options: argparse.Namespace) -> int:
     from atleak.report.template import write_template
 
     if Path(options.output).suffix.lower() != ".xlsx":
-        raise InputError(
-            "the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx"
-        )
+        raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
     for name in _write(options.output, write_template(load_controller(options.controller))):
         print(f"written: {name}")
     return 0

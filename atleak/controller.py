@@ -136,6 +136,12 @@ class PressureRelation:
         pressure = main_pressure * self.ratio + self.offset
         return pressure if self.limit is None else np.minimum(pressure, self.limit)
 
+    def line_between(self, low: float, high: float) -> tuple[float, float] | None:
+        """(ratio, offset) that holds for all p_g between two, or None where the limit begins between them."""
+        if self.limit is None or max(self(low), self(high)) < self.limit:
+            return self.ratio, self.offset
+        return (0.0, self.limit) if min(self(low), self(high)) >= self.limit else None
+
 
 @dataclass(frozen=True)
 class OperatingPoint:
@@ -288,9 +294,7 @@ class PumpTable(Strict):
         given = sum(value is not None for value in geometry)
         if given == (4 if self.displacement_mm3 is None else 0):
             return self
-        raise ValueError(
-            "either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both"
-        )
+        raise ValueError("either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both")
 
 
 class SpringTable(Strict):
@@ -367,10 +371,7 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
     relations = {name: _relation(table) for name, table in entry.pressures.items()}
     gaps = tuple(_gaps(entry, lands, origin.path))
     needed = {
-        pressure.section
-        for gap in gaps
-        for pressure in (gap.high, gap.low)
-        if pressure.section in {"p_s", "p_m"}
+        pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
     }
     for section in sorted(needed - set(relations)):
         raise catalogue_error(
@@ -422,9 +423,7 @@ def _lands(entry: ControllerFile, path: Path) -> list[Land]:
                 planes.add(plane)
             lands.append(land)
     if not lands:
-        raise catalogue_error(
-            path, "components", "lands", "no component has a land", expected="at least one land"
-        )
+        raise catalogue_error(path, "components", "lands", "no component has a land", expected="at least one land")
     return lands
 
 
@@ -470,9 +469,7 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
 
 
 def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Gap]:
-    if (
-        not entry.gaps
-    ):  # a minimal description: every land leaks from main pressure to the drain in every gear
+    if not entry.gaps:  # a minimal description: every land leaks from main pressure to the drain in every gear
         every_gear = frozenset(entry.gears)
         drain = Pressure(0.0, None)
         return [
@@ -504,9 +501,7 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
             try:
                 ends[key] = Pressure.parse(text)
             except ValueError as error:
-                raise catalogue_error(
-                    path, where, key, "not a pressure", value=text, expected=str(error)
-                ) from None
+                raise catalogue_error(path, where, key, "not a pressure", value=text, expected=str(error)) from None
         low = ends["to"]
         ends_in_section = low.section is not None and low.coefficient == 1.0
         gaps.append(
@@ -531,9 +526,7 @@ def _pump(table: PumpTable) -> Pump:
         displacement = pump_equations.displacement(
             table.module_mm * 1e-3, table.teeth, table.width_mm * 1e-3, table.tooth_height_mm * 1e-3
         )
-    return Pump(
-        displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative)
-    )
+    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
 
 
 def _relation(table: RelationTable) -> PressureRelation:
@@ -548,9 +541,7 @@ def _relation(table: RelationTable) -> PressureRelation:
         spring.active_coils,
         spring.mean_coil_diameter_mm * 1e-3,
     )
-    deflection = pressure_equations.spring_deflection(
-        spring.free_length_mm * 1e-3, spring.working_length_mm * 1e-3
-    )
+    deflection = pressure_equations.spring_deflection(spring.free_length_mm * 1e-3, spring.working_length_mm * 1e-3)
     force = pressure_equations.spring_force(rate, deflection)
     areas = (
         area(table.diameter_1_mm * 1e-3),

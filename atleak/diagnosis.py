@@ -214,11 +214,7 @@ def _land(
     stated = projections[0]
     rate = land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
     rise = stated.condition.temperature - REFERENCE_TEMPERATURE
-    wear = (
-        (state.radial_clearance - land.mounting_clearance) / land.mounting_clearance
-        if state.measured
-        else None
-    )
+    wear = (state.radial_clearance - land.mounting_clearance) / land.mounting_clearance if state.measured else None
     rules = tuple(_rules(state, wear, projections, limits)) if state.measured else ()
     excess = max(
         now.share_of(now.leakage_of(land.key)) - new.share_of(new.leakage_of(land.key))
@@ -283,9 +279,7 @@ def _messages(
 ) -> list[Message]:
     found: list[Message] = []
     if controller.representative:
-        found.append(
-            Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
-        )
+        found.append(Message("warning", "controller_representative", f"{controller.name}: {controller.representative}"))
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
         found.append(Message("warning", "no_readings", text))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
@@ -11,7 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from atleak import catalogue
-from atleak.catalogue import Entry, Finite, Origin, Positive, Strict, catalogue_error
+from atleak.catalogue import Entry, Finite, Origin, Strict, catalogue_error
 from atleak.equations import fluid as fluid_equations
 from atleak.errors import DomainError, Message
 
@@ -51,8 +52,9 @@ class Fluid:
         """
         temperature = np.asarray(temperature, dtype=float)
         low, high = self.span(model)
-        inside = np.where((temperature >= low) & (temperature <= high), temperature, np.nan)
-        return _plain(self._viscosity(inside, model))
+        if temperature.size and not (temperature.min() >= low and temperature.max() <= high):
+            temperature = np.where((temperature >= low) & (temperature <= high), temperature, np.nan)
+        return _plain(self._viscosity(temperature, model))
 
     def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
         """Density [kg/m³] at a temperature [°C]: the table's, linear between points, with ``tabulated``; eq. (30)
@@ -87,11 +89,7 @@ class Fluid:
         if low <= temperature <= high:
             return
         if model == "d341" and temperature < low:
-            why = (
-                "its pour point"
-                if self.pour_point is not None
-                else "where D341 holds (no pour point is stated)"
-            )
+            why = "its pour point" if self.pour_point is not None else "where D341 holds (no pour point is stated)"
             raise DomainError(f"{self.name}: {temperature:g} °C is below {why}, {low:g} °C")
         raise DomainError(
             f"{self.name}: {temperature:g} °C is outside the fluid's data ({model}), {low:g} to {high:g} °C"
@@ -125,7 +123,7 @@ class Fluid:
         rows = np.array([row[:2] for row in self.table or self.points])
         return np.exp(np.interp(temperature, rows[:, 0], np.log(rows[:, 1])))
 
-    @property
+    @cached_property
     def d341(self) -> tuple[float, float]:
         """Coefficients A and B of ASTM D341."""
         (t_1, nu_1), (t_2, nu_2) = self.points[0], self.points[-1]
@@ -153,8 +151,7 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
                 expected=f"two different temperatures and less than {nu_1 * 1e6:g} mm²/s",
             )
     rows = sorted(
-        (row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3)
-        for row in entry.table
+        (row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in entry.table
     )
     return Fluid(
         id=entry.id,

@@ -8,21 +8,28 @@ by gap: the entry loss, and a gap that closes within the log's range of temperat
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
 
 from atleak.controller import REFERENCE_TEMPERATURE, SECTIONS, Controller, Gap, Land, OperatingPoint
+from atleak.equations import clearance as clearance_equations
 from atleak.equations import gap as gap_equations
 from atleak.equations import pump as pump_equations
 from atleak.errors import Message
 from atleak.fluid import Fluid
 from atleak.profile import Profile
 
-_CHUNK = 16_384  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
+_CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
+_WORKERS = min(4, os.cpu_count() or 1)
+_WORTH_A_WORKER = 8 * _CHUNK
+_RUNS = 32  # runs of one gear in a chunk, above which masks are quicker than slices
 _ENTRY_LOSS_WORTH_SAYING = 0.02
 _LAMINAR_BELOW = 1000.0
 
@@ -52,7 +59,7 @@ class GapLeakage:
     reynolds_number: float
 
 
-@dataclass(frozen=True)
+@dataclass
 class LeakageSeries:
     """Leakage over a log [m³/s], shape (samples,); NaN where a channel was not usable.
 
@@ -62,9 +69,26 @@ class LeakageSeries:
 
     total: np.ndarray
     sections: dict[str, np.ndarray]
-    reversed_samples: dict[str, int]
-    outside_fluid: int  # samples at a temperature the fluid's data do not cover
-    other_gear: int  # samples in a gear the controller does not have
+    reversed_samples: dict[str, int] = field(default_factory=lambda: dict.fromkeys(SECTIONS, 0))
+    outside_fluid: int = 0  # samples at a temperature the fluid's data do not cover
+    other_gear: int = 0  # samples in a gear the controller does not have, or in none
+
+    def add_counts(self, other: LeakageSeries) -> None:
+        """Add what was counted in some part."""
+        self.outside_fluid += other.outside_fluid
+        self.other_gear += other.other_gear
+        for section, samples in other.reversed_samples.items():
+            self.reversed_samples[section] += samples
+
+    def part(self, samples: slice) -> LeakageSeries:
+        """A view of some samples."""
+        return LeakageSeries(self.total[samples], {name: flow[samples] for name, flow in self.sections.items()})
+
+    def put(self, samples: Any, total: Any, sections: dict[str, np.ndarray]) -> None:
+        """Write the flows of some samples; a section not given gets what the total gets."""
+        self.total[samples] = total
+        for name, flow in self.sections.items():
+            flow[samples] = sections.get(name, total)
 
 
 @dataclass(frozen=True)
@@ -78,33 +102,40 @@ class _GapGeometry:
     thermal_rate: float  # [m/K]
     drawn: bool
 
+    def clearance_at(self, temperature: Any) -> Any:
+        """Radial clearance at a temperature, negative where the spool would bind."""
+        return self.clearance + self.thermal_rate * (temperature - REFERENCE_TEMPERATURE)
+
     def effective_clearance(self, temperature: Any) -> Any:
-        return np.maximum(self.clearance + self.thermal_rate * (temperature - REFERENCE_TEMPERATURE), 0.0)
+        return np.maximum(self.clearance_at(temperature), 0.0)
 
     def diameter(self, effective_clearance: Any, profile: Profile) -> Any:
-        return (
-            self.spool_diameter + effective_clearance if profile.diameter == "mean" else self.spool_diameter
-        )
+        return self.spool_diameter + effective_clearance if profile.diameter == "mean" else self.spool_diameter
 
     def polynomial(self, profile: Profile) -> np.ndarray:
-        """π D c³ f(e)/12l as ascending coefficients of (T − T₀), shape (5,)."""
-        clearance = np.array([self.clearance, self.thermal_rate])
-        diameter = (
-            clearance + [self.spool_diameter, 0.0] if profile.diameter == "mean" else [self.spool_diameter]
+        """π D c³/12l as ascending coefficients of (T − T₀), shape (5,)."""
+        c, rate = self.clearance, self.thermal_rate
+        cube = (c**3, 3.0 * c**2 * rate, 3.0 * c * rate**2, rate**3, 0.0)
+        diameter, growth = self.diameter(c, profile), rate if profile.diameter == "mean" else 0.0
+        factor = np.pi / (12.0 * self.contact_length)
+        return np.array(
+            [factor * (here * diameter + before * growth) for here, before in zip(cube, (0.0, *cube[:4]), strict=True)]
         )
-        cube = np.convolve(np.convolve(clearance, clearance), clearance)
-        factor = np.pi * _eccentric(profile) / (12.0 * self.contact_length)
-        coefficients = np.convolve(cube, diameter) * factor
-        return np.pad(coefficients, (0, 5 - len(coefficients)))
 
-    @property
-    def drop(self) -> dict[str, float]:
+    @cached_property
+    def drop(self) -> tuple[tuple[str, float], ...]:
         """The pressure drop as coefficients of the section pressures."""
         coefficients = dict.fromkeys(SECTIONS, 0.0)
         for end, sign in ((self.gap.high, 1.0), (self.gap.low, -1.0)):
             if end.section is not None:
                 coefficients[end.section] += sign * end.coefficient
-        return {section: value for section, value in coefficients.items() if value}
+        return tuple((section, value) for section, value in coefficients.items() if value)
+
+    @cached_property
+    def direction(self) -> tuple[tuple[str, float], ...]:
+        """The drop divided by the size of its first coefficient, so that 0.9 p_g and 0.5 p_g share one."""
+        scale = abs(self.drop[0][1])
+        return tuple((section, round(value / scale, 12)) for section, value in self.drop)
 
 
 @dataclass(frozen=True)
@@ -130,21 +161,27 @@ class LeakageModel:
 
     @cached_property
     def _geometries(self) -> tuple[_GapGeometry, ...]:
-        states = {state.land.key: state for state in self.clearances}
-        found = []
-        for gap in self.controller.gaps:
-            state = states[gap.key]
-            found.append(
-                _GapGeometry(
-                    gap=gap,
-                    spool_diameter=state.spool_diameter,
-                    contact_length=state.land.contact_length,
-                    clearance=state.radial_clearance,
-                    thermal_rate=state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter),
-                    drawn=gap.into_sump or self.profile.pump_draw == "all_gaps",
-                )
+        lands = [state.land for state in self.clearances]
+        rates = clearance_equations.thermal_rate(
+            np.array([state.sleeve_diameter for state in self.clearances]),
+            np.array([state.spool_diameter for state in self.clearances]),
+            np.array([land.body_expansion for land in lands]),
+            np.array([land.spool_expansion for land in lands]),
+        )
+        states = {state.land.key: (state, rate) for state, rate in zip(self.clearances, rates.tolist(), strict=True)}
+        every = self.profile.pump_draw == "all_gaps"
+        return tuple(
+            _GapGeometry(
+                gap=gap,
+                spool_diameter=state.spool_diameter,
+                contact_length=state.land.contact_length,
+                clearance=state.radial_clearance,
+                thermal_rate=rate,
+                drawn=every or gap.into_sump,
             )
-        return tuple(found)
+            for gap in self.controller.gaps
+            for state, rate in [states[gap.key]]
+        )
 
     def viscosity_times_density(self, temperature: Any) -> Any:
         """ν·ρ = μ [Pa·s]; NaN outside the fluid's data."""
@@ -179,7 +216,7 @@ class LeakageModel:
         viscosity: float,
         density: float,
     ) -> GapLeakage:
-        drop = float(sum(value * pressures[section] for section, value in geometry.drop.items()))
+        drop = float(sum(value * pressures[section] for section, value in geometry.drop))
         clearance = float(geometry.effective_clearance(temperature))
         diameter = float(geometry.diameter(clearance, self.profile))
         flow = self._flow(max(drop, 0.0), diameter, clearance, viscosity, density, geometry.contact_length)
@@ -196,14 +233,10 @@ class LeakageModel:
             reynolds_number=gap_equations.reynolds_number(flow, diameter, viscosity),
         )
 
-    def _flow(
-        self, drop: Any, diameter: Any, clearance: Any, viscosity: Any, density: Any, length: float
-    ) -> Any:
+    def _flow(self, drop: Any, diameter: Any, clearance: Any, viscosity: Any, density: Any, length: float) -> Any:
         eccentric = _eccentric(self.profile)
         if self.profile.entry_loss:
-            return eccentric * gap_equations.entry_loss_flow(
-                drop, diameter, clearance, viscosity, density, length
-            )
+            return eccentric * gap_equations.entry_loss_flow(drop, diameter, clearance, viscosity, density, length)
         return gap_equations.annular_flow(
             drop, diameter, clearance, viscosity, density, length, self.profile.eccentricity * clearance
         )
@@ -239,13 +272,7 @@ class LeakageModel:
     # --- a log
 
     def series(
-        self,
-        main_pressure: Any,
-        converter_pressure: Any,
-        temperature: Any,
-        gear: Any,
-        *,
-        sections: bool = False,
+        self, main_pressure: Any, converter_pressure: Any, temperature: Any, gear: Any, *, sections: bool = False
     ) -> LeakageSeries:
         """Leakage of every sample of a log.
 
@@ -260,175 +287,249 @@ class LeakageModel:
         sections
             Whether the totals of p_g, p_s, p_m and p_k are kept too.
         """
-        arrays = np.broadcast_arrays(
-            *(np.asarray(a, float) for a in (main_pressure, converter_pressure, temperature))
-        )
-        gear = np.asarray(gear)
-        size = max(arrays[0].size, gear.size)
-        p_g, p_k, temperature = (np.broadcast_to(array, (size,)) for array in arrays)
-        gear = np.broadcast_to(gear, (size,))
-        work = _Work(np.empty(size), {name: np.zeros(size) for name in SECTIONS} if sections else {})
-        finite = temperature[np.isfinite(temperature)] if size else temperature
-        span = (float(finite.min()), float(finite.max())) if finite.size else (REFERENCE_TEMPERATURE,) * 2
-        plans = {number: self._plan(number, span) for number in self.controller.gears}
-        outside = other = 0
-        for start in range(0, size, _CHUNK):
+        arrays = [np.asarray(array, dtype=float) for array in (main_pressure, converter_pressure, temperature, gear)]
+        size = np.broadcast_shapes(*(array.shape for array in arrays), (1,))[0]
+        log = _Log(*(np.broadcast_to(array, (size,)) for array in arrays))
+        found = LeakageSeries(np.empty(size), {name: np.empty(size) for name in SECTIONS} if sections else {})
+        stripes = np.array_split(np.arange(0, size, _CHUNK), min(_WORKERS, max(size // _WORTH_A_WORKER, 1)))
+        run = partial(self._evaluate_stripe, log, found)
+        if len(stripes) == 1:
+            counts = [run(stripes[0])]
+        else:  # NumPy lets go of the interpreter's lock: threads run side by side
+            with ThreadPoolExecutor(len(stripes)) as pool:
+                counts = list(pool.map(run, stripes))
+        for count in counts:
+            found.add_counts(count)
+        return found
+
+    def _evaluate_stripe(self, log: _Log, found: LeakageSeries, starts: Iterable[int]) -> LeakageSeries:
+        """Fill the chunks that begin at ``starts``; returns what was counted on the way."""
+        count = LeakageSeries(np.empty(0), {})
+        for start in starts:
             part = slice(start, start + _CHUNK)
-            viscous = self.viscosity_times_density(temperature[part])
-            outside += int(np.count_nonzero(np.isnan(viscous) & np.isfinite(temperature[part])))
-            for number, samples in _by_gear(gear[part]):
-                if number not in plans:
-                    work.blank(start, samples)
-                    other += (
-                        int(np.count_nonzero(samples)) if isinstance(samples, np.ndarray) else len(viscous)
-                    )
-                    continue
-                self._evaluate(
-                    plans[number],
-                    work,
-                    start,
-                    samples,
-                    p_g[part][samples],
-                    p_k[part][samples],
-                    temperature[part][samples],
-                    viscous[samples],
-                )
-        return LeakageSeries(work.total, work.sections, work.reversed_samples, outside, other)
+            self._evaluate(log.part(part), found.part(part), count)
+        return count
 
-    def _plan(self, gear: int, span: tuple[float, float]) -> _Plan:
-        geometries = [g for g in self._geometries if gear in g.gap.gears and g.drawn]
-        if self.profile.entry_loss:
-            return _Plan((), tuple(geometries))
-        alone = [
-            g
-            for g in geometries
-            if min(g.clearance + g.thermal_rate * (t - REFERENCE_TEMPERATURE) for t in span) <= 0.0
-        ]
-        polynomials: dict[tuple[str, tuple[tuple[str, float], ...]], np.ndarray] = {}
-        for geometry in geometries:
-            if geometry in alone or not geometry.drop:
+    def _evaluate(self, log: _Log, target: LeakageSeries, count: LeakageSeries) -> None:
+        """Fill ``target`` with the flows of one chunk and add to the counts."""
+        viscous = self.viscosity_times_density(log.temperature)
+        powers = _powers(log.temperature - REFERENCE_TEMPERATURE)
+        span = _span(log.temperature)
+        lines = np.empty((3, len(viscous)))  # μ·q = (p_g, p_k, 1) · lines
+        ready: dict[int | None, tuple[_Plan, np.ndarray | None]] = {}
+        later = []
+        for number, samples in _by_gear(log.gear):
+            if number not in self._plans:
+                lines[:, samples] = np.nan
+                count.other_gear += log.gear[samples].size
                 continue
-            scale = abs(next(iter(geometry.drop.values())))
-            direction = tuple((name, round(value / scale, 12)) for name, value in geometry.drop.items())
-            key = (geometry.gap.section, direction)
-            polynomials[key] = polynomials.get(key, 0.0) + scale * geometry.polynomial(self.profile)
-        groups = tuple(_Group(*key, polynomial) for key, polynomial in polynomials.items())
-        return _Plan(groups, tuple(alone))
+            if number not in ready:
+                plan = self._plans[number].within(span)
+                ready[number] = plan, None if target.sections else self._affine(plan, log)
+            plan, affine = ready[number]
+            if affine is None:
+                later.append((plan, samples))
+                lines[:, samples] = 0.0
+            else:
+                lines[:, samples] = affine @ powers[:, samples]
+        lines[0] *= log.main_pressure
+        lines[1] *= log.converter_pressure
+        lines[0] += lines[1]
+        lines[0] += lines[2]
+        np.divide(lines[0], viscous, out=target.total)
+        for flow in target.sections.values():
+            flow[:] = target.total
+        for plan, samples in later:
+            part = log.part(samples)
+            target.put(samples, *self._flows(plan, part, viscous[samples], powers[:, samples], count))
+        # μ is NaN outside the fluid's data, and only there or where there is no temperature: one sum tells whether
+        if np.isnan(viscous.sum()):
+            count.outside_fluid += int(np.count_nonzero(np.isnan(viscous) & np.isfinite(log.temperature)))
 
-    def _evaluate(
-        self,
-        plan: _Plan,
-        work: _Work,
-        start: int,
-        samples: Any,
-        p_g: np.ndarray,
-        p_k: np.ndarray,
-        temperature: np.ndarray,
-        viscous: np.ndarray,
-    ) -> None:
-        pressures = self.controller.section_pressures(p_g, p_k)
-        flows: list[tuple[str, np.ndarray]] = []
+    @cached_property
+    def _plans(self) -> dict[int, _Plan]:
+        """How each gear is evaluated."""
+        drawn = [geometry for geometry in self._geometries if geometry.drawn]
+        return {
+            gear: _Plan.of([g for g in drawn if gear in g.gap.gears], self.profile) for gear in self.controller.gears
+        }
+
+    def _affine(self, plan: _Plan, log: _Log) -> np.ndarray | None:
+        """μ·q as (p_g, p_k, 1) · M · (1, τ, … τ⁴), shape of M (3, 5).
+
+        Section pressures are affine in p_g between their limits, and so are the drops. None where, within the range of
+        pressures of these samples, a limit begins, a drop turns negative or a pressure is missing: then the drops are
+        computed one by one.
+        """
+        (low, high), (low_k, high_k) = log.pressure_range
+        lines = {"p_g": (1.0, 0.0, 0.0), "p_k": (0.0, 1.0, 0.0)}
+        for name in ("p_s", "p_m"):
+            line = self.controller.relations[name].line_between(low, high)
+            if line is None:
+                return None
+            lines[name] = (line[0], 0.0, line[1])
+        piece = plan.piece(tuple(lines.items()))
+        if piece is None:
+            return None
+        for main, converter, constant in piece.drops:
+            least = main * (low if main > 0.0 else high) + converter * (low_k if converter > 0.0 else high_k) + constant
+            if not least >= 0.0:
+                return None
+        return piece.matrix
+
+    def _flows(
+        self, plan: _Plan, log: _Log, viscous: np.ndarray, powers: np.ndarray, count: LeakageSeries
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Total and sections, from the drop of every group and of every gap on its own."""
+        pressures = self.controller.section_pressures(log.main_pressure, log.converter_pressure)
+        sections = {name: np.zeros(len(viscous)) for name in SECTIONS}
         reversed_: dict[str, np.ndarray] = {}
-        if plan.groups:
-            rise = temperature - REFERENCE_TEMPERATURE
-            square = rise * rise
-            powers = np.stack([np.ones_like(rise), rise, square, square * rise, square * square])
-            geometry = plan.matrix @ powers
-            for row, group in zip(geometry, plan.groups, strict=True):
-                drop = _drop(group.drop, pressures)
-                _note_reversed(reversed_, group.section, drop)
-                np.maximum(drop, 0.0, out=drop)
-                row *= drop
-                flows.append((group.section, row))
+
+        def drop_of(section: str, direction: Iterable[tuple[str, float]]) -> np.ndarray:
+            drop = sum(pressures[name] * factor for name, factor in direction)
+            if not np.min(drop) >= 0.0:  # negative somewhere, or not a number
+                below = drop < 0.0
+                reversed_[section] = reversed_[section] | below if section in reversed_ else below
+            return np.maximum(drop, 0.0)
+
+        for group, geometry in zip(plan.groups, plan.matrix @ powers if plan.groups else (), strict=True):
+            geometry *= drop_of(group.section, group.drop)
+            geometry /= viscous
+            sections[group.section] += geometry
         for single in plan.alone:
-            drop = _drop(tuple(single.drop.items()), pressures)
-            _note_reversed(reversed_, single.gap.section, drop)
-            clearance = single.effective_clearance(temperature)
-            density = self.fluid.density(temperature, self.profile.viscosity)
-            flow = self._flow(
-                np.maximum(drop, 0.0),
+            clearance = single.effective_clearance(log.temperature)
+            density = self.fluid.density(log.temperature, self.profile.viscosity)
+            sections[single.gap.section] += self._flow(
+                drop_of(single.gap.section, single.drop),
                 single.diameter(clearance, self.profile),
                 clearance,
                 viscous / density,
                 density,
                 single.contact_length,
             )
-            flows.append((single.gap.section, flow * viscous))
-        work.put(start, samples, flows, viscous)
-        for section, samples_below in reversed_.items():
-            work.reversed_samples[section] += int(np.count_nonzero(samples_below))
+        for section, below in reversed_.items():
+            count.reversed_samples[section] += int(np.count_nonzero(below))
+        return sum(sections.values()), sections
+
+
+@dataclass(frozen=True)
+class _Log:
+    """The channels of a log, or of a part of one; all of one length."""
+
+    main_pressure: np.ndarray
+    converter_pressure: np.ndarray
+    temperature: np.ndarray
+    gear: np.ndarray
+
+    def part(self, samples: Any) -> _Log:
+        return _Log(
+            self.main_pressure[samples], self.converter_pressure[samples], self.temperature[samples], self.gear[samples]
+        )
+
+    @cached_property
+    def pressure_range(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Lowest and highest p_g and p_k; NaN where a sample is missing."""
+        channels = (self.main_pressure, self.converter_pressure)
+        return tuple((float(channel.min()), float(channel.max())) for channel in channels)  # type: ignore[return-value]
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A plan where every section pressure is affine in (p_g, p_k, 1)."""
+
+    drops: tuple[tuple[float, float, float], ...]  # of every group
+    matrix: np.ndarray  # shape (3, 5)
 
 
 @dataclass(frozen=True)
 class _Plan:
     """How one gear is evaluated: groups by polynomial, the rest gap by gap."""
 
+    geometries: tuple[_GapGeometry, ...]
+    profile: Profile
     groups: tuple[_Group, ...]
     alone: tuple[_GapGeometry, ...]
+
+    @classmethod
+    def of(cls, geometries: Iterable[_GapGeometry], profile: Profile, alone: Sequence[_GapGeometry] = ()) -> _Plan:
+        geometries = tuple(geometry for geometry in geometries if geometry.drop)
+        if profile.entry_loss:
+            return cls(geometries, profile, (), geometries)
+        polynomials: dict[tuple[str, tuple[tuple[str, float], ...]], np.ndarray] = {}
+        eccentric = _eccentric(profile)
+        for geometry in geometries:
+            if any(geometry is single for single in alone):
+                continue
+            key = (geometry.gap.section, geometry.direction)
+            scale = eccentric * abs(geometry.drop[0][1])
+            polynomials[key] = polynomials.get(key, 0.0) + scale * geometry.polynomial(profile)
+        groups = tuple(_Group(*key, polynomial) for key, polynomial in polynomials.items())
+        return cls(geometries, profile, groups, tuple(alone))
+
+    def within(self, span: tuple[float, float]) -> _Plan:
+        """This plan, or between these temperatures one that takes the gaps that close there on their own."""
+        cold, rate = self._clearances
+        if self.profile.entry_loss or all((cold + rate * (at - REFERENCE_TEMPERATURE)).min() > 0.0 for at in span):
+            return self
+        closing = [g for g in self.geometries if min(g.clearance_at(at) for at in span) <= 0.0]
+        return _Plan.of(self.geometries, self.profile, closing)
+
+    @cached_property
+    def _clearances(self) -> np.ndarray:
+        return np.array([(g.clearance, g.thermal_rate) for g in self.geometries] or [(1.0, 0.0)]).T
 
     @cached_property
     def matrix(self) -> np.ndarray:
         return np.stack([group.polynomial for group in self.groups])
 
+    @cached_property
+    def _pieces(self) -> dict[Any, _Piece]:
+        return {}
 
-class _Work:
-    """The output arrays of one run over a log."""
-
-    def __init__(self, total: np.ndarray, sections: dict[str, np.ndarray]) -> None:
-        self.total, self.sections = total, sections
-        self.reversed_samples = dict.fromkeys(SECTIONS, 0)
-
-    def put(self, start: int, samples: Any, flows: list[tuple[str, np.ndarray]], viscous: np.ndarray) -> None:
-        """Store flows that still lack the division by μ."""
-        size = len(viscous)
-        total = np.zeros(size)
-        for section, flow in flows:
-            total += flow
-            if self.sections:
-                target = self.sections[section][start : start + _CHUNK]
-                target[samples] += flow / viscous
-        total /= viscous
-        self.total[start : start + _CHUNK][samples] = total
-
-    def blank(self, start: int, samples: Any) -> None:
-        for target in (self.total, *self.sections.values()):
-            target[start : start + _CHUNK][samples] = np.nan
+    def piece(self, lines: tuple[tuple[str, tuple[float, float, float]], ...]) -> _Piece | None:
+        """The plan with section pressures as lines in (p_g, p_k, 1); None where gaps are computed on their own."""
+        if self.alone or not self.groups:
+            return None
+        if lines not in self._pieces:
+            coefficients = {name: np.array(line) for name, line in lines}
+            drops = [sum(factor * coefficients[name] for name, factor in group.drop) for group in self.groups]
+            self._pieces[lines] = _Piece(tuple(map(tuple, drops)), np.array(drops).T @ self.matrix)
+        return self._pieces[lines]
 
 
-def _by_gear(gear: np.ndarray) -> Iterator[tuple[Any, Any]]:
-    """(gear, samples) of a chunk: one slice where the gear does not change, else a mask for each gear."""
-    if gear.size == 0:
+def _powers(rise: np.ndarray) -> np.ndarray:
+    """1, τ, … τ⁴ as rows."""
+    powers = np.empty((5, len(rise)))
+    powers[0] = 1.0
+    powers[1] = rise
+    np.multiply(rise, rise, out=powers[2])
+    np.multiply(powers[2], rise, out=powers[3])
+    np.multiply(powers[2], powers[2], out=powers[4])
+    return powers
+
+
+def _span(temperature: np.ndarray) -> tuple[float, float]:
+    span = float(temperature.min()), float(temperature.max())
+    if np.isnan(span[0]):
+        finite = temperature[np.isfinite(temperature)]
+        return _span(finite) if finite.size else (REFERENCE_TEMPERATURE,) * 2
+    return span
+
+
+def _by_gear(gear: np.ndarray) -> Iterator[tuple[int | None, Any]]:
+    """(gear, samples) of a chunk: a slice for each run of one gear or, where they are many, a mask for each gear."""
+    starts = np.flatnonzero(gear[1:] != gear[:-1]) + 1
+    if len(starts) <= _RUNS:
+        bounds = [0, *starts.tolist(), len(gear)]
+        for start, stop in pairwise(bounds):
+            yield _gear_number(gear[start]), slice(start, stop)
         return
-    first = gear[0]
-    if np.all(gear == first):
-        yield _gear_number(first), slice(None)
-        return
-    numbers = np.unique(gear)
-    for number in numbers[~np.isnan(numbers)] if gear.dtype.kind == "f" else numbers:
-        yield _gear_number(number), gear == number
-    if gear.dtype.kind == "f":
-        unknown = np.isnan(gear)
-        if unknown.any():
-            yield None, unknown
+    for number in np.unique(gear):  # several NaN are one
+        yield _gear_number(number), np.isnan(gear) if np.isnan(number) else gear == number
 
 
-def _gear_number(value: Any) -> int | None:
-    number = float(value)
-    return int(number) if number.is_integer() else None
-
-
-def _drop(direction: Sequence[tuple[str, float]], pressures: dict[str, Any]) -> np.ndarray:
-    (name, factor), *rest = direction
-    total = pressures[name] * factor
-    for name, factor in rest:
-        total += pressures[name] * factor
-    return total
-
-
-def _note_reversed(found: dict[str, np.ndarray], section: str, drop: np.ndarray) -> None:
-    if drop.size and np.nanmin(drop) < 0.0 if not np.isnan(drop).all() else False:
-        below = drop < 0.0
-        found[section] = found[section] | below if section in found else below
+def _gear_number(value: float) -> int | None:
+    return int(value) if value.is_integer() else None
 
 
 def _eccentric(profile: Profile) -> float:

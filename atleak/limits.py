@@ -129,9 +129,7 @@ class _LevelTable(Strict):
         severity = [name for name in type(self).model_fields if name not in {"origin", "source"}]
         order = ["watch", "amber", "replace", "red", "critical"]
         return {
-            name: getattr(self, name)
-            for name in sorted(severity, key=order.index)
-            if getattr(self, name) is not None
+            name: getattr(self, name) for name in sorted(severity, key=order.index) if getattr(self, name) is not None
         }
 
     @model_validator(mode="after")

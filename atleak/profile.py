@@ -124,9 +124,7 @@ def _checked(name: str, value: Any) -> Any:
     except ValueError:
         ratio = float("nan")
     if not 0.0 <= ratio <= 1.0:
-        raise InputError(
-            "option eccentricity does not take this value", value=value, expected="a number 0 to 1"
-        )
+        raise InputError("option eccentricity does not take this value", value=value, expected="a number 0 to 1")
     return ratio
 
 

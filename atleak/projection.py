@@ -117,9 +117,7 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
     return tuple(_with_clearance(state, state.radial_clearance * (1.0 + increment)) for state in clearances)
 
 
-def repaired(
-    clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]
-) -> tuple[LandClearance, ...]:
+def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
     """The same unit with some lands brought back to their mounting clearance."""
     chosen = set(lands)
     return tuple(

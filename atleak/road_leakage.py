@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.controller import SECTIONS, OperatingPoint
-from atleak.errors import Message, RoadTestError, Place
+from atleak.errors import Message, Place, RoadTestError
 from atleak.leakage import LeakageModel, LeakageSeries
 from atleak.road_test import RoadTest
 
@@ -85,9 +85,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         assumed.converter_pressure,
         f"{assumed.converter_pressure / 1e3:g} kPa ({assumed.label})",
     )
-    temperature = channel(
-        "atf_temperature", assumed.temperature, f"{assumed.temperature:g} °C ({assumed.label})"
-    )
+    temperature = channel("atf_temperature", assumed.temperature, f"{assumed.temperature:g} °C ({assumed.label})")
     gear = channel("gear", float(assumed.gear), f"gear {assumed.gear} ({assumed.label})")
     series = model.series(main, converter, temperature, gear, sections=True)
     if not np.isfinite(series.total).any():

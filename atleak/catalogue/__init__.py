@@ -114,9 +114,7 @@ def catalogue_error(path: Path, table: str, key: str | None, problem: str, **mor
     return CatalogueError(problem, place=Place(file=path.name, table=table or None, key=key), **more)
 
 
-def _explain(
-    error: ValidationError, path: Path, data: dict[str, Any], model: type[BaseModel]
-) -> CatalogueError:
+def _explain(error: ValidationError, path: Path, data: dict[str, Any], model: type[BaseModel]) -> CatalogueError:
     faults = [_explain_one(fault, path, data, model) for fault in error.errors(include_url=False)]
     first = faults[0]
     if len(faults) > 1:
@@ -176,9 +174,7 @@ def _keys_at(model: type[BaseModel], location: list[Any]) -> list[str]:
         if isinstance(step, int):
             continue
         field = getattr(current, "model_fields", {}).get(step)
-        if (
-            field is not None
-        ):  # a key of a dictionary of tables is no field: its tables are of the model found before
+        if field is not None:  # a key of a dictionary of tables is no field: its tables are of the model found before
             current = _model_in(field.annotation)
     return [field.alias or name for name, field in getattr(current, "model_fields", {}).items()]
 

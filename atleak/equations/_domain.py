@@ -13,12 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from atleak.errors import DomainError
 
-type_of_values = np.float64
-
 
 def values(given: ArrayLike) -> NDArray[np.float64]:
     """The given number or numbers as a float array; float arrays are not copied."""
-    return np.asarray(given, dtype=type_of_values)
+    return np.asarray(given, dtype=np.float64)
 
 
 def result(computed: Any) -> Any:
@@ -57,9 +55,7 @@ def within(name: str, given: ArrayLike, low: float, high: float, unit: str = "")
     """The values, all of them between low and high, both included."""
     value = values(given)
     if value.size and not (value.min() >= low and value.max() <= high):
-        refuse(
-            name, value, (value < low) | (value > high), f"between {low:g} and {high:g} {unit}".rstrip(), unit
-        )
+        refuse(name, value, (value < low) | (value > high), f"between {low:g} and {high:g} {unit}".rstrip(), unit)
     return value
 
 

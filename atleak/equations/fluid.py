@@ -143,9 +143,7 @@ def astm_d341_coefficients(
     nu_1 = above("kinematic viscosity", viscosity_1, ASTM_D341_LOWEST_VISCOSITY, "m²/s")
     nu_2 = above("kinematic viscosity", viscosity_2, ASTM_D341_LOWEST_VISCOSITY, "m²/s")
     rising = (nu_2 - nu_1) * np.sign(t_2 - t_1) > 0.0
-    refuse(
-        "second kinematic viscosity", nu_2, rising, "such that viscosity falls as temperature rises", "m²/s"
-    )
+    refuse("second kinematic viscosity", nu_2, rising, "such that viscosity falls as temperature rises", "m²/s")
     x_1, x_2 = np.log10(t_1 - _ABSOLUTE_ZERO), np.log10(t_2 - _ABSOLUTE_ZERO)
     y_1 = np.log10(np.log10(1e6 * nu_1 + 0.7))
     y_2 = np.log10(np.log10(1e6 * nu_2 + 0.7))
@@ -200,9 +198,7 @@ def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
             shifted = np.exp(np.exp(a - values(B) * np.log(t - _ABSOLUTE_ZERO)))
     except FloatingPointError:
         lowest = float(np.nanmin(t))
-        raise DomainError(
-            f"temperature must be one at which ASTM D341 is finite, found {lowest:g} °C"
-        ) from None
+        raise DomainError(f"temperature must be one at which ASTM D341 is finite, found {lowest:g} °C") from None
     return result((shifted - 0.7) * 1e-6)
 
 

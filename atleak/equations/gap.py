@@ -577,7 +577,5 @@ def _several(clearances: ArrayLike, axis: int) -> Any:
     """Clearances along an axis, at least one."""
     c = np.atleast_1d(not_negative("radial clearance", clearances, "m"))
     if c.shape[axis] == 0:
-        raise DomainError(
-            "radial clearances must be at least one along the axis that is averaged, found none"
-        )
+        raise DomainError("radial clearances must be at least one along the axis that is averaged, found none")
     return c

@@ -302,7 +302,9 @@ def control_pressure(
     """
     p_g = values(main_pressure)
     control, main = _areas(a_1, a_2w, a_3w, a_g1, a_g2)
-    control = positive("area left for control pressure (A_1 - A_2W + A_3W)", control, "m²")
+    # What subtraction leaves of equal areas is no area.
+    nothing = control <= 1e-12 * values(a_1)
+    refuse("area left for control pressure (A_1 - A_2W + A_3W)", control, nothing, "positive", "m²")
     return result((p_g * main + values(spring_force)) / control)
 
 
@@ -342,9 +344,7 @@ def modulated_pressure(main_pressure: ArrayLike, ratio: ArrayLike, limit: ArrayL
     return result(np.minimum(alpha * values(main_pressure), highest))
 
 
-def _areas(
-    a_1: ArrayLike, a_2w: ArrayLike, a_3w: ArrayLike, a_g1: ArrayLike, a_g2: ArrayLike
-) -> tuple[Any, Any]:
+def _areas(a_1: ArrayLike, a_2w: ArrayLike, a_3w: ArrayLike, a_g1: ArrayLike, a_g2: ArrayLike) -> tuple[Any, Any]:
     """The net area that control pressure acts on, and the net area that main pressure acts on."""
     control = (
         not_negative("area A_1", a_1, "m²")

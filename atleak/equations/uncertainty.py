@@ -183,9 +183,7 @@ def persistent_rounding_variance(resolution: ArrayLike, standard_deviation: Arra
     s = not_negative("standard deviation", standard_deviation)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         a = np.minimum((2.0 * math.pi * s / step) ** 2, 1e3)
-    few = (
-        math.pi**2 / 6.0 - np.sqrt(math.pi * a) + 0.5 * a
-    )  # the same sum after Poisson's formula, for small a
+    few = math.pi**2 / 6.0 - np.sqrt(math.pi * a) + 0.5 * a  # the same sum after Poisson's formula, for small a
     k = np.arange(1.0, 11.0)
     many = np.sum(np.exp(-a[..., None] * k * k) / (k * k), axis=-1)
     series = np.where(a < 0.5, few, many)
@@ -442,9 +440,7 @@ def guard_band(standard_uncertainty: ArrayLike, factor: float = 1.645) -> Any:
     >>> round(guard_band(1.06), 3)
     1.744
     """
-    return result(
-        not_negative("guard factor", factor) * not_negative("standard uncertainty", standard_uncertainty)
-    )
+    return result(not_negative("guard factor", factor) * not_negative("standard uncertainty", standard_uncertainty))
 
 
 def _mean_and_spread(mean: ArrayLike, standard_uncertainty: ArrayLike) -> tuple[Any, Any]:

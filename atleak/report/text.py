@@ -61,11 +61,7 @@ def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
 def _cell(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{found:g} at {name} °C" for name, found in value.items())
-    return (
-        {None: "–", True: "yes", False: "no"}.get(value, str(value))
-        if not isinstance(value, list)
-        else str(value)
-    )
+    return {None: "–", True: "yes", False: "no"}.get(value, str(value)) if not isinstance(value, list) else str(value)
 
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
@@ -77,9 +73,7 @@ def _total(diagnosis: Diagnosis, projection: Projection) -> str:
 
 
 def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
-    table = Table(
-        "verdict", "component", "land", "clearance µm", "mounting µm", "wear %", "share %", "because"
-    )
+    table = Table("verdict", "component", "land", "clearance µm", "mounting µm", "wear %", "share %", "because")
     for found in lands:
         land, rule = found.state.land, found.deciding
         table.add_row(

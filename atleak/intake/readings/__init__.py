@@ -9,15 +9,17 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Literal
 
 from atleak.controller import Controller
 from atleak.errors import Message, Place, ReadingsError, nearest_name
 from atleak.intake.readings.checks import check
+from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.files import read_bytes, read_sheets
 from atleak.intake.readings.headings import EXPECTED, Header, find_header
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.problems import ReadingsRefused
-from atleak.intake.readings.rows import Table, count_values, read_rows
+from atleak.intake.readings.rows import Table, read_rows
 from atleak.intake.readings.sheet import Sheet
 from atleak.intake.units import unit as unit_named
 from atleak.readings import Readings
@@ -80,20 +82,21 @@ def read_readings(
     candidates = [(found, header_of(found)) for found in sheets]
     chosen, header, messages = _choose(candidates, file, sheet)
     table = read_rows(chosen, header, Names(controller), told)
+    converted = table.converted
     result = Readings(
         file=file,
         sha256=hashlib.sha256(data).hexdigest(),
         sheet=chosen.name,
-        unit=", ".join(table.units) or (told.name if told else "mm"),
-        unit_assumed=table.unit_assumed,
+        unit=", ".join(converted.units) or (told.name if told else "mm"),
+        unit_assumed=converted.unit_assumed,
         layout=_layout(table, header),
-        readings=tuple(table.readings),
+        readings=tuple(converted.readings),
         messages=(*messages, *table.messages, *_about(table, chosen)),
     )
-    problems = [*table.problems, *(check(result, controller) if table.readings else [])]
+    problems = [*table.problems, *check(result, controller)]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
-    if not table.readings:
+    if not result.readings:
         raise _not_filled_in(file, chosen, header)
     return result
 
@@ -184,8 +187,8 @@ def _not_filled_in(file: str, found: Sheet, header: Header) -> ReadingsError:
     )
 
 
-def _layout(table: Table, header: Header) -> str:
-    if any(reading.coordinates is not None for reading in table.readings):
+def _layout(table: Table, header: Header) -> Literal["table", "tidy", "columns"]:
+    if any(reading.coordinates is not None for reading in table.converted.readings):
         return "table"
     return "columns" if len({column.group for column in header.values}) > 1 else "tidy"
 

@@ -1,0 +1,103 @@
+"""Total leakage of a long log, beside copying its arrays and beside a loop over the gaps.
+
+    python benchmarks/leakage_series.py
+
+prints, for 1.8 million samples and a controller of 60 gaps: the time of the series as a ratio to copying its input and
+output arrays (goal: at most 3), the loop over gaps as a ratio to the series (goal: at least 50), the largest relative
+difference between the two, and the time with 600 gaps as a ratio to the time with 6 (goal: within 10 %).
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from atleak.controller import Controller, load_controller
+from atleak.equations import gap as gap_equations
+from atleak.fluid import load_fluid
+from atleak.leakage import LeakageModel
+from atleak.profile import PAPER, WORKSHOP, Profile
+from atleak.readings import clearances
+
+SAMPLES = 1_800_000
+ROUNDS = 7
+
+
+def main() -> None:
+    rng = np.random.default_rng(1)
+    seconds = np.arange(SAMPLES) / 100.0
+    p_g = 7.0e5 + 2.5e5 * np.sin(seconds / 7.0) + rng.normal(0.0, 5.0e3, SAMPLES)
+    p_k = 0.5 * p_g
+    temperature = 80.0 + 20.0 * np.sin(seconds / 600.0)
+    gear = 1.0 + np.floor(seconds / 30.0) % 4.0
+    log = (p_g, p_k, temperature, gear)
+    for profile in (WORKSHOP, PAPER):
+        model = _model(60, profile)
+        copies = _median(lambda: [array.copy() for array in (*log, p_g)])
+        series = _median(lambda model=model: model.series(*log))
+        loop = _median(lambda model=model: loop_over_gaps(model, *log), rounds=3)
+        total, slow = model.series(*log).total, loop_over_gaps(model, *log)
+        difference = float(np.max(np.abs(total - slow) / np.abs(slow)))
+        few, many = (_median(lambda model=_model(gaps, profile): model.series(*log)) for gaps in (6, 600))
+        print(f"{profile.name}: {SAMPLES} samples x {len(model.controller.gaps)} gaps")
+        print(f"  series / copying its arrays   {series / copies:6.2f}   ({series * 1e3:.0f} ms / {copies * 1e3:.0f} ms)")
+        print(f"  loop over gaps / series       {loop / series:6.1f}   ({loop * 1e3:.0f} ms)")
+        print(f"  largest relative difference   {difference:.1e}")
+        print(f"  600 gaps / 6 gaps             {many / few:6.2f}   ({many * 1e3:.0f} ms / {few * 1e3:.0f} ms)")
+
+
+def loop_over_gaps(model: LeakageModel, p_g: Any, p_k: Any, temperature: Any, gear: Any) -> np.ndarray:
+    """What a straightforward program does: every gap's flow over the whole log, added up."""
+    profile, fluid = model.profile, model.fluid
+    viscosity = fluid.kinematic_viscosity(temperature, profile.viscosity)
+    density = fluid.density(temperature, profile.viscosity)
+    pressures = model.controller.section_pressures(p_g, p_k)
+    states = {state.land.key: state for state in model.clearances}
+    total = np.zeros_like(p_g)
+    for gap in model.controller.gaps:
+        if profile.pump_draw == "into_sump" and not gap.into_sump:
+            continue
+        state = states[gap.key]
+        high, low = (
+            pressures[end.section] * end.coefficient if end.section else 0.0 for end in (gap.high, gap.low)
+        )
+        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
+        clearance = state.radial_clearance + rate * (temperature - 20.0)
+        diameter = state.spool_diameter + (clearance if profile.diameter == "mean" else 0.0)
+        length = state.land.contact_length
+        flow = gap_equations.annular_flow(high - low, diameter, clearance, viscosity, density, length)
+        total += np.where(np.isin(gear, list(gap.gears)), np.maximum(flow, 0.0), 0.0)
+    return total
+
+
+def _model(gaps: int, profile: Profile) -> LeakageModel:
+    controller = load_controller("four_speed_2023")
+    chosen = _published_kinds(controller, gaps)
+    controller = replace(controller, gaps=chosen)
+    return LeakageModel(controller, clearances(None, controller), load_fluid("hipol_atf_iid"), profile)
+
+
+def _published_kinds(controller: Controller, count: int) -> tuple[Any, ...]:
+    """So many gaps that see a drop in every gear, cycling through the kinds of pressure drop of the controller."""
+    every = frozenset(controller.gears)
+    kinds = {(gap.section, str(gap.high), str(gap.low)): replace(gap, gears=every) for gap in controller.gaps}
+    found = list(kinds.values())[:6]
+    return tuple(found[number % len(found)] for number in range(count))
+
+
+def _median(run: Callable[[], Any], rounds: int = ROUNDS) -> float:
+    times = []
+    for _ in range(rounds):
+        start = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+if __name__ == "__main__":
+    main()
