@@ -1,0 +1,91 @@
+"""Clearances: round trips, properties, units and domain."""
+
+from __future__ import annotations
+
+import numpy as np
+import pint
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from atleak.equations import clearance
+from atleak.errors import DomainError
+
+spools = st.floats(2e-3, 50e-3)
+clearances = st.floats(1e-6, 200e-6)
+expansions = st.floats(0.0, 30e-6)
+rises = st.floats(-60.0, 100.0)
+
+
+@given(spools, clearances)
+def test_clearance_of_the_diameters_it_makes(spool: float, c: float) -> None:
+    assert clearance.radial_clearance(spool + 2 * c, spool) == pytest.approx(c, rel=1e-9, abs=0.0)
+
+
+def test_equal_diameters_leave_no_clearance() -> None:
+    assert clearance.radial_clearance(0.01, 0.01) == 0.0
+
+
+@given(clearances, st.floats(-1.0, 10.0))
+def test_wear_and_worn_clearance_undo_each_other(c_m: float, z: float) -> None:
+    assert clearance.wear(clearance.worn_clearance(c_m, z * c_m), c_m) == pytest.approx(z, abs=1e-14)
+
+
+def test_a_pair_tighter_than_new_has_negative_wear() -> None:
+    assert clearance.wear(27e-6, 30e-6) == pytest.approx(-0.1, rel=1e-9, abs=0.0)
+
+
+@given(clearances, spools, expansions, expansions, rises)
+def test_effective_clearance_is_that_of_the_grown_diameters(
+    c: float, spool: float, beta_k: float, beta_s: float, rise: float
+) -> None:
+    sleeve = spool + 2 * c
+    grown = (sleeve * (1 + beta_k * rise) - spool * (1 + beta_s * rise)) / 2
+    if grown < 0.0:
+        with pytest.raises(DomainError, match="effective clearance"):
+            clearance.effective_clearance(c, sleeve, spool, beta_k, beta_s, rise, rise)
+        return
+    hot = clearance.effective_clearance(c, sleeve, spool, beta_k, beta_s, rise, rise)
+    assert hot == pytest.approx(grown, abs=1e-15)
+    rate = clearance.thermal_rate(sleeve, spool, beta_k, beta_s)
+    assert hot == pytest.approx(c + rate * rise, abs=1e-18)
+
+
+def test_body_and_spool_may_warm_up_differently() -> None:
+    hot = clearance.effective_clearance(30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 40.0, 60.0)
+    u = pint.UnitRegistry()
+    body = 21.5e-6 / u.delta_degC * 10.06 * u.mm * 40 * u.delta_degC
+    spool = 12e-6 / u.delta_degC * 10.0 * u.mm * 60 * u.delta_degC
+    assert hot == pytest.approx((30 * u.um + (body - spool) / 2).to(u.m).magnitude, rel=1e-12, abs=0.0)
+
+
+def test_no_rise_changes_nothing() -> None:
+    assert clearance.effective_clearance(30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 0.0, 0.0) == 30e-6
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "words"),
+    [
+        (clearance.radial_clearance, (0.00999, 0.010), "sleeve diameter must be at least the spool's"),
+        (clearance.radial_clearance, (0.01, 0.0), "spool diameter"),
+        (clearance.radial_clearance, (-0.01, 0.01), "sleeve diameter"),
+        (clearance.worn_clearance, (-1e-6, 5e-6), "mounting clearance"),
+        (clearance.worn_clearance, (1e-6, -5e-6), "worn clearance"),
+        (clearance.wear, (-1e-6, 30e-6), "radial clearance"),
+        (clearance.wear, (30e-6, 0.0), "mounting clearance"),
+        (clearance.effective_clearance, (-1e-6, 0.01, 0.01, 2e-5, 1e-5, 60, 60), "radial clearance"),
+        (clearance.effective_clearance, (3e-5, 0.009, 0.01, 2e-5, 1e-5, 60, 60), "sleeve diameter"),
+        (clearance.effective_clearance, (3e-5, 0.01, 0.01, -2e-5, 1e-5, 60, 60), "body expansion"),
+        (clearance.effective_clearance, (3e-5, 0.01, 0.01, 2e-5, -1e-5, 60, 60), "spool expansion"),
+        (clearance.effective_clearance, (1e-6, 0.01, 0.01, 1e-5, 2e-5, 60, 60), "effective clearance"),
+        (clearance.thermal_rate, (0.009, 0.01, 2e-5, 1e-5), "sleeve diameter"),
+    ],
+)
+def test_out_of_domain_is_refused_by_name(function, arguments: tuple, words: str) -> None:
+    with pytest.raises(DomainError, match=words):
+        function(*arguments)
+
+
+def test_the_offending_pair_is_named() -> None:
+    with pytest.raises(DomainError, match=r"found 0\.00999 m at index 2"):
+        clearance.radial_clearance(np.array([0.01001, np.nan, 0.00999]), 0.010)
