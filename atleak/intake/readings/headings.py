@@ -33,8 +33,8 @@ def _words(text: str) -> frozenset[str]:
 _MEAN = _words("mean average avg mittel mittelwert mittlerer srednia sredni wartosc")
 _IGNORED = _words(
     "nominal nenn nennmass nominalna nominalny mounting clearance tolerance toleranz note notes remark "
-    "remarks comment comments bemerkung uwagi check checks date datum data limit uncertainty ovality taper material contact "
-    "length expected operator lp spiel luz wear ok"
+    "remarks comment comments bemerkung uwagi check checks date datum data limit uncertainty ovality taper material "
+    "contact length expected operator lp spiel luz wear ok"
 )
 _DIRECTION = _words("direction dir richtung messrichtung kierunek angle winkel kat orientation")
 _PLANE = _words("plane planes ebene messebene plaszczyzna przekroj schnitt")

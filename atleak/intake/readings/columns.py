@@ -1,0 +1,173 @@
+"""What the columns of a sheet are for, told from the headings and from what stands under them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from atleak.errors import ReadingsError
+from atleak.intake.readings.headings import Column, Header, Role
+from atleak.intake.readings.names import Names
+from atleak.intake.readings.sheet import Cell, Sheet
+from atleak.intake.readings.words import is_blank, part_of, plain, text_of
+from atleak.intake.units import Unit, find_unit
+
+_UNIT_WORDS = {"unit", "units", "einheit", "einheiten", "jednostka", "jednostki"}
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The columns to read from; None or empty where the sheet has none of a kind."""
+
+    component: Column | None
+    names: tuple[Column, ...]  # further columns that name the component in words
+    part: Column | None
+    plane: Column | None
+    land: Column | None
+    direction: Column | None  # None also where it is empty throughout
+    repeat: Column | None  # the same
+    unit: Column | None
+    groups: tuple[dict[str, Column], ...]  # each makes one diameter: "diameter", "coordinate 1", "coordinate 2"
+    sheet_unit: Unit | None  # where a heading names none
+    problems: list[ReadingsError] = field(default_factory=list)
+
+
+def understand(sheet: Sheet, header: Header, names: Names) -> Columns:
+    """Which column is what. What is missing or contradictory is among the ``problems``."""
+    component = _component(sheet, header, names)
+    problems: list[ReadingsError] = []
+    columns = Columns(
+        component=component,
+        names=tuple(column for column in header.of("component") if column != component),
+        part=_part(sheet, header),
+        plane=next(iter(header.of("plane")), None),
+        land=next(iter(header.of("land")), None),
+        direction=_used(sheet, header, "direction"),
+        repeat=_used(sheet, header, "repeat"),
+        unit=_used(sheet, header, "unit"),
+        groups=tuple(_groups(sheet, header, problems)),
+        sheet_unit=_sheet_unit(sheet, header),
+        problems=problems,
+    )
+    problems.extend(_missing(sheet, header, names, columns))
+    return columns
+
+
+def count_values(sheet: Sheet, header: Header) -> int:
+    """How many cells under the headings hold something where a diameter belongs."""
+    return sum(
+        not is_blank(sheet.cell(row, column.index))
+        for row in range(header.last + 1, len(sheet.rows))
+        for column in header.values
+    )
+
+
+def _cells(sheet: Sheet, header: Header, column: Column) -> Iterator[Cell]:
+    for row in range(header.last + 1, len(sheet.rows)):
+        cell = sheet.filled(row, column.index)
+        if not is_blank(cell):
+            yield cell
+
+
+def _used(sheet: Sheet, header: Header, role: Role) -> Column | None:
+    return next((column for column in header.of(role) if any(True for _ in _cells(sheet, header, column))), None)
+
+
+def _names_parts(sheet: Sheet, header: Header, column: Column) -> bool:
+    cells = list(_cells(sheet, header, column))
+    return bool(cells) and sum(part_of(text_of(cell)) is not None for cell in cells) > 0.5 * len(cells)
+
+
+def _part(sheet: Sheet, header: Header) -> Column | None:
+    """A column headed "part", or one headed "component" whose cells are parts, as in the study's Table 1."""
+    candidates = header.of("part") or tuple(
+        column for column in header.of("component") if _names_parts(sheet, header, column)
+    )
+    return next(iter(candidates), None)
+
+
+def _component(sheet: Sheet, header: Header, names: Names) -> Column | None:
+    """Of the columns that may number or name the components, the one whose cells the controller knows."""
+    best: tuple[float, int, Column] | None = None
+    for column in header.of("component"):
+        if not header.of("part") and _names_parts(sheet, header, column):
+            continue
+        cells = list(_cells(sheet, header, column))
+        known = sum(names.component(cell) is not None for cell in cells) / len(cells) if cells else 0.0
+        if best is None or (known, column.rank) > best[:2]:
+            best = (known, column.rank, column)
+    return best[2] if best else None
+
+
+def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list[dict[str, Column]]:
+    groups: dict[object, dict[str, Column]] = {}
+    for column in header.values:
+        name = "diameter" if column.role == "diameter" else f"coordinate {column.coordinate}"
+        group = groups.setdefault(column.group, {})
+        if name in group:
+            problems.append(
+                ReadingsError(
+                    f"two columns are read as the same {name}: {_one_line(group[name].heading)!r} and "
+                    f"{_one_line(column.heading)!r}",
+                    place=sheet.place(header.last, column.index, column.heading),
+                    expected="headings that tell repeats apart, such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
+                )
+            )
+        group.setdefault(name, column)
+    for group in groups.values():
+        coordinates = [name for name in ("coordinate 1", "coordinate 2") if name in group]
+        if "diameter" not in group and len(coordinates) != 2:
+            column = next(iter(group.values()))
+            problems.append(
+                ReadingsError(
+                    "one coordinate alone makes no diameter",
+                    place=sheet.place(header.last, column.index, column.heading),
+                    value=_one_line(column.heading),
+                    expected="both coordinates (x1 and x2), or the diameter",
+                )
+            )
+    return list(groups.values())
+
+
+def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
+    """The unit that holds where a heading names none: its only sibling's, or the one stated above the table."""
+    headed = {column.unit for column in header.values if column.unit is not None}
+    if len(headed) == 1:
+        return headed.pop()
+    for row in range(header.first):
+        for index, cell in enumerate(sheet.rows[row]):
+            words = plain(cell).replace(":", " ").replace("=", " ").split() if isinstance(cell, str) else []
+            if words and words[0] in _UNIT_WORDS:
+                candidates = [*words[1:], str(sheet.cell(row, index + 1))]
+            elif "in" in words[:-1] or "w" in words[:-1]:  # "all dimensions in mm"
+                candidates = words[-1:]
+            else:
+                continue
+            for candidate in candidates:
+                bare = candidate.strip("[]()., ")
+                unit = find_unit(bare, "length") if bare else None
+                if unit is not None:
+                    return unit
+    return None
+
+
+def _missing(sheet: Sheet, header: Header, names: Names, columns: Columns) -> Iterator[ReadingsError]:
+    missing = []
+    if columns.component is None:
+        missing.append("the component's number")
+    if columns.part is None and not all(column.part for column in header.values):
+        missing.append("the part (spool or sleeve)")
+    single = len(names.controller.lands) == len(names.with_lands)
+    if columns.plane is None and columns.land is None and not single:
+        missing.append("the measurement plane (or land)")
+    if missing:
+        yield ReadingsError(
+            f"no column holds {' nor '.join(missing)}",
+            place=sheet.place(header.last),
+            value=", ".join(_one_line(column.heading) for column in header.columns),
+            expected="headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'",
+        )
+
+
+def _one_line(heading: str) -> str:
+    return " ".join(heading.split())

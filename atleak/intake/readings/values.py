@@ -1,0 +1,154 @@
+"""Diameters as written → readings in metres: the unit where none is stated, and the numbers of the repeats."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from statistics import median
+
+from atleak.controller import Controller
+from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.units import Unit, find_unit, unit_names
+from atleak.readings import Part, Reading
+
+COORDINATES_AGREE = 2e-6  # [m] between a diameter and the distance of its coordinates, both rounded to 0.001 mm
+MM = 1e-3
+
+
+@dataclass(frozen=True)
+class Key:
+    """What a diameter is of."""
+
+    component: str
+    part: Part
+    plane: str
+    direction: float | None
+    repeat: int | None  # None: the next free one
+    explicit: bool  # whether a column of its own says it
+
+
+@dataclass(frozen=True)
+class RawValue:
+    """One diameter as written: the numbers, still in the sheet's unit."""
+
+    diameter: float | None
+    coordinates: tuple[float, float] | None
+    unit: Unit | None
+    place: Place
+
+    @property
+    def size(self) -> float:
+        if self.diameter is not None:
+            return self.diameter
+        assert self.coordinates is not None
+        return abs(self.coordinates[0] - self.coordinates[1])
+
+
+@dataclass
+class Converted:
+    """Readings, and what was found on the way to them."""
+
+    readings: list[Reading] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)  # names in order of appearance
+    unit_assumed: bool = False
+    problems: list[ReadingsError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+
+
+def convert(found: Sequence[tuple[Key, RawValue]], controller: Controller, headings: Place) -> Converted:
+    """Readings from diameters as written; ``headings`` is the place to name where the unit is missing."""
+    result = Converted()
+    unitless = [(key, raw) for key, raw in found if raw.unit is None]
+    assumed = _assumed_unit(unitless, controller, headings, result) if unitless else None
+    result.unit_assumed = assumed is not None
+    taken: dict[tuple[object, int], Reading] = {}
+    counted: dict[object, int] = defaultdict(int)
+    for key, raw in found:
+        unit = raw.unit or assumed
+        if unit is None or not _agrees(raw, unit, result.problems):
+            continue
+        if unit.name not in result.units:
+            result.units.append(unit.name)
+        reading = _reading(key, raw, unit)
+        station, repeat = reading.station, key.repeat
+        if key.explicit and (station, repeat) in taken:
+            result.problems.append(_twice(reading, raw, repeat, taken[station, repeat]))
+            continue
+        while repeat is None or (station, repeat) in taken:
+            counted[station] += 1
+            repeat = counted[station]
+        taken[station, repeat] = replace(reading, repeat=repeat)
+        result.readings.append(taken[station, repeat])
+    return result
+
+
+def _agrees(raw: RawValue, unit: Unit, problems: list[ReadingsError]) -> bool:
+    if raw.diameter is None or raw.coordinates is None:
+        return True
+    distance = abs(raw.coordinates[0] - raw.coordinates[1])
+    if abs(raw.diameter - distance) * unit.factor <= COORDINATES_AGREE + 1e-12:
+        return True
+    problems.append(
+        ReadingsError(
+            f"the diameter and the distance of its coordinates ({distance:.6g}) disagree",
+            place=raw.place,
+            value=raw.diameter,
+            expected="a diameter equal to |x1 − x2|, or one of the two left empty",
+        )
+    )
+    return False
+
+
+def _reading(key: Key, raw: RawValue, unit: Unit) -> Reading:
+    coordinates = None
+    if raw.coordinates is not None:
+        coordinates = (unit.to_si(raw.coordinates[0]), unit.to_si(raw.coordinates[1]))
+    return Reading(
+        component=key.component,
+        part=key.part,
+        plane=key.plane,
+        direction=key.direction,
+        repeat=0,
+        diameter=unit.to_si(raw.size),
+        place=raw.place,
+        coordinates=coordinates,
+    )
+
+
+def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> ReadingsError:
+    angle = "" if reading.direction is None else f", {reading.direction:g}°"
+    return ReadingsError(
+        f"repeat {repeat} of component {reading.component}, {reading.part}, plane {reading.plane}{angle} stands in "
+        f"row {earlier.place.row} already",
+        place=raw.place,
+        value=raw.size,
+        expected="each repeat once",
+    )
+
+
+def _assumed_unit(
+    unitless: Sequence[tuple[Key, RawValue]], controller: Controller, headings: Place, result: Converted
+) -> Unit | None:
+    """The unit in which the diameters come near the nominal ones."""
+    ratios = []
+    for key, raw in unitless:
+        land = controller.land_of_plane(key.component, key.plane)
+        assert land is not None  # a key is only made for planes that the controller knows
+        ratios.append(raw.size / (land.nominal_diameter / MM))
+    middle = median(ratios)
+    for name in unit_names("length"):
+        unit = find_unit(name, "length")
+        if unit is not None and 0.8 < middle * unit.factor / MM < 1.25:
+            text = f"the sheet names no unit: {name} assumed, in which the diameters come near the nominal ones"
+            result.messages.append(Message("warning", "unit_assumed", text, headings))
+            return unit
+    result.problems.append(
+        ReadingsError(
+            f"the sheet names no unit, and in none are the diameters near the nominal ones (the numbers are "
+            f"{middle:.3g} times the nominal diameters in mm)",
+            place=headings,
+            expected="a unit in the heading, such as 'Diameter [mm]'",
+        )
+    )
+    return None
