@@ -60,8 +60,7 @@ class Fluid:
         """Density [kg/m³] at a temperature [°C]: the table's, linear between points, with ``tabulated``; eq. (30)
         with ``regression``; else a line through the data sheet's point."""
         if model == "tabulated" and self.table:
-            temperatures, _, densities = np.array(self.table).T
-            return _plain(np.interp(temperature, temperatures, densities))
+            return _plain(_between_points(np.asarray(temperature, dtype=float), self._knots[0], self._knots[2]))
         if model == "regression":
             return fluid_equations.study_density(temperature)
         at, density = self.density_at
@@ -120,8 +119,13 @@ class Fluid:
             return fluid_equations.astm_d341(temperature, *self.d341)
         if model == "regression":
             return fluid_equations.study_viscosity(temperature)
-        rows = np.array([row[:2] for row in self.table or self.points])
-        return np.exp(np.interp(temperature, rows[:, 0], np.log(rows[:, 1])))
+        return np.exp(_between_points(temperature, self._knots[0], self._knots[1]))
+
+    @cached_property
+    def _knots(self) -> np.ndarray:
+        """Temperature, ln ν and (of a table) density of the tabulated points, as rows."""
+        temperatures, viscosities, *densities = np.array(self.table or self.points).T
+        return np.stack([temperatures, np.log(viscosities), *densities])
 
     @cached_property
     def d341(self) -> tuple[float, float]:
@@ -172,6 +176,16 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
 def fluids() -> list[Fluid]:
     """Every shipped fluid."""
     return [load_fluid(found) for found in catalogue.catalogue_files("fluids")]
+
+
+def _between_points(at: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Straight lines between points; one line suffices where all of ``at`` lies between two neighbours."""
+    if at.size and at.ndim:
+        segment = int(np.clip(np.searchsorted(knots, at.min(), side="right") - 1, 0, len(knots) - 2))
+        if at.min() >= knots[segment] and at.max() <= knots[segment + 1]:
+            slope = (values[segment + 1] - values[segment]) / (knots[segment + 1] - knots[segment])
+            return (at - knots[segment]) * slope + values[segment]
+    return np.interp(at, knots, values)
 
 
 def _plain(value: Any) -> Any:

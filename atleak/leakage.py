@@ -305,17 +305,18 @@ class LeakageModel:
     def _evaluate_stripe(self, log: _Log, found: LeakageSeries, starts: Iterable[int]) -> LeakageSeries:
         """Fill the chunks that begin at ``starts``; returns what was counted on the way."""
         count = LeakageSeries(np.empty(0), {})
+        scratch = np.empty((8, min(_CHUNK, len(found.total))))  # taken once: fresh memory costs more than the sums
         for start in starts:
             part = slice(start, start + _CHUNK)
-            self._evaluate(log.part(part), found.part(part), count)
+            self._evaluate(log.part(part), found.part(part), count, scratch[:, : len(found.total) - start])
         return count
 
-    def _evaluate(self, log: _Log, target: LeakageSeries, count: LeakageSeries) -> None:
+    def _evaluate(self, log: _Log, target: LeakageSeries, count: LeakageSeries, scratch: np.ndarray) -> None:
         """Fill ``target`` with the flows of one chunk and add to the counts."""
         viscous = self.viscosity_times_density(log.temperature)
-        powers = _powers(log.temperature - REFERENCE_TEMPERATURE)
+        powers, lines = scratch[:5], scratch[5:]  # μ·q = (p_g, p_k, 1) · lines
+        _powers(log.temperature, powers)
         span = _span(log.temperature)
-        lines = np.empty((3, len(viscous)))  # μ·q = (p_g, p_k, 1) · lines
         ready: dict[int | None, tuple[_Plan, np.ndarray | None]] = {}
         later = []
         for number, samples in _by_gear(log.gear):
@@ -497,15 +498,13 @@ class _Plan:
         return self._pieces[lines]
 
 
-def _powers(rise: np.ndarray) -> np.ndarray:
-    """1, τ, … τ⁴ as rows."""
-    powers = np.empty((5, len(rise)))
-    powers[0] = 1.0
-    powers[1] = rise
-    np.multiply(rise, rise, out=powers[2])
-    np.multiply(powers[2], rise, out=powers[3])
-    np.multiply(powers[2], powers[2], out=powers[4])
-    return powers
+def _powers(temperature: np.ndarray, out: np.ndarray) -> None:
+    """1, τ, … τ⁴ as rows, with τ = T − T₀."""
+    out[0] = 1.0
+    np.subtract(temperature, REFERENCE_TEMPERATURE, out=out[1])
+    np.multiply(out[1], out[1], out=out[2])
+    np.multiply(out[2], out[1], out=out[3])
+    np.multiply(out[2], out[2], out=out[4])
 
 
 def _span(temperature: np.ndarray) -> tuple[float, float]:
