@@ -1,0 +1,79 @@
+"""A diagnosis as an Excel workbook that an auditor can recompute.
+
+Diameters, clearances, flows, shares and verdicts are live formulas with cached values: changing a diameter changes what
+follows from it. Text is always written as text: nothing a user typed becomes a formula or a link.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import io
+
+import xlsxwriter
+
+from atleak import __version__
+from atleak.diagnosis import Diagnosis
+from atleak.job import Job
+from atleak.report.record import diagnosis_record
+from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.live import LiveSheets, write_readings
+from atleak.report.xlsx.sheets import Sheets
+
+__all__ = ["write_workbook"]
+
+_UNDATED = dt.datetime(2000, 1, 1)  # of a job without a date: the same job gives the same bytes
+_OPTIONS = {"in_memory": True, "strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
+
+
+def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str = "a4") -> bytes:
+    """The workbook's bytes.
+
+    Parameters
+    ----------
+    diagnosis
+        the frozen result; nothing is computed from it that it does not hold.
+    job
+        what the workshop wrote down; what is not filled in is left out.
+    paper
+        ``"a4"`` or ``"letter"``, for printing.
+    """
+    job = job or Job()
+    target = io.BytesIO()
+    with xlsxwriter.Workbook(target, _OPTIONS) as workbook:
+        created = dt.datetime.combine(job.date, dt.time()) if job.date else _UNDATED
+        workbook.set_properties(
+            {"title": "Valve body leakage", "author": "", "comments": f"atleak {__version__}", "created": created}
+        )
+        _write(Book(workbook, paper), diagnosis, job)
+    return target.getvalue()
+
+
+def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
+    record = diagnosis_record(diagnosis)
+    live = LiveSheets(book, diagnosis, record)
+    rest = Sheets(book, diagnosis, record, job, live)
+    summary = book.sheet("Summary")
+    lands = book.sheet("Lands", frozen=(1, 3))
+    gaps = [(book.sheet(at.sheet, frozen=(1, 2)), at) for at in live.conditions]
+    rules = book.sheet("Rules", frozen=(1, 2))
+    readings = book.sheet("Readings", frozen=(1, 2)) if diagnosis.readings else None
+    road = book.sheet("Road test") if diagnosis.road else None
+    conditions = book.sheet("Conditions", frozen=(1, 2))
+    rest.write_limits(book.sheet("Limits"))  # first of all: rules and bands point into it
+    if not job.empty:
+        rest.write_job(book.sheet("Job", landscape=False))
+    messages = book.sheet("Messages", frozen=(1, 0))
+    provenance = book.sheet("Provenance", landscape=False)
+    if readings is not None:
+        write_readings(book, readings, live)
+    live.write_conditions(conditions)
+    live.write_lands(lands)
+    for sheet, at in gaps:
+        live.write_gaps(sheet, at)
+    live.write_rules(rules)
+    if road is not None:
+        rest.write_road(road)
+    rest.write_messages(messages)
+    rest.write_provenance(provenance)
+    rest.write_summary(summary)
+    summary.activate()

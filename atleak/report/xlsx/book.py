@@ -1,0 +1,184 @@
+"""Cells, formats and pages: how anything gets into the workbook."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import xlsxwriter
+from xlsxwriter.format import Format
+from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.job import clean_text
+from atleak.report.text import SYMBOLS, WORDS
+
+CELL_LIMIT = 32_767  # characters Excel allows in a cell
+NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
+COLOURS = {
+    "ok": ("#E6F2E6", "#1E5B2A"),
+    "watch": ("#FFF2CC", "#7A5200"),
+    "replace": ("#F8D7C4", "#8A2A00"),
+    "critical": ("#B3261E", "#FFFFFF"),
+    "not_measured": ("#EEEEEE", "#555555"),
+    "green": ("#E6F2E6", "#1E5B2A"),
+    "amber": ("#FFF2CC", "#7A5200"),
+    "red": ("#F8D7C4", "#8A2A00"),
+}
+BANDS = ("green", "amber", "red", "critical")
+NUMBER_FORMATS = {
+    "mm": "0.0000",
+    "um": "0.00",
+    "kpa": "0.0",
+    "flow": "0.0000",
+    "mm3": "0.000",
+    "percent": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";0.00',
+    "temperature": "0.0",
+    "rpm": "0",
+    "nu": "0.0000",
+    "rho": "0.0000",
+    "time": "0.00",
+    "plain": "General",
+}
+
+
+class Book:
+    """The workbook with its formats; text always goes in as text."""
+
+    def __init__(self, workbook: xlsxwriter.Workbook, paper: str) -> None:
+        self.workbook, self.paper = workbook, paper
+        self._formats: dict[tuple[tuple[str, Any], ...], Format] = {}
+        self.sheets: dict[str, Worksheet] = {}
+
+    def form(self, number: str = "plain", **properties: Any) -> Format:
+        """A format for a kind of number, made once."""
+        wanted = {"num_format": NUMBER_FORMATS[number], "valign": "top", **properties}
+        key = tuple(sorted(wanted.items()))
+        if key not in self._formats:
+            self._formats[key] = self.workbook.add_format(wanted)
+        return self._formats[key]
+
+    @property
+    def heading(self) -> Format:
+        return self.form(bold=True, bottom=1, text_wrap=True, bg_color="#E8EDF2")
+
+    @property
+    def title(self) -> Format:
+        return self.form(bold=True, font_size=15)
+
+    @property
+    def bold(self) -> Format:
+        return self.form(bold=True)
+
+    @property
+    def wrapped(self) -> Format:
+        return self.form(text_wrap=True)
+
+    def sheet(self, name: str, *, frozen: tuple[int, int] = (0, 0), landscape: bool = True) -> Worksheet:
+        """A new sheet, ready to print: one page wide, headings repeated, page numbers."""
+        sheet = self.workbook.add_worksheet(name)
+        self.sheets[name] = sheet
+        sheet.set_paper(1 if self.paper == "letter" else 9)
+        if landscape:
+            sheet.set_landscape()
+        sheet.fit_to_pages(1, 0)
+        sheet.set_footer("&L&A&R&P / &N")
+        if frozen != (0, 0):
+            sheet.freeze_panes(*frozen)
+        if frozen[0]:
+            sheet.repeat_rows(0, frozen[0] - 1)
+        return sheet
+
+    def headings(self, sheet: Worksheet, row: int, names: Iterable[str]) -> None:
+        for column, name in enumerate(names):
+            sheet.write_string(row, column, name, self.heading)
+
+    def pairs(self, sheet: Worksheet, row: int, pairs: Iterable[tuple[str, Any]]) -> int:
+        """Names and values below one another, unknown and empty values left out; the next free row."""
+        for name, value in pairs:
+            if value is None or value in ("", [], ()):
+                continue
+            sheet.write_string(row, 0, name, self.bold)
+            row = put_text(sheet, row, 1, value, self.wrapped) if isinstance(value, str) else row
+            if not isinstance(value, str):
+                put(sheet, row, 1, value, self.form(align="left"))
+            row += 1
+        return row
+
+    def records(self, sheet: Worksheet, row: int, records: Sequence[dict[str, Any]]) -> int:
+        """A heading row and a row per record; the next free row."""
+        if not records:
+            return row
+        names = list(dict.fromkeys(name for record in records for name in record))
+        self.headings(sheet, row, names)
+        for line, record in enumerate(records, start=row + 1):
+            for column, name in enumerate(names):
+                put(sheet, line, column, record.get(name), self.wrapped)
+        return row + len(records) + 1
+
+    def colour_words(
+        self, sheet: Worksheet, first: tuple[int, int], last: tuple[int, int], words: Iterable[str]
+    ) -> None:
+        """Colour cells that say a verdict or a band; the word and the sign stand for themselves in greyscale."""
+        if last[0] < first[0]:
+            return
+        for word in words:
+            background, ink = COLOURS[word]
+            form = self.workbook.add_format({"bg_color": background, "font_color": ink, "bold": word != "ok"})
+            said = WORDS.get(word, word)
+            rule = {"type": "text", "criteria": "ends with", "value": said, "format": form}
+            sheet.conditional_format(*first, *last, rule)
+
+
+def put(sheet: Worksheet, row: int, column: int, value: Any, form: Format | None = None) -> None:
+    """A value in a cell: numbers as numbers, everything else as text, unknown as an empty cell."""
+    if isinstance(value, bool):
+        sheet.write_string(row, column, "yes" if value else "no", form)
+    elif isinstance(value, int | float):
+        if math.isfinite(value):
+            sheet.write_number(row, column, value, form)
+        elif value > 0.0:
+            sheet.write_number(row, column, NO_DELIVERY, form)
+    elif isinstance(value, list | tuple):
+        put(sheet, row, column, ", ".join(map(str, value)), form)
+    elif value is not None:
+        sheet.write_string(row, column, clean_text(str(value))[:CELL_LIMIT], form)
+
+
+def put_text(sheet: Worksheet, row: int, column: int, text: str, form: Format | None = None) -> int:
+    """Text of any length, continued in the cells below where one cell cannot hold it; the last row used."""
+    text = clean_text(text)
+    parts = [text[start : start + CELL_LIMIT] for start in range(0, len(text), CELL_LIMIT)] or [""]
+    for line, part in enumerate(parts):
+        sheet.write_string(row + line, column, part, form)
+    return row + len(parts) - 1
+
+
+def formula(sheet: Worksheet, row: int, column: int, text: str, value: float | str, form: Format | None = None) -> None:
+    """A live formula with the value it gives, so that a preview or pandas sees it without calculating."""
+    if isinstance(value, float) and not math.isfinite(value):
+        value = NO_DELIVERY
+    sheet.write_formula(row, column, f"={text}", form, value)
+
+
+def cell(row: int, column: int, sheet: str | None = None) -> str:
+    """The address of a cell, fixed in row and column: ``Lands!$D$3``."""
+    address = xl_rowcol_to_cell(row, column, row_abs=True, col_abs=True)
+    return address if sheet is None else f"{quoted(sheet)}!{address}"
+
+
+def span(first: int, last: int, column: int, sheet: str | None = None) -> str:
+    """The address of a stretch of one column."""
+    name = xl_col_to_name(column)
+    address = f"${name}${first + 1}:${name}${last + 1}"
+    return address if sheet is None else f"{quoted(sheet)}!{address}"
+
+
+def quoted(sheet: str) -> str:
+    return f"'{sheet}'" if not sheet.isidentifier() else sheet
+
+
+def verdict_word(verdict: str) -> str:
+    """The sign and the word of a verdict."""
+    return f"{SYMBOLS[verdict]} {WORDS[verdict]}"

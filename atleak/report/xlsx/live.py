@@ -1,0 +1,556 @@
+"""The sheets that compute: conditions, lands, gaps and rules, from diameters to verdicts.
+
+A cell that atleak computed holds the formula an auditor would write and, as its cached value, atleak's own number. What
+an auditor may change (diameters, contact lengths, conditions, limits) is blue.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.controller import REFERENCE_TEMPERATURE, Pressure
+from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
+from atleak.equations.pump import slip_flow
+from atleak.leakage import GapLeakage
+from atleak.limits import ROUNDING, VERDICTS
+from atleak.projection import Projection
+from atleak.readings import Reading
+from atleak.report.record import DM3_MIN, KPA, MM, MM3_S, PERCENT, RPM, UM
+from atleak.report.xlsx.book import BANDS, Book, cell, formula, put, span, verdict_word
+
+_INPUT = {"font_color": "#0000C0"}
+_RANKED = [verdict for verdict in VERDICTS if verdict != "not_measured"]
+_ENTRY_LOSS = 1.5  # velocity heads, as atleak.equations.gap.entry_loss_flow
+
+
+@dataclass(frozen=True)
+class _At:
+    """One condition of the workbook: its projection, the prefix of its names and its sheet of gaps."""
+
+    projection: Projection
+    prefix: str
+    sheet: str
+    title: str
+
+    def __call__(self, name: str) -> str:
+        return f"{self.prefix}_{name}"
+
+
+class LiveSheets:
+    """Conditions, Lands, Gaps and Rules of one diagnosis."""
+
+    def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
+        self.book, self.diagnosis, self.record = book, diagnosis, record
+        self.lands = diagnosis.lands
+        self.row_of = {found.key: row for row, found in enumerate(self.lands, start=1)}
+        first = diagnosis.projection
+        self.conditions = [_At(first, "stated", "Gaps", "stated condition")]
+        if diagnosis.hot_idle is not None and diagnosis.hot_idle is not first:
+            self.conditions.append(_At(diagnosis.hot_idle, "hot_idle", "Gaps hot idle", "hot idle"))
+        self.gaps = {at.prefix: self._by_land(at.projection.gaps) for at in self.conditions}
+        self.columns = _Columns(self)
+        self.limit_cells: dict[tuple[str, str], str] = {}  # (rule, level) → address in the sheet of limits
+        self.rule_rows = self._rule_rows()
+
+    def _by_land(self, gaps: Iterable[GapLeakage]) -> list[GapLeakage]:
+        """The gaps of a land below one another, so that a land's leakage is the sum of one stretch."""
+        return sorted(gaps, key=lambda found: self.row_of[found.gap.key])
+
+    def _rule_rows(self) -> dict[tuple[str, int], tuple[int, int]]:
+        rows, row = {}, 1
+        for found in self.lands:
+            if found.rules:
+                rows[found.key] = (row, row + len(found.rules) - 1)
+                row += len(found.rules)
+        return rows
+
+    # --- conditions
+
+    def write_conditions(self, sheet: Worksheet) -> None:
+        """Temperature, pressures, fluid and pump of every condition, each quantity a name that the gaps use."""
+        book, fluid, profile = self.book, self.diagnosis.fluid, self.diagnosis.profile
+        book.headings(sheet, 0, ["quantity", "unit", *(at.projection.condition.label for at in self.conditions)])
+        sheet.set_column(0, 0, 34)
+        sheet.set_column(1, 1, 12)
+        sheet.set_column(2, 2 + len(self.conditions), 26)
+        for column, at in enumerate(self.conditions, start=2):
+            rows = list(self._condition(at))
+            for row, (label, unit, name, text, value, kind) in enumerate(rows, start=1):
+                put(sheet, row, 0, label, book.bold)
+                put(sheet, row, 1, unit)
+                if text is None:
+                    put(sheet, row, column, value, book.form(kind, align="right", **_INPUT))
+                else:
+                    formula(sheet, row, column, text, value, book.form(kind, align="right"))
+                book.workbook.define_name(at(name), f"={cell(row, column, 'Conditions')}")
+            end = len(rows)
+        book.colour_words(sheet, (end, 2), (end, 1 + len(self.conditions)), BANDS)
+        notes = [
+            ("viscosity", self._viscosity_note()),
+            ("gaps", "The list of gaps is that of the condition's gear: change the gear in atleak, not here."),
+            ("fluid", f"{fluid.name}; {fluid.source}"),
+            ("profile", profile.label),
+            ("condition", *(f"{at.title}: {at.projection.condition.source}" for at in self.conditions)),
+        ]
+        row = end + 2
+        for label, *texts in notes:
+            for text in texts:
+                put(sheet, row, 0, label, book.bold)
+                put(sheet, row, 1, text)
+                row += 1
+
+    def _viscosity_note(self) -> str:
+        model = self.diagnosis.profile.viscosity
+        low, high = self.diagnosis.fluid.span(model)
+        said = {
+            "d341": "ASTM D341 through two points of the data sheet",
+            "regression": "the source study's regressions, eqs. (29) and (30)",
+            "tabulated": "read from the fluid's table at this temperature: change it with the temperature",
+        }[model]
+        return f"{said}; answers from {low:g} to {high:g} °C"
+
+    def _condition(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
+        """(label, unit, name, formula or None for an input, value, kind of number)."""
+        found, condition = at.projection, at.projection.condition
+        yield "gear", "", "gear", None, condition.gear, "plain"
+        yield "temperature", "°C", "T", None, condition.temperature, "temperature"
+        yield "engine speed", "1/min", "n", None, condition.engine_speed * RPM, "rpm"
+        yield "main pressure p_g", "kPa", "p_g", None, condition.main_pressure * KPA, "kpa"
+        for section, label in (("p_s", "control pressure p_s"), ("p_m", "modulated pressure p_m")):
+            relation = self.diagnosis.controller.relations[section]
+            text = f"{at('p_g')}*{_number(relation.ratio)}+{_number(relation.offset * KPA)}"
+            if relation.limit is not None:
+                text = f"MIN({text},{_number(relation.limit * KPA)})"
+            yield label, "kPa", section, text, found.pressures[section] * KPA, "kpa"
+        yield "converter pressure p_k", "kPa", "p_k", None, condition.converter_pressure * KPA, "kpa"
+        yield from self._fluid(at)
+        yield from self._pump(at)
+
+    def _fluid(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
+        fluid, model = self.diagnosis.fluid, self.diagnosis.profile.viscosity
+        temperature = at.projection.condition.temperature
+        viscosity = fluid.kinematic_viscosity(temperature, model) * 1e6
+        density = fluid.density(temperature, model) * 1e-3
+        texts: tuple[str | None, str | None] = (None, None)
+        if model == "d341":
+            a, b = fluid.d341
+            reference, slope = fluid.density_at, _number(fluid.density_slope * 1e-3)
+            texts = (
+                f"10^(10^({_number(a)}-{_number(b)}*LOG10({at('T')}+273.15)))-0.7",
+                f"{_number(reference[1] * 1e-3)}+{slope}*({at('T')}-{_number(reference[0])})",
+            )
+        elif model == "regression":
+            texts = (f"343.92*EXP(-0.043*{at('T')})", f"-0.0007*{at('T')}+0.8409")
+        yield "kinematic viscosity ν", "mm²/s", "nu", texts[0], viscosity, "nu"
+        yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"
+
+    def _pump(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
+        pump, found = self.diagnosis.controller.pump, at.projection
+        yield "pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3"
+        uses_slip = self.diagnosis.profile.pump_efficiency == "wilson" and pump.slip_coefficient is not None
+        displaced = f"{at('q_p')}*{at('n')}*1E-6"
+        if uses_slip:
+            yield "slip coefficient C_s", "", "C_s", None, pump.slip_coefficient, "plain"
+            slip = f"{at('q_p')}*{at('C_s')}*{at('p_g')}*60E-6/(2*PI()*{at('nu')}*{at('rho')}*1E-6)"
+            fluid, model, temperature = (
+                self.diagnosis.fluid,
+                self.diagnosis.profile.viscosity,
+                found.condition.temperature,
+            )
+            viscous = fluid.kinematic_viscosity(temperature, model) * fluid.density(temperature, model)
+            lost = slip_flow(pump.displacement, pump.slip_coefficient, found.condition.main_pressure, viscous)
+            yield "slip", "dm³/min", "slip", slip, lost * DM3_MIN, "flow"
+            capacity, lowest = f"MAX({displaced}-{at('slip')},0)", f"({at('leakage')}+{at('slip')})/({at('q_p')}*1E-6)"
+        else:
+            yield "volumetric efficiency", "", "eta_v", None, pump.volumetric_efficiency, "plain"
+            capacity = f"{displaced}*{at('eta_v')}"
+            lowest = f"{at('leakage')}/({at('q_p')}*{at('eta_v')}*1E-6)"
+        yield "pump capacity", "dm³/min", "capacity", capacity, found.pump_capacity * DM3_MIN, "flow"
+        drawn, flows = self._gap_span(at, 12), self._gap_span(at, 11)
+        leakage = f'SUMIF({drawn},"yes",{flows})*6E-5' if found.gaps else "0"
+        yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, found.leakage * DM3_MIN, "flow"
+        share = f"IF({at('capacity')}>0,{at('leakage')}/{at('capacity')}*100,9.99E99)"
+        yield "share of pump capacity", "%", "share", share, found.share * PERCENT, "percent"
+        yield "pressure holds from", "1/min", "n_min", lowest, found.minimum_speed * RPM, "rpm"
+        band = '"green"'
+        for level, _ in self.diagnosis.limits.total_share.levels:  # rising, so that the highest is asked first
+            limit = self.limit_cells["total_share", level]
+            band = f'IF({at("share")}>={limit}*(1-{ROUNDING:E}),"{level}",{band})'
+        yield "band of the total share", "", "band", band, self.diagnosis.band(found), "plain"
+
+    def _gap_span(self, at: _At, column: int) -> str:
+        return span(1, max(len(self.gaps[at.prefix]), 1), column, at.sheet)
+
+    # --- lands
+
+    def write_lands(self, sheet: Worksheet) -> None:
+        """One row per land: D, d → c_r → c_re → q → share → verdict."""
+        book, columns = self.book, self.columns
+        book.headings(sheet, 0, columns.names)
+        sheet.set_row(0, 45)
+        for found in self.lands:
+            row = self.row_of[found.key]
+            for column, (kind, text, value, properties) in enumerate(columns.cells(found)):
+                form = book.form(kind, **properties)
+                if text is None:
+                    put(sheet, row, column, value, form)
+                elif value is not None:
+                    formula(sheet, row, column, text, value, form)
+        for column, width in enumerate(columns.widths):
+            sheet.set_column(column, column, width)
+        last = len(self.lands)
+        sheet.autofilter(0, 0, last, len(columns.names) - 1)
+        verdict = columns.at["verdict"]
+        book.colour_words(sheet, (1, verdict), (last, verdict), VERDICTS)
+        for name in columns.shares:
+            bar = {"type": "data_bar", "bar_color": "#9DB7D5", "min_type": "num", "min_value": 0}
+            sheet.conditional_format(1, columns.at[name], last, columns.at[name], bar)
+
+    # --- gaps
+
+    def write_gaps(self, sheet: Worksheet, at: _At) -> None:
+        """One row per gap of the condition's gear, its flow from the other cells of the row."""
+        names = [
+            "component",
+            "land",
+            "section",
+            "from",
+            "to",
+            "pressure drop Δp [kPa]",
+            "diameter [mm]",
+            "contact length l [mm]",
+            "effective clearance c_re [µm]",
+            "kinematic viscosity ν [mm²/s]",
+            "density ρ [g/cm³]",
+            "leakage q [mm³/s]",
+            "drawn from pump",
+            "Reynolds number",
+            "pressure pair published",
+        ]
+        book = self.book
+        book.headings(sheet, 0, names)
+        sheet.set_row(0, 45)
+        for row, found in enumerate(self.gaps[at.prefix], start=1):
+            gap = found.gap
+            for column, value in enumerate((gap.component, gap.land, gap.section, str(gap.high), str(gap.low))):
+                put(sheet, row, column, value)
+            drop = found.pressure_drop * KPA
+            formula(sheet, row, 5, _drop(gap.high, gap.low, at), drop, book.form("kpa"))
+            formula(sheet, row, 6, self._diameter(row, found), found.diameter * MM, book.form("mm"))
+            put(sheet, row, 7, found.contact_length * MM, book.form("mm", **_INPUT))
+            clearance = cell(self.row_of[gap.key], self.columns.at["c_re", at.prefix], "Lands")
+            formula(sheet, row, 8, clearance, found.effective_clearance * UM, book.form("um"))
+            formula(sheet, row, 9, at("nu"), found.kinematic_viscosity * 1e6, book.form("nu"))
+            formula(sheet, row, 10, at("rho"), found.density * 1e-3, book.form("rho"))
+            formula(sheet, row, 11, self._flow(row), found.leakage * MM3_S, book.form("mm3"))
+            put(sheet, row, 12, found.drawn_from_pump)
+            reynolds = f"2*L{row + 1}/(PI()*G{row + 1}*J{row + 1})"
+            formula(sheet, row, 13, reynolds, found.reynolds_number, book.form("um"))
+            put(sheet, row, 14, gap.published)
+        sheet.set_column(0, 14, 13)
+        sheet.autofilter(0, 0, max(len(self.gaps[at.prefix]), 1), len(names) - 1)
+
+    def _diameter(self, row: int, found: GapLeakage) -> str:
+        spool = cell(self.row_of[found.gap.key], self.columns.at["spool"], "Lands")
+        return f"{spool}+I{row + 1}*0.001" if self.diagnosis.profile.diameter == "mean" else spool
+
+    def _flow(self, row: int) -> str:
+        """The gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
+        profile, r = self.diagnosis.profile, row + 1
+        eccentric = f"(1+1.5*{_number(profile.eccentricity)}^2)*" if profile.eccentricity else ""
+        if profile.entry_loss:
+            viscous = f"(12*J{r}*K{r}*H{r})"
+            root = f"SQRT({viscous}^2+2*{_ENTRY_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
+            law = f"2*PI()*G{r}*I{r}^3*F{r}*0.001/({viscous}+{root})"
+        else:
+            law = f"PI()*G{r}*I{r}^3*F{r}*0.001/(12*J{r}*K{r}*H{r})"
+        return f"IF(F{r}>0,{eccentric}{law},0)"
+
+    # --- rules
+
+    def write_rules(self, sheet: Worksheet) -> None:
+        """Which rule says what of which land; the worst gives the land's verdict."""
+        names = ["component", "land", "rule", "unit", "value", "watch from", "replace from", "critical from"]
+        names += ["verdict", "rank", "origin of the limit", "source"]
+        self.book.headings(sheet, 0, names)
+        for found in self.lands:
+            if not found.rules:
+                continue
+            for row, rule in enumerate(found.rules, start=self.rule_rows[found.key][0]):
+                self._rule(sheet, row, found, rule)
+        last = max((rows[1] for rows in self.rule_rows.values()), default=1)
+        for column, width in enumerate((12, 7, 44, 7, 12, 12, 12, 12, 14, 7, 24, 60)):
+            sheet.set_column(column, column, width)
+        sheet.autofilter(0, 0, last, len(names) - 1)
+        self.book.colour_words(sheet, (1, 8), (last, 8), VERDICTS)
+
+    def _rule(self, sheet: Worksheet, row: int, found: LandDiagnosis, rule: RuleResult) -> None:
+        book, land, r = self.book, found.state.land, row + 1
+        kind, factor = ("um", UM) if rule.unit == "µm" else ("percent", PERCENT)
+        for column, value in enumerate((land.component, land.land, rule.label, rule.unit)):
+            put(sheet, row, column, value)
+        source = self._rule_source(found, rule)
+        if source is None:
+            put(sheet, row, 4, rule.value * factor, book.form(kind))
+        else:
+            formula(sheet, row, 4, source, rule.value * factor, book.form(kind))
+        text = "1"
+        for level, column, limit in self._levels(found, rule):
+            if isinstance(limit, str):
+                value = dict(self.diagnosis.limits.rules[_limit_name(rule)].levels)[level] * factor
+                formula(sheet, row, column, limit, value, book.form(kind))
+            else:
+                put(sheet, row, column, limit * factor, book.form(kind, **_INPUT))
+            text = f"IF(E{r}>={'FGH'[column - 5]}{r}*(1-{ROUNDING:E}),{_RANKED.index(level) + 1},{text})"
+        rank = _RANKED.index(rule.verdict) + 1
+        formula(sheet, row, 9, text, rank)
+        formula(sheet, row, 8, _choose(f"J{r}"), verdict_word(rule.verdict), book.form())
+        put(sheet, row, 10, rule.origin)
+        put(sheet, row, 11, rule.source)
+
+    def _levels(self, found: LandDiagnosis, rule: RuleResult) -> Iterable[tuple[Any, int, str | float]]:
+        """Rising (level, column, address or limit in SI) of a rule."""
+        columns = {"watch": 5, "replace": 6, "critical": 7}
+        own = found.state.land.clearance_limit
+        if rule.rule == "radial_clearance" and own is not None:
+            yield "replace", columns["replace"], own
+            return
+        name = _limit_name(rule)
+        for level, _ in self.diagnosis.limits.rules[name].levels:
+            yield level, columns[level], self.limit_cells[name, level]
+
+    def _rule_source(self, found: LandDiagnosis, rule: RuleResult) -> str | None:
+        """Where the rule's value stands among the lands; None where the workbook holds no such condition."""
+        row, at = self.row_of[found.key], self.columns.at
+        if rule.rule == "wear":
+            return cell(row, at["wear"], "Lands")
+        if rule.rule == "radial_clearance":
+            return cell(row, at["c_r"], "Lands")
+        for condition in self.conditions:
+            if rule.rule == f"share_{condition.projection.condition.name}":
+                return cell(row, at["share", condition.prefix], "Lands")
+        return None
+
+
+class _Columns:
+    """The columns of the lands: their names, widths and what stands in each."""
+
+    def __init__(self, sheets: LiveSheets) -> None:
+        self.sheets = sheets
+        self.names: list[str] = []
+        self.widths: list[int] = []
+        self.at: dict[Any, int] = {}
+        self.shares: list[Any] = []
+        self.mean_of: dict[tuple[tuple[str, int], str], str] = {}  # (land, part) → formula over the readings
+        lands = sheets.record["lands"]
+        self.uncertain = any(row["uncertainty_um"] is not None for row in lands)
+        self.decided = any(row["decision"] is not None for row in lands)
+        self.projected = any(found.replace_mileage is not None for found in sheets.lands)
+        for key, name, width in self._layout():
+            self.at[key] = len(self.names)
+            self.names.append(name)
+            self.widths.append(width)
+            if isinstance(key, tuple) and key[0] == "share":
+                self.shares.append(key)
+
+    def _layout(self) -> Iterable[tuple[Any, str, int]]:
+        yield "component", "component", 12
+        yield "name", "name", 26
+        yield "land", "land", 7
+        yield "verdict", "verdict", 15
+        yield "status", "measured", 13
+        yield "sleeve", "sleeve diameter D [mm]", 12
+        yield "spool", "spool diameter d [mm]", 12
+        yield "c_r", "radial clearance c_r [µm]", 12
+        if self.uncertain:
+            yield "U", "expanded uncertainty U [µm]", 12
+        yield "c_m", "mounting clearance c_m [µm]", 12
+        yield "wear", "wear Z [%]", 10
+        yield "beta_k", "expansion of body β_k [1e-6/K]", 12
+        yield "beta_s", "expansion of spool β_s [1e-6/K]", 12
+        for condition in self.sheets.conditions:
+            at = f", {condition.title}"
+            yield ("c_re", condition.prefix), f"effective clearance c_re [µm]{at}", 14
+            yield ("q", condition.prefix), f"leakage q [dm³/min]{at}", 14
+            yield ("share", condition.prefix), f"share of pump capacity [%]{at}", 14
+        if self.uncertain:
+            yield "low", "leakage, low [dm³/min]", 12
+            yield "high", "leakage, high [dm³/min]", 12
+        if self.decided:
+            yield "decision", "decision as issued", 16
+            yield "probability", "probability over the limit as issued [%]", 14
+        if self.projected:
+            yield "mileage", "replace at mileage [km], wear ∝ mileage, as issued", 14
+        yield "because", "rule that gave the verdict, as issued", 34
+        yield "representative", "representative values", 40
+
+    def cells(self, found: LandDiagnosis) -> Iterable[tuple[str, str | None, Any, dict[str, Any]]]:
+        """(kind, formula or None, value, format) for every column of one land."""
+        state, land = found.state, found.state.land
+        sheets, row = self.sheets, self.sheets.row_of[found.key] + 1
+        record = sheets.record["lands"][row - 2]
+
+        def here(key: Any) -> str:
+            return cell(row - 1, self.at[key]).replace("$", "")
+
+        for key in self.at:
+            match key:
+                case "component":
+                    yield "plain", None, land.component, {"bold": True}
+                case "name":
+                    yield "plain", None, sheets.diagnosis.controller.components[land.component], {}
+                case "land":
+                    yield "plain", None, land.land, {"align": "center"}
+                case "verdict":
+                    rows = sheets.rule_rows.get(found.key)
+                    ranks = None if rows is None else _choose(f"MAX({span(*rows, 9, 'Rules')})")
+                    yield "plain", ranks, verdict_word(found.verdict), {"bold": True}
+                case "status":
+                    yield "plain", None, state.status.replace("_", " "), {}
+                case "sleeve" | "spool":
+                    value = state.sleeve_diameter if key == "sleeve" else state.spool_diameter
+                    yield "mm", self.mean_of.get((found.key, key)), value * MM, _INPUT
+                case "c_r":
+                    text = f"({here('sleeve')}-{here('spool')})/2*1000"
+                    yield "um", text, state.radial_clearance * UM, {}
+                case "c_m":
+                    yield "um", None, land.mounting_clearance * UM, _INPUT
+                case "wear":
+                    text = f"({here('c_r')}-{here('c_m')})/{here('c_m')}*100"
+                    yield "percent", text, None if found.wear is None else found.wear * PERCENT, {}
+                case "beta_k":
+                    yield "plain", None, land.body_expansion * 1e6, _INPUT
+                case "beta_s":
+                    yield "plain", None, land.spool_expansion * 1e6, _INPUT
+                case ("c_re", prefix):
+                    yield self._effective(found, prefix, here)
+                case ("q", prefix):
+                    yield self._leakage(found, prefix)
+                case ("share", prefix):
+                    at = next(each for each in sheets.conditions if each.prefix == prefix)
+                    text = f"IF({at('capacity')}>0,{here(('q', prefix))}/{at('capacity')}*100,9.99E99)"
+                    share = at.projection.share_of(at.projection.leakage_of(found.key))
+                    yield "percent", text, share * PERCENT, {}
+                case "U":
+                    yield "um", None, record["uncertainty_um"], {}
+                case "low":
+                    yield "flow", None, record["leakage_low_dm3_min"], {}
+                case "high":
+                    yield "flow", None, record["leakage_high_dm3_min"], {}
+                case "decision":
+                    yield "plain", None, (record["decision"] or "").replace("_", " ") or None, {}
+                case "probability":
+                    probability = record["probability_over_limit"]
+                    yield "percent", None, None if probability is None else probability * PERCENT, {}
+                case "mileage":
+                    yield "rpm", None, found.replace_mileage, {}
+                case "because":
+                    deciding = found.deciding
+                    because = deciding.label if deciding and found.verdict != "ok" else None
+                    yield "plain", None, because, {"text_wrap": True}
+                case "representative":
+                    yield "plain", None, ", ".join(land.representative) or None, {}
+
+    def _effective(self, found: LandDiagnosis, prefix: str, here: Any) -> tuple[str, str, float, dict[str, Any]]:
+        at = next(each for each in self.sheets.conditions if each.prefix == prefix)
+        opening = f"{here('beta_k')}*{here('sleeve')}-{here('beta_s')}*{here('spool')}"
+        rise = f"({at('T')}-{_number(REFERENCE_TEMPERATURE)})"
+        text = f"MAX({here('c_r')}+({opening})/2*{rise}*0.001,0)"
+        gaps = at.projection.gaps_of(found.key)
+        if gaps:
+            return "um", text, gaps[0].effective_clearance * UM, {}
+        state = found.state
+        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
+        rise_k = at.projection.condition.temperature - REFERENCE_TEMPERATURE
+        return "um", text, max(state.radial_clearance + rate * rise_k, 0.0) * UM, {}
+
+    def _leakage(self, found: LandDiagnosis, prefix: str) -> tuple[str, str | None, float, dict[str, Any]]:
+        at = next(each for each in self.sheets.conditions if each.prefix == prefix)
+        rows = [row for row, gap in enumerate(self.sheets.gaps[prefix], start=1) if gap.gap.key == found.key]
+        if not rows:
+            return "flow", None, 0.0, {}
+        text = f"SUM({span(rows[0], rows[-1], 11, at.sheet)})*6E-5"
+        return "flow", text, at.projection.leakage_of(found.key) * DM3_MIN, {}
+
+
+def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:
+    """Every reading as entered, sorted by land; the lands' diameters become means of these cells."""
+    names = ["component", "land", "part", "plane", "direction [°]", "repeat", "diameter [mm]"]
+    names += ["coordinate 1 [mm]", "coordinate 2 [mm]", "sheet", "row", "column"]
+    book.headings(sheet, 0, names)
+    readings = live.diagnosis.readings
+    controller = live.diagnosis.controller
+    known: list[tuple[tuple[Any, ...], Reading]] = []
+    for reading in readings.readings if readings else ():
+        land = controller.land_of_plane(reading.component, reading.plane)
+        place = live.row_of[land.key] if land else len(live.lands) + 1
+        planes = land.planes.index(reading.plane) if land else 0
+        direction = -1.0 if reading.direction is None else reading.direction
+        known.append(((place, reading.part != "spool", planes, direction, reading.repeat), reading))
+    known.sort(key=lambda pair: pair[0])
+    form, mm = book.form(), book.form("mm", **_INPUT)
+    rows: dict[tuple[Any, ...], list[int]] = {}
+    for row, (_, reading) in enumerate(known, start=1):
+        land = controller.land_of_plane(reading.component, reading.plane)
+        if land is not None:
+            rows.setdefault((land.key, reading.part, reading.plane, reading.direction), []).append(row)
+        low, high = reading.coordinates or (None, None)
+        values = (reading.component, land.land if land else None, reading.part, reading.plane, reading.direction)
+        for column, value in enumerate((*values, reading.repeat)):
+            put(sheet, row, column, value, form)
+        put(sheet, row, 6, reading.diameter * MM, mm)
+        put(sheet, row, 7, None if low is None else low * MM, book.form("mm"))
+        put(sheet, row, 8, None if high is None else high * MM, book.form("mm"))
+        for column, value in enumerate((reading.place.sheet, reading.place.row, reading.place.column), start=9):
+            put(sheet, row, column, value, form)
+    sheet.set_column(0, len(names), 13)
+    sheet.autofilter(0, 0, max(len(known), 1), len(names) - 1)
+    live.columns.mean_of.update(_means(rows))
+
+
+def _means(rows: dict[tuple[Any, ...], list[int]]) -> Iterable[tuple[Any, str]]:
+    """The mean over repeats, then directions, then planes, as a formula per land and part."""
+    for (key, part), stations in groupby(rows, key=lambda station: station[:2]):
+        planes = [
+            _average([_average([span(rows[s][0], rows[s][-1], 6, "Readings")]) for s in group])
+            for _, group in groupby(stations, key=lambda station: station[2])
+        ]
+        yield (key, part), _average(planes)
+
+
+def _average(terms: list[str]) -> str:
+    """A mean of numbers; one number is its own mean."""
+    if len(terms) == 1 and terms[0].startswith("AVERAGE("):
+        return terms[0]
+    return f"AVERAGE({','.join(terms)})"
+
+
+def _limit_name(rule: RuleResult) -> str:
+    return "pair_share" if rule.rule.startswith("share_") else rule.rule
+
+
+def _choose(rank: str) -> str:
+    words = ",".join(f'"{verdict_word(verdict)}"' for verdict in _RANKED)
+    return f"CHOOSE({rank},{words})"
+
+
+def _drop(high: Pressure, low: Pressure, at: _At) -> str:
+    def term(pressure: Pressure) -> str:
+        if pressure.section is None:
+            return ""
+        name = at(pressure.section)
+        return name if pressure.coefficient == 1.0 else f"{_number(pressure.coefficient)}*{name}"
+
+    taken = term(low)
+    return (term(high) or "0") + (f"-{taken}" if taken else "")
+
+
+def _number(value: float) -> str:
+    """A number as a formula takes it, with every digit; negative ones in brackets."""
+    text = repr(float(value)).upper()
+    return f"({text})" if value < 0 else text

@@ -1,0 +1,354 @@
+"""The sheets that say what was found and where it comes from: summary, road test, limits, job, messages, provenance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.diagnosis import Diagnosis
+from atleak.job import Job, Record
+from atleak.limits import VERDICTS
+from atleak.report.record import PERCENT, UM
+from atleak.report.road_series import road_series
+from atleak.report.xlsx.book import BANDS, Book, cell, formula, put, put_text, span, verdict_word
+from atleak.report.xlsx.live import LiveSheets
+
+ROAD_ROWS = 2000  # of the thinned road test
+_KINDS = {"time_s": "time", "share_percent": "percent", "temperature_c": "temperature", "engine_rpm": "rpm"}
+_RULE_LABELS = {
+    "wear": "wear [%]",
+    "radial_clearance": "radial clearance [µm]",
+    "pair_share": "share of pump flow of one land [%]",
+    "total_share": "share of pump flow of the whole controller [%]",
+}
+_INSTANTS = {"max_leakage": "largest leakage", "min_leakage": "smallest leakage", "max_share": "largest share"}
+
+
+class Sheets:
+    """What stands around the sheets that compute."""
+
+    def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any], job: Job, live: LiveSheets) -> None:
+        self.book, self.diagnosis, self.record, self.job, self.live = book, diagnosis, record, job, live
+
+    # --- summary
+
+    def write_summary(self, sheet: Worksheet) -> None:
+        """The verdict first, then totals, flagged lands and the order of repair."""
+        book, record, diagnosis = self.book, self.record, self.diagnosis
+        for column, width in enumerate((24, 22, 16, 14, 14, 14, 14, 14, 14, 44, 24)):
+            sheet.set_column(column, column, width)
+        title = "Internal leakage of a valve body"
+        put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
+        sheet.set_row(0, 24)
+        put(sheet, 1, 0, self._sentence(), book.bold)
+        vehicle, box = self.job.vehicle, self.job.transmission
+        rows: list[tuple[str, Any]] = [
+            ("job", self.job.number),
+            ("date", self.job.date.isoformat() if self.job.date else None),
+            ("customer", self.job.customer.name),
+            ("vehicle", " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.registration)))),
+            ("VIN", vehicle.vin),
+            ("transmission", " ".join(filter(None, (box.maker, box.code, box.serial)))),
+            ("mileage [km]", record["mileage_km"] or vehicle.mileage_km),
+            ("controller", record["controller"]["name"]),
+            ("fluid", record["fluid"]["name"]),
+            ("limits", record["limits"]["name"]),
+            ("profile", diagnosis.profile.label),
+            ("measuring sheet", record["readings"]["file"]),
+            ("road test", record["road_test"]["file"] if record["road_test"] else None),
+            ("representative", record["controller"]["representative_note"]),
+        ]
+        row = book.pairs(sheet, 3, rows) + 1
+        row = self._totals(sheet, row) + 1
+        row = self._flagged(sheet, row) + 1
+        row = self._repair(sheet, row) + 1
+        put(sheet, row, 0, "Blue numbers may be changed: everything in black follows from them.", book.form())
+        put(sheet, row + 1, 0, "What is marked “as issued” is atleak's result and does not follow.", book.form())
+
+    def _sentence(self) -> str:
+        diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
+        worst = diagnosis.hot_idle or diagnosis.projection
+        share = (
+            f"{worst.share * PERCENT:.1f} % of the pump's flow" if worst.pump_capacity > 0 else "all the pump delivers"
+        )
+        total = f"{worst.condition.label}: leakage takes {share} ({diagnosis.band(worst)})."
+        if diagnosis.verdict == "not_measured":
+            return f"No land was measured. As mounted when new, {total}"
+        found = f"{len(flagged)} of {diagnosis.measured} measured lands have reached a limit"
+        return f"{verdict_word(diagnosis.verdict)}: {found}. {total}"
+
+    def _totals(self, sheet: Worksheet, row: int) -> int:
+        names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
+        names += ["pump capacity [dm³/min]", "share [%]", "band", "pressure holds from [1/min]"]
+        book, live = self.book, self.live
+        book.headings(sheet, row, names)
+        first = row + 1
+        for row, at in enumerate(live.conditions, start=first):
+            found, band = at.projection, self.diagnosis.band(at.projection)
+            put(sheet, row, 0, found.condition.label, book.wrapped)
+            cells: list[tuple[str, Any, str]] = [
+                ("T", found.condition.temperature, "temperature"),
+                ("n", found.condition.engine_speed * 60.0, "rpm"),
+                ("gear", found.condition.gear, "plain"),
+                ("leakage", found.leakage * 6e4, "flow"),
+                ("capacity", found.pump_capacity * 6e4, "flow"),
+                ("share", found.share * PERCENT, "percent"),
+                ("band", band, "plain"),
+                ("n_min", found.minimum_speed * 60.0, "rpm"),
+            ]
+            for column, (name, value, kind) in enumerate(cells, start=1):
+                formula(sheet, row, column, at(name), value, book.form(kind, align="left"))
+        book.colour_words(sheet, (first, 7), (row, 7), BANDS)
+        return row + 1
+
+    def _flagged(self, sheet: Worksheet, row: int) -> int:
+        book, live, flagged = self.book, self.live, self.diagnosis.flagged
+        put(sheet, row, 0, "Flagged lands as issued, the worst first", book.bold)
+        if not flagged:
+            put(sheet, row, 1, "none")
+            return row + 1
+        keys: list[tuple[Any, str, str]] = [
+            ("c_r", "radial clearance [µm]", "um"),
+            ("c_m", "mounting clearance [µm]", "um"),
+            ("wear", "wear [%]", "percent"),
+            *((key, f"share [%], {title}", "percent") for key, title in self._share_columns()),
+        ]
+        book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *(name for _, name, _ in keys)])
+        because = max(4 + len(keys), 9)
+        book.headings(sheet, row + 1, [])
+        put(sheet, row + 1, because, "because, as issued", book.heading)
+        put(sheet, row + 1, because + 1, "origin of the limit", book.heading)
+        first = row + 2
+        for row, found in enumerate(flagged, start=first):
+            land, at = found.state.land, live.row_of[found.key]
+            put(sheet, row, 0, land.component, book.bold)
+            put(sheet, row, 1, self.diagnosis.controller.components[land.component], book.wrapped)
+            verdict = cell(at, live.columns.at["verdict"], "Lands")
+            formula(sheet, row, 2, verdict, verdict_word(found.verdict), book.bold)
+            put(sheet, row, 3, land.land, book.form(align="left"))
+            for column, (key, _, kind) in enumerate(keys, start=4):
+                value = self._land_value(found, key)
+                if value is not None:
+                    address = cell(at, live.columns.at[key], "Lands")
+                    formula(sheet, row, column, address, value, book.form(kind, align="left"))
+            if found.deciding is not None:
+                put(sheet, row, because, found.deciding.label, book.wrapped)
+                put(sheet, row, because + 1, found.deciding.origin, book.wrapped)
+        book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
+        return row + 1
+
+    def _share_columns(self) -> Iterable[tuple[Any, str]]:
+        for at in self.live.conditions:
+            yield ("share", at.prefix), at.title
+
+    def _land_value(self, found: Any, key: Any) -> float | None:
+        if key == "c_r":
+            return found.state.radial_clearance * UM
+        if key == "c_m":
+            return found.state.land.mounting_clearance * UM
+        if key == "wear":
+            return None if found.wear is None else found.wear * PERCENT
+        at = next(each for each in self.live.conditions if each.prefix == key[1])
+        return at.projection.share_of(at.projection.leakage_of(found.key)) * PERCENT
+
+    def _repair(self, sheet: Worksheet, row: int) -> int:
+        plan = self.record["repair_plan"]
+        if not plan:
+            return row
+        put(sheet, row, 0, "Order of repair as issued: total share when each comes back to its mounting clearance")
+        names = ["component", "name", "verdict", "land", "share before [%]", "share after [%]", "at"]
+        self.book.headings(sheet, row + 1, names)
+        first = row + 2
+        for row, step in enumerate(plan, start=first):
+            name = self.diagnosis.controller.components[step["component"]]
+            values = (step["component"], name, verdict_word(step["verdict"]), step["land"])
+            for column, value in enumerate(values):
+                put(sheet, row, column, value, self.book.form(align="left", text_wrap=True))
+            for column, key in enumerate(("share_before_percent", "share_after_percent"), start=4):
+                put(sheet, row, column, step[key], self.book.form("percent", align="left"))
+            put(sheet, row, 6, step["at"])
+        return row + 1
+
+    # --- road test
+
+    def write_road(self, sheet: Worksheet) -> None:
+        """What the log says in short, two charts, and the series thinned."""
+        road, record, book = self.diagnosis.road, self.record["road_test"], self.book
+        if road is None:
+            return
+        rows: list[tuple[str, Any]] = [(name, record[name]) for name in ("file", "sha256", "rows", "duration_s")]
+        rows.append(("gears", ", ".join(map(str, record["gears"]))))
+        rows += [
+            (f"of the volume leaked from {name} [%]", share * PERCENT)
+            for name, share in record["sections"].items()
+            if share is not None
+        ]
+        row = book.pairs(sheet, 0, rows)
+        instants = [
+            {
+                "instant": said,
+                "time [s]": record[name]["time_s"],
+                "leakage [dm³/min]": record[name]["leakage_dm3_min"],
+                "pump capacity [dm³/min]": record[name]["pump_capacity_dm3_min"],
+                "share [%]": record[name]["share_percent"],
+            }
+            for name, said in _INSTANTS.items()
+            if record[name]
+        ]
+        row = book.records(sheet, row + 1, instants) + 1
+        series = road_series(road, ROAD_ROWS)
+        kept = len(series.columns["time_s"])
+        if series.thinned:
+            text = f"{kept} of {series.samples} samples: every stretch keeps its lowest and highest values."
+            put(sheet, row, 0, text)
+        row += 34  # room for two charts
+        names = list(series.columns)
+        book.headings(sheet, row, [_heading(name) for name in names])
+        for column, (name, values) in enumerate(series.columns.items()):
+            form = book.form(_KINDS.get(name, "kpa" if name.endswith("kpa") else "flow"))
+            for line, value in enumerate(values.tolist(), start=row + 1):
+                if value == value:  # NaN: an empty cell, a gap in the chart
+                    sheet.write_number(line, column, value, form)
+        sheet.set_column(0, 0, 36)
+        sheet.set_column(1, len(names), 15)
+        first, last = row + 1, row + kept
+        flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
+        self._chart(sheet, row - 33, "Flow [dm³/min]", [(name, names.index(name)) for name in flows], first, last)
+        if "share_percent" in names:
+            self._chart(sheet, row - 16, "Share [%]", [("share_percent", names.index("share_percent"))], first, last)
+
+    def _chart(
+        self, sheet: Worksheet, row: int, axis: str, series: list[tuple[str, int]], first: int, last: int
+    ) -> None:
+        chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
+        dashes = {"pump_capacity_dm3_min": ("#1F4E79", "dash"), "leakage_dm3_min": ("#B3261E", "solid")}
+        for name, column in series:
+            colour, dash = dashes.get(name, ("#333333", "solid"))
+            chart.add_series(
+                {
+                    "name": _heading(name).partition(" [")[0],
+                    "categories": "=" + span(first, last, 0, "Road test"),
+                    "values": "=" + span(first, last, column, "Road test"),
+                    "line": {"color": colour, "width": 1.25, "dash_type": dash},
+                }
+            )
+        chart.set_x_axis({"name": "time [s]", "min": 0, "label_position": "low"})
+        chart.set_y_axis({"name": axis, "major_gridlines": {"visible": True, "line": {"color": "#DDDDDD"}}})
+        chart.set_legend({"position": "top"} if len(series) > 1 else {"none": True})
+        chart.show_blanks_as("gap")
+        chart.set_size({"width": 980, "height": 320})
+        sheet.insert_chart(row, 0, chart, {"description": f"{axis} over the road test"})
+
+    # --- limits, job, messages, provenance
+
+    def write_limits(self, sheet: Worksheet) -> None:
+        """Every limit in a cell that rules and bands point to."""
+        names = ["rule", "watch", "replace", "amber", "red", "critical", "origin", "source"]
+        book = self.book
+        book.headings(sheet, 0, names)
+        for row, (rule, steps) in enumerate(self.diagnosis.limits.rules.items(), start=1):
+            put(sheet, row, 0, _RULE_LABELS[rule], book.bold)
+            factor = UM if rule == "radial_clearance" else PERCENT
+            for level, limit in steps.levels:
+                column = names.index(level)
+                put(sheet, row, column, limit * factor, book.form("um", font_color="#0000C0"))
+                self.live.limit_cells[rule, level] = cell(row, column, "Limits")
+            put(sheet, row, 6, steps.origin, book.wrapped)
+            put(sheet, row, 7, steps.source, book.wrapped)
+        row = len(self.diagnosis.limits.rules) + 2
+        book.pairs(sheet, row, [("limit set", self.diagnosis.limits.name), ("note", self.diagnosis.limits.note)])
+        sheet.set_column(0, 0, 44)
+        sheet.set_column(1, 5, 12)
+        sheet.set_column(6, 6, 24)
+        sheet.set_column(7, 7, 70)
+
+    def write_job(self, sheet: Worksheet) -> None:
+        """The job record: what was filled in and nothing else."""
+        sheet.set_column(0, 0, 24)
+        sheet.set_column(1, 1, 90)
+        row = 0
+        for name in type(self.job).model_fields:
+            value = getattr(self.job, name)
+            if value in (None, "", ()) or (isinstance(value, Record) and value.empty):
+                continue
+            if isinstance(value, Record):
+                put(sheet, row, 0, _words(name), self.book.heading)
+                row = self.book.pairs(sheet, row + 1, _pairs(value)) + 1
+            elif isinstance(value, tuple):
+                for item in value:
+                    put(sheet, row, 0, _words(name), self.book.heading)
+                    if isinstance(item, Record):
+                        row = self.book.pairs(sheet, row + 1, _pairs(item)) + 1
+                    else:
+                        put(sheet, row, 1, item, self.book.wrapped)
+                        row += 1
+            else:
+                put(sheet, row, 0, _words(name), self.book.heading)
+                row = put_text(sheet, row, 1, str(value), self.book.wrapped) + 2
+
+    def write_messages(self, sheet: Worksheet) -> None:
+        rows = [
+            {"level": message.level, "code": message.code, "text": message.text, "place": str(message.place or "")}
+            for message in self.diagnosis.messages
+        ]
+        self.book.headings(sheet, 0, ["level", "code", "text", "place"])
+        self.book.records(sheet, 0, rows)
+        for column, width in enumerate((10, 30, 110, 40)):
+            sheet.set_column(column, column, width)
+
+    def write_provenance(self, sheet: Worksheet) -> None:
+        """Which program, options and files, and their SHA-256."""
+        record = self.record
+        row = self.book.pairs(sheet, 0, [("atleak", record["atleak"]), ("format", str(record["format"]))]) + 1
+        for name in ("profile", "controller", "fluid", "limits", "readings", "road_test"):
+            found = record[name]
+            if not found:
+                continue
+            put(sheet, row, 0, _words(name), self.book.heading)
+            wanted = {key: value for key, value in found.items() if isinstance(value, str | int | float | bool | list)}
+            if name == "road_test":
+                wanted = {key: found[key] for key in ("file", "sha256", "rows", "duration_s")}
+            pairs = [(key.replace("_", " "), _plain(value)) for key, value in wanted.items()]
+            row = self.book.pairs(sheet, row + 1, pairs) + 1
+        sheet.set_column(0, 0, 24)
+        sheet.set_column(1, 1, 100)
+
+
+def _pairs(record: Record) -> list[tuple[str, Any]]:
+    found = ((name, getattr(record, name)) for name in type(record).model_fields)
+    return [(_words(name), _plain(value)) for name, value in found]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list | tuple):
+        return ", ".join(map(str, value))
+    return value if value is None or isinstance(value, int | float | str) else str(value)
+
+
+def _words(name: str) -> str:
+    """A field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
+    for ending, unit in (("_km", "km"), ("_c", "°C")):
+        if name.endswith(ending):
+            name = f"{name.removesuffix(ending)} [{unit}]"
+    return name.replace("_", " ")
+
+
+def _heading(name: str) -> str:
+    """A series' name: ``leakage_p_g_dm3_min`` → ``leakage p_g [dm³/min]``."""
+    for ending, unit in (
+        ("_dm3_min", "dm³/min"),
+        ("_percent", "%"),
+        ("_kpa", "kPa"),
+        ("_rpm", "1/min"),
+        ("_c", "°C"),
+        ("_s", "s"),
+    ):
+        if name.endswith(ending):
+            stem = name.removesuffix(ending)
+            stem = stem if stem.startswith("p_") else stem.replace("_", " ").replace("p ", "p_")
+            return f"{stem} [{unit}]"
+    return name.replace("_", " ")
