@@ -1,0 +1,62 @@
+"""Road-test logs of any logger → `atleak.road_test.RoadTest`.
+
+``understand`` says what a file holds even while questions are open, ``read_road_test`` gives the road test or says what
+it needs, ``describe`` is the JSON form, ``tidy_csv`` a plain table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.describe import describe, tidy_csv
+from atleak.intake.road_test.memory import default_path, forget, recall, remember, signature
+from atleak.intake.road_test.understand import Ambiguous, Understood, understand
+from atleak.road_test import RoadTest
+
+__all__ = [
+    "Ambiguous", "Understood", "default_path", "describe", "forget", "import_log_json", "read_road_test", "recall", "remember",
+    "signature", "tidy_csv", "understand",
+]  # fmt: skip
+
+
+def read_road_test(
+    source: str | Path | bytes,
+    *,
+    name: str | None = None,
+    mapping: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    constants: Mapping[str, float] | None = None,
+    remembered: Path | None = None,
+) -> RoadTest:
+    """Reads a road-test log as the logger wrote it.
+
+    Parameters
+    ----------
+    source
+        A path, or the file's bytes (then ``name`` names it in messages). Delimited text in any usual encoding, xlsx,
+        MDF4, or a gz of one of them; the content decides, not the extension.
+    mapping
+        Quantity → column, by header text or ``column 3``.
+    units
+        Quantity → unit, where the file does not state it or states it wrongly.
+    constants
+        Quantity → value in SI [°C for temperatures] for a channel the log does not hold.
+    remembered
+        A file of mappings settled earlier (see `remember` and `default_path`); None: none are consulted.
+
+    Raises
+    ------
+    RoadTestError
+        when the file is no log, or its time cannot be told; says what is needed.
+    """
+    understood = understand(source, name=name, mapping=mapping, units=units, constants=constants, remembered=remembered)
+    if understood.road_test is None:
+        raise understood.problem or RoadTestError("cannot be read", place=Place(file=understood.file))
+    return understood.road_test
+
+
+def import_log_json(understood: Understood) -> dict[str, object]:
+    """As `describe`."""
+    return describe(understood)

@@ -1,0 +1,127 @@
+"""Signals and stamps → a `RoadTest`: units to SI, suspect samples, true rates, constants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from atleak.errors import RoadTestError
+from atleak.intake.road_test import checks
+from atleak.intake.road_test.assign import Assigner, Signal
+from atleak.intake.road_test.timeline import Timeline
+from atleak.road_test import QUANTITIES, Channel, Segment
+
+
+def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
+    """The channels of a road test, in the order of `QUANTITIES`."""
+    made: dict[str, Channel] = {}
+    speed = assigner.signals.get("engine_speed") or assigner.signals.get("vehicle_speed")
+    for quantity in QUANTITIES:
+        if quantity in assigner.signals and quantity != "time":
+            signal = assigner.signals[quantity]
+            made[quantity] = _channel(assigner, signal, timeline, speed if signal is not speed else None)
+        elif quantity in constants:
+            made[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
+    unknown = [name for name in constants if name not in QUANTITIES or name == "time"]
+    if unknown:
+        raise RoadTestError(
+            "unknown quantity for a constant", value=unknown[0], expected="one of " + ", ".join(QUANTITIES)
+        )
+    return MappingProxyType(made)
+
+
+def _channel(assigner: Assigner, signal: Signal, timeline: Timeline, speed: Signal | None) -> Channel:
+    candidate, raw, time = signal.candidate, signal.values, signal.time
+    if time is None:
+        time = timeline.time
+        if timeline.order is not None:
+            raw = raw[timeline.order]
+        blank = np.isnan(raw)
+        if blank.any():
+            raw, time = raw[~blank], time[~blank]
+    si = signal.fit.to_si(raw)
+    moving = None
+    if speed is not None and speed.time is None and signal.time is None:
+        beside = speed.values if timeline.order is None else speed.values[timeline.order]
+        moving = np.concatenate([[False], np.diff(beside) != 0])
+        if len(moving) != len(raw):
+            moving = None
+    found = checks.suspect(candidate.quantity, raw, si, time, moving)
+    doubt = np.zeros(len(raw), bool)
+    for name, mask in found.items():
+        doubt |= mask
+        count = int(mask.sum())
+        text = f"{candidate.label!r}: {count} of {len(raw)} samples are suspect ({name}) and left out"
+        assigner.say("suspect_samples", text, "warning", candidate.label)
+    independent, held = _independent(candidate.quantity, raw)
+    span = _span(time, timeline.segments)
+    if held:
+        text = f"{candidate.label!r}: the logger repeats its last answer; {independent} of {len(raw)} samples are true ones"
+        assigner.say("sample_and_hold", text, "info", candidate.label)
+    return Channel(
+        candidate.quantity,
+        time,
+        si.astype(float, copy=False),
+        doubt,
+        candidate.label,
+        signal.fit.unit.name if signal.fit.unit else "",
+        signal.fit.assumed,
+        candidate.kind
+        if QUANTITIES[candidate.quantity].unit_kind == "pressure" or candidate.quantity == "lock_up"
+        else "unknown",
+        "logged",
+        independent,
+        (independent - 1) / span if span > 0 and independent > 1 else float("nan"),
+    )
+
+
+def _independent(quantity: str, values: np.ndarray) -> tuple[int, bool]:
+    kind = QUANTITIES[quantity].unit_kind
+    if kind in ("rotational_speed", "pressure", "speed") and checks.is_sample_and_hold(values):
+        return int(len(values) - checks.repeats(values).sum()), True
+    return len(values), False
+
+
+def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
+    """Time a channel's samples cover, gaps not counted."""
+    if not len(time):
+        return 0.0
+    breaks = sum(
+        later.start - earlier.stop
+        for earlier, later in zip(segments[:-1], segments[1:], strict=True)
+        if earlier.stop >= time[0] and later.start <= time[-1]
+    )
+    return float(time[-1] - time[0]) - breaks
+
+
+def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timeline) -> Channel:
+    info = QUANTITIES[quantity]
+    if not info.low <= value <= info.high:
+        raise RoadTestError(
+            f"a constant outside what {info.label} can be", value=value, expected=f"{info.low:g} to {info.high:g} (SI)"
+        )
+    assigner.say("constant", f"{quantity} is not in the log: the given constant is used")
+    return Channel(
+        quantity, timeline.time[:1], np.array([float(value)]), np.zeros(1, bool), source="constant", independent=1
+    )
+
+
+def time_messages(assigner: Assigner, timeline: Timeline) -> None:
+    """What is to be said about the clock."""
+    if timeline.restarts:
+        text = f"the clock jumps back {timeline.restarts} time(s): the log consists of {timeline.restarts + 1} recordings, kept apart"
+        assigner.say("clock_restarted", text, "warning")
+    if timeline.gaps:
+        longest = max(timeline.gaps)
+        text = f"{len(timeline.gaps)} gap(s) in the recording, the longest {longest:.1f} s: nothing is filled in"
+        assigner.say("gaps", text, "warning")
+    if timeline.stale:
+        assigner.say("stray_stamps", f"{timeline.stale} row(s) with a stray time stamp are left out", "warning")
+    if timeline.unreadable:
+        assigner.say(
+            "unreadable_stamps", f"{timeline.unreadable} row(s) without a readable time are left out", "warning"
+        )
+    if timeline.reordered:
+        assigner.say("reordered", f"{timeline.reordered} row(s) stood out of turn and were put in order", "info")

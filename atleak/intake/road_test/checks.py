@@ -1,0 +1,183 @@
+"""Checks of one channel: each takes a Series and gives a boolean Series in which True means *suspect*.
+
+Nothing is removed: what is doubted stays in the channel and is counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from atleak.road_test import QUANTITIES
+
+# a full counter, a sign bit alone, an error code of a bus: never a measured value
+_SENTINELS = (
+    65535.0,
+    65534.0,
+    -2147483617.0,
+    -2147483648.0,
+    2147483647.0,
+    4294967295.0,
+    32767.0,
+    -32768.0,
+    16383.75,
+    8191.875,
+    6553.5,
+    655.35,
+    1e9,
+    -9999.0,
+    9999.0,
+    99999.0,
+    999999.0,
+)
+_STEP = {  # what a channel can change between two samples at most, per kind, in SI; for spikes
+    "rotational_speed": 2000.0 / 60,
+    "temperature": 15.0,
+    "speed": 40.0 / 3.6,
+    "pressure": 2.5e6,
+}
+_FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 600.0}
+
+
+def sentinel(series: pd.Series) -> pd.Series:
+    """Error codes in the file's own unit: 65535, −2147483617 and the like.
+
+    >>> sentinel(pd.Series([800.0, 65535.0])).tolist()
+    [False, True]
+    """
+    values = series.to_numpy()
+    result = np.zeros(len(values), bool)
+    if len(values) and (np.nanmax(values, initial=0) >= 655 or np.nanmin(values, initial=0) <= -9999):
+        result = np.isin(values, _SENTINELS)
+        if np.mean(result) > 0.5:  # then it is an ordinary value of this channel
+            result[:] = False
+    return pd.Series(result, series.index)
+
+
+def out_of_range(series: pd.Series, low: float, high: float) -> pd.Series:
+    """Values outside what the quantity can be."""
+    values = series.to_numpy()
+    if not len(values) or (np.nanmin(values, initial=np.inf) >= low and np.nanmax(values, initial=-np.inf) <= high):
+        return pd.Series(np.zeros(len(values), bool), series.index)
+    return pd.Series((values < low) | (values > high), series.index)
+
+
+def start_up(series: pd.Series, step: float, rows: int = 10) -> pd.Series:
+    """Rubbish before a channel settles, and after it ends: everything within ``rows`` of an end and beyond a step.
+
+    For slow channels such as a temperature: 236, 125, 118, 118 … is suspect up to the 125.
+    """
+    values = series.to_numpy()
+    result = np.zeros(len(values), bool)
+    if len(values) < 3 * rows:
+        return pd.Series(result, series.index)
+    with np.errstate(invalid="ignore"):
+        head = np.flatnonzero(np.abs(np.diff(values[: rows + 1])) > step)
+        tail = np.flatnonzero(np.abs(np.diff(values[-rows - 1 :])) > step)
+    if len(head):
+        result[: head[-1] + 1] = True
+    if len(tail):
+        result[len(values) - rows + tail[0] :] = True
+    return pd.Series(result, series.index)
+
+
+def spikes(series: pd.Series, step: float) -> pd.Series:
+    """Single samples that leave their neighbours by more than ``step`` and come straight back."""
+    values = series.to_numpy()
+    result = np.zeros(len(values), bool)
+    if len(values) >= 3 and np.nanmax(values, initial=-np.inf) - np.nanmin(values, initial=np.inf) > step:
+        change = np.diff(values)
+        big = np.flatnonzero(np.abs(change) > step)
+        alone = big[:-1][np.diff(big) == 1] + 1
+        back = change[alone - 1] * change[alone] < 0
+        level = np.abs(values[alone + 1] - values[alone - 1]) < 0.25 * np.abs(change[alone - 1])
+        result[alone[back & level]] = True
+    return pd.Series(result, series.index)
+
+
+def frozen(series: pd.Series, seconds: float, moving: np.ndarray | None = None) -> pd.Series:
+    """A channel that repeats one value other than zero for longer than ``seconds`` (index: stamps in s).
+
+    ``moving`` tells at which samples the car's other channels change; a run counts only where they do.
+    """
+    values, time = series.to_numpy(), series.index.to_numpy()
+    result = np.zeros(len(values), bool)
+    if len(values) < 20:
+        return pd.Series(result, series.index)
+    # a run that long must hold two probes taken half as far apart: cheap for the usual, lively channel
+    edges = np.flatnonzero(np.concatenate([[True], values[1:] != values[:-1], [True]]))
+    if len(edges) == len(values) + 1:
+        return pd.Series(result, series.index)
+    starts, stops = edges[:-1], edges[1:] - 1
+    long = (time[stops] - time[starts] > seconds) & (stops - starts >= 20) & (values[starts] != 0)
+    for start, stop in zip(starts[long], stops[long], strict=True):
+        if moving is None or np.count_nonzero(moving[start : stop + 1]) > 10:
+            result[start : stop + 1] = True
+    return pd.Series(result, series.index)
+
+
+def failed_sensor(series: pd.Series) -> pd.Series:
+    """Temperatures in °C that are the end of a sensor's scale, −40 or 215, beside ordinary ones."""
+    values = series.to_numpy()
+    result = np.zeros(len(values), bool)
+    if len(values) and (np.nanmin(values, initial=0) <= -39.9 or np.nanmax(values, initial=0) >= 214.9):
+        ends = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
+        rest = values[~ends & np.isfinite(values)]
+        if len(rest) and np.median(rest) > -15:
+            result = ends
+    return pd.Series(result, series.index)
+
+
+def suspect(
+    quantity: str, raw: np.ndarray, si: np.ndarray, time: np.ndarray, moving: np.ndarray | None = None
+) -> dict[str, np.ndarray]:
+    """Every check of a quantity: name of the check → boolean array, only those that found something.
+
+    ``raw`` are the file's numbers, ``si`` the same in SI, ``time`` the channel's stamps.
+    """
+    info = QUANTITIES[quantity]
+    found: Mapping[str, pd.Series] = {}
+    series = pd.Series(si, time, copy=False)
+    found = {"sentinel": sentinel(pd.Series(raw, time, copy=False))}
+    found["out of range"] = out_of_range(series, info.low, info.high)
+    doubted = found["sentinel"].to_numpy() | found["out of range"].to_numpy()
+    clean = pd.Series(np.where(doubted, np.nan, si), time) if doubted.any() else series
+    kind = info.unit_kind
+    if kind == "temperature":
+        found["failed sensor"] = failed_sensor(clean)
+        if found["failed sensor"].any():
+            clean = clean.mask(found["failed sensor"])
+        found["start-up"] = start_up(clean, 8.0)
+    if kind in _STEP:
+        found["spike"] = spikes(clean, _STEP[kind])
+    if kind in _FROZEN_SECONDS:
+        found["frozen"] = frozen(clean, _FROZEN_SECONDS[kind], moving)
+    return {name: mask.to_numpy() for name, mask in found.items() if mask.any()}
+
+
+def repeats(values: np.ndarray) -> np.ndarray:
+    """Where a sample is the same as the one before it.
+
+    >>> repeats(np.array([1.0, 1.0, 2.0])).tolist()
+    [False, True, False]
+    """
+    return np.concatenate([[False], values[1:] == values[:-1]]) if len(values) else np.zeros(0, bool)
+
+
+def is_sample_and_hold(values: np.ndarray) -> bool:
+    """Whether a logger repeats a channel's last answer between true ones.
+
+    A true signal creeps by its resolution; one that stands still and then leaps, again and again, is held.
+    """
+    if len(values) > 20_000:
+        middle = len(values) // 2
+        values = values[middle - 10_000 : middle + 10_000]
+    change = np.abs(np.diff(values))
+    change = change[np.isfinite(change)]
+    moves = change[change > 0]
+    if len(change) < 20 or len(moves) < 8:
+        return False
+    stands = 1 - len(moves) / len(change)
+    return bool(0.45 < stands < 0.98 and np.median(moves) >= 4 * moves.min() and np.median(moves) > 0)

@@ -1,0 +1,125 @@
+"""Reads columns of delimited text fast, and row by row what the fast way cannot."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from atleak.intake.road_test.cells import MISSING, Decimal
+from atleak.intake.road_test.source import HEAD, Source
+from atleak.intake.road_test.table import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
+from atleak.intake.road_test.text import Text, to_text
+
+_NA = sorted({spelling for word in MISSING for spelling in (word, word.upper(), word.capitalize(), word.title())})
+
+
+@dataclass(frozen=True)
+class Delimited:
+    """Delimited text whose table is found but not read yet."""
+
+    text: Text
+    delimiter: str
+    decimal: Decimal
+    layout: Layout
+    offset: int
+    sample: tuple[Row, ...]
+    quoted: bool
+
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        """The columns' headings."""
+        return self.layout.headings
+
+    @property
+    def has_header(self) -> bool:
+        """Whether any row names the columns."""
+        return self.layout.has_header
+
+    @property
+    def preamble(self) -> tuple[Row, ...]:
+        """The rows above the header."""
+        return self.layout.preamble
+
+    def read(self, columns: Sequence[int]) -> pd.DataFrame:
+        """These columns of every line from the first data row on: numbers as floats, anything else as text."""
+        stream = io.BytesIO(self.text.data)
+        stream.seek(self.offset)
+        names = list(range(self.layout.width))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            return pd.read_csv(
+                stream,
+                sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
+                decimal=self.decimal,
+                header=None,
+                names=names,
+                index_col=False,
+                usecols=sorted(columns),
+                engine="c",
+                low_memory=False,
+                na_values=_NA,
+                skipinitialspace=True,
+                quoting=0 if self.quoted else 3,
+                encoding="utf-8" if self.text.codec == "utf-8" else self.text.codec,
+                encoding_errors="replace",
+            )
+
+
+def _lines(data: bytes) -> list[bytes]:
+    if b"\n" not in data[:HEAD] and b"\r" in data[:HEAD]:
+        return data.split(b"\r")
+    return data.split(b"\n")
+
+
+def _sample_lines(text: Text, head: list[bytes]) -> list[str]:
+    """Lines from the head's end and from four places further on in the file."""
+    chosen = head[-200:]
+    size = len(text.data)
+    if size > HEAD:
+        for part in (0.3, 0.5, 0.75, 1.0):
+            at = min(int(size * part), size - 1) - (1 << 14)
+            chosen += _lines(text.data[at : at + (1 << 14)])[1:-1][:60]
+    return [text.decode(line) for line in chosen]
+
+
+def open_delimited(source: Source) -> Delimited | None:
+    """Finds the table in a delimited text, or None when there is none."""
+    text = to_text(source.data)
+    if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
+        text = Text(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
+    head = _lines(text.data[:HEAD])
+    if len(text.data) > HEAD:
+        head = head[:-1]
+    dialect = find_dialect(_sample_lines(text, head))
+    if dialect is None:
+        return None
+    delimiter, decimal = dialect
+    rows = [split_line(text.decode(line), delimiter) for line in head]
+    layout = find_table(rows, decimal)
+    if layout is None:
+        return None
+    offset = sum(len(line) + 1 for line in head[: layout.start])
+    quoted = b'"' in text.data[offset : offset + HEAD] or b'"' in text.data[-HEAD:]
+    return Delimited(text, delimiter, decimal, layout, offset, tuple(rows[layout.start :][:400]), quoted)
+
+
+def numbers(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, int]:
+    """A column as floats and how many of its cells held something that is neither number nor a word for missing."""
+    if column.dtype.kind in "fiub":
+        values = column.to_numpy(dtype=float)
+        if column.dtype.kind == "f" and not np.isfinite(values.sum()):
+            values = np.where(np.isinf(values), np.nan, values)
+        return values, 0
+    text = column.astype("str").str.strip().str.strip('"').str.strip()
+    blank = column.isna().to_numpy() | text.str.lower().isin(MISSING).to_numpy()
+    if decimal == ",":
+        dotted = text.str.contains(".", regex=False, na=False).to_numpy()
+        text = text.str.replace(",", ".", regex=False).where(~dotted)
+    values = pd.to_numeric(text, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+    values = np.where(np.isinf(values), np.nan, values)
+    return values, int((np.isnan(values) & ~blank).sum())

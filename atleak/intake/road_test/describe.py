@@ -1,0 +1,127 @@
+"""What was understood of a log, for programs (JSON) and as a tidy table in workshop units."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any
+
+import numpy as np
+
+from atleak.intake.road_test.understand import Understood
+from atleak.intake.units import Unit, unit
+from atleak.road_test import QUANTITIES, Channel, RoadTest
+
+_DELIMITERS = {"\t": "\\t", " ": "whitespace"}
+
+
+def workshop_unit(quantity: str, channel: Channel | None = None) -> Unit | None:
+    """The unit in which people are shown a quantity; None for plain numbers."""
+    info = QUANTITIES[quantity]
+    if info.unit_kind is not None:
+        return unit(info.workshop_unit, info.unit_kind)
+    if quantity == "lock_up" and channel is not None:
+        if channel.unit in ("kPa", "bar", "psi", "MPa", "Pa", "mbar", "kgf/cm²"):
+            return unit("kPa", "pressure")
+        if channel.unit == "%":
+            return unit("%", "ratio")
+    return None
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _column(channel: Channel) -> dict[str, Any]:
+    shown = workshop_unit(channel.quantity, channel)
+    good = channel.good
+    good = good[np.isfinite(good)]
+    ends = (float(good.min()), float(good.max())) if len(good) else (np.nan, np.nan)
+    low, high = (shown.from_si(end) for end in ends) if shown else ends
+    return {
+        "quantity": channel.quantity,
+        "column": channel.column or None,
+        "unit": channel.unit or None,
+        "unit_assumed": channel.unit_assumed,
+        "kind": channel.kind,
+        "source": channel.source,
+        "samples": channel.samples,
+        "suspect_samples": int(channel.suspect.sum()),
+        "independent_samples": channel.independent,
+        "min": _number(round(low, 9)),
+        "max": _number(round(high, 9)),
+        "value_unit": shown.name if shown else None,
+        "sampling_hz": _number(channel.sampling_hz),
+    }
+
+
+def describe(understood: Understood) -> dict[str, Any]:
+    """The ``import-log --json`` form: values in rpm, °C, kPa, km/h and s; ``unit`` is the file's own.
+
+    While the log lacks an answer, ``rows`` and ``duration_s`` are None and ``needs`` says what is missing.
+    """
+    test = understood.road_test
+    result: dict[str, Any] = {
+        "file": understood.file,
+        "sha256": understood.sha256,
+        "format": understood.format,
+        "encoding": understood.encoding,
+        "delimiter": _DELIMITERS.get(understood.delimiter or "", understood.delimiter),
+        "decimal": understood.decimal,
+        "rows": test.rows if test else None,
+        "duration_s": _number(test.duration) if test else None,
+        "segments": [],
+        "columns": [],
+        "ambiguous": [
+            {"quantity": one.quantity, "candidates": list(one.candidates), "why": one.why}
+            for one in understood.ambiguous
+        ],
+        "unused": list(understood.unused),
+        "needs": str(understood.problem) if understood.problem else None,
+        "messages": [{"level": one.level, "code": one.code, "text": one.text} for one in understood.messages],
+    }
+    if test is not None:
+        result["segments"] = [
+            {"start_row": one.start_row, "rows": one.rows, "start_s": one.start, "duration_s": one.duration}
+            for one in test.segments
+        ]
+        result["columns"] = [_time_column(understood, test), *map(_column, test.channels.values())]
+    return result
+
+
+def _time_column(understood: Understood, test: RoadTest) -> dict[str, Any]:
+    steps = sum(segment.duration for segment in test.segments)
+    count = sum(max(segment.rows - 1, 0) for segment in test.segments)
+    return {
+        "quantity": "time",
+        "column": understood.time_label or None,
+        "unit": understood.time_unit or None,
+        "unit_assumed": understood.time_assumed,
+        "kind": "unknown",
+        "source": "logged" if understood.time_label else "derived",
+        "samples": len(test.time),
+        "suspect_samples": 0,
+        "independent_samples": len(test.time),
+        "min": _number(test.time[0]) if len(test.time) else None,
+        "max": _number(test.time[-1]) if len(test.time) else None,
+        "value_unit": "s",
+        "sampling_hz": count / steps if steps > 0 else None,
+    }
+
+
+def tidy_csv(test: RoadTest) -> str:
+    """A road test as a plain table: one row a stamp, workshop units in the names, blank where there is no sample."""
+    columns: list[tuple[str, np.ndarray]] = [("time [s]", test.time)]
+    for quantity, channel in test.channels.items():
+        shown = workshop_unit(quantity, channel)
+        values = test.values(quantity)
+        assert values is not None
+        columns.append(
+            (f"{quantity} [{shown.name}]" if shown else quantity, shown.from_si(values) if shown else values)
+        )
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([name for name, _ in columns])
+    for row in zip(*(values.tolist() for _, values in columns), strict=True):
+        writer.writerow([f"{value:.10g}" if value == value else "" for value in row])
+    return stream.getvalue()

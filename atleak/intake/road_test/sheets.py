@@ -1,0 +1,178 @@
+"""Workbooks: a log on one sheet, or one signal per sheet with its own time."""
+
+from __future__ import annotations
+
+import datetime as dt
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.cells import MISSING, Decimal
+from atleak.intake.road_test.names import match_name, split_unit, words
+from atleak.intake.road_test.source import Source
+from atleak.intake.road_test.table import Heading, Layout, Row, find_table
+
+_LOOK = 2000
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One sheet with its table found; a `tables.Table`."""
+
+    name: str
+    rows: list[list[object]]
+    layout: Layout
+    decimal: Decimal
+    titled: bool = False
+
+    @cached_property
+    def headings(self) -> tuple[Heading, ...]:
+        """The columns' headings; a lone signal without a telling name bears the sheet's."""
+        if not self.titled:
+            return self.layout.headings
+        split = split_unit(self.name)
+        result = []
+        for heading in self.layout.headings:
+            known = any(match_name(name) for name in heading.names)
+            if not known and _plain(heading) in _GENERIC:
+                heading = Heading(heading.index, self.name, (split.text,), heading.unit or split.unit)
+            result.append(heading)
+        return tuple(result)
+
+    @property
+    def has_header(self) -> bool:
+        """Whether any row names the columns."""
+        return self.layout.has_header
+
+    @cached_property
+    def sample(self) -> tuple[Row, ...]:
+        """The first data rows as text."""
+        body = self.rows[self.layout.start : self.layout.start + 400]
+        return tuple([_text(cell, self.decimal) for cell in row] for row in body)
+
+    @property
+    def preamble(self) -> tuple[Row, ...]:
+        """The rows above the header."""
+        return self.layout.preamble
+
+    def read(self, columns: Sequence[int]) -> pd.DataFrame:
+        """These columns from the first data row on, as `delimited.Delimited.read` gives them."""
+        body = self.rows[self.layout.start :]
+        return pd.DataFrame(
+            {index: _column([row[index] if index < len(row) else None for row in body]) for index in columns}
+        )
+
+
+_GENERIC = {
+    "",
+    "value",
+    "values",
+    "wert",
+    "messwert",
+    "data",
+    "y",
+    "signal",
+    "reading",
+    "wartosc",
+    "valeur",
+    "valor",
+    "значение",
+}
+
+
+def _plain(heading: Heading) -> str:
+    text = words(heading.names[0]) if heading.names else ""
+    return "" if text.startswith("column ") else text
+
+
+def _text(cell: object, decimal: Decimal = ".") -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, bool):
+        return "1" if cell else "0"
+    if isinstance(cell, float):
+        text = str(int(cell)) if cell.is_integer() and abs(cell) < 1e15 else repr(cell)
+        return text.replace(".", ",") if decimal == "," else text
+    if isinstance(cell, dt.datetime):
+        return cell.isoformat(sep=" ")
+    if isinstance(cell, dt.time):
+        return cell.isoformat()
+    if isinstance(cell, dt.timedelta):
+        seconds = cell.total_seconds()
+        return f"{int(seconds // 3600)}:{int(seconds % 3600 // 60):02d}:{seconds % 60:06.3f}"
+    return str(cell).strip()
+
+
+def _column(cells: list[object]) -> pd.Series:
+    floats = np.full(len(cells), np.nan)
+    for index, cell in enumerate(cells):
+        if isinstance(cell, int | float):
+            floats[index] = cell
+        elif cell is None or (isinstance(cell, str) and cell.strip().lower() in MISSING):
+            continue
+        else:
+            break
+    else:
+        return pd.Series(floats)
+    if any(isinstance(cell, dt.date | dt.time | dt.timedelta) for cell in cells):
+        return pd.Series(cells, dtype=object)
+    return pd.Series([None if cell is None or cell == "" else _text(cell) for cell in cells], dtype="str")
+
+
+def open_sheets(source: Source) -> list[Sheet]:
+    """Every sheet of a workbook that holds a table.
+
+    Raises
+    ------
+    RoadTestError
+        when the workbook cannot be read.
+    """
+    import python_calamine
+
+    try:
+        workbook = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(source.data))
+        names = workbook.sheet_names
+    except Exception as error:  # noqa: BLE001 - the reader's own errors share no base class
+        raise RoadTestError(f"is a damaged or protected workbook: {error}", place=Place(file=source.file)) from error
+    sheets = []
+    for name in names:
+        try:
+            cells = workbook.get_sheet_by_name(name).to_python(skip_empty_area=True)
+        except Exception as error:  # noqa: BLE001
+            raise RoadTestError(f"cannot be read: {error}", place=Place(file=source.file, sheet=name)) from error
+        rows = [[None if cell == "" else cell for cell in row] for row in cells]
+        while rows and all(cell is None for cell in rows[-1]):
+            rows.pop()
+        sheet = _sheet(name, rows)
+        if sheet is not None:
+            sheets.append(sheet)
+    return sheets
+
+
+def _sheet(name: str, rows: list[list[object]]) -> Sheet | None:
+    width = max((index + 1 for row in rows[:_LOOK] for index, cell in enumerate(row) if cell is not None), default=0)
+    if width < 2:
+        return None
+    rows = [row[:width] for row in rows]
+    for decimal in (".", ","):
+        look = [[_text(cell, decimal) for cell in row] for row in rows[:_LOOK]]
+        layout = find_table([_shorn(row) for row in look], decimal)
+        if layout is not None:
+            best: Decimal = decimal
+            text = [cell for row in rows[layout.start : _LOOK] for cell in row if isinstance(cell, str)]
+            commas = sum("," in cell and cell.replace(",", "", 1).lstrip("-").isdigit() for cell in text)
+            if decimal == "." and commas > 0.1 * max(len(text), 1):
+                continue
+            return Sheet(name, rows, layout, best)
+    return None
+
+
+def _shorn(row: Row) -> Row:
+    """A row without the blank cells at its end, but never less than two cells wide."""
+    end = max((index + 1 for index, cell in enumerate(row) if cell), default=0)
+    return row if end > len(row) // 2 else row[: max(end, 1)]

@@ -1,0 +1,183 @@
+"""From a path or bytes to a log's bytes, with a word about what it is; refuses what is no log before reading it all."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, Literal
+
+from atleak.errors import Place, RoadTestError
+
+HEAD = 1 << 18
+"""Bytes looked at to find out what a file is."""
+SPARE = 120 << 20
+"""Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
+GROWTH = 4
+
+Form = Literal["text", "workbook", "mdf"]
+
+_PICTURES = {
+    b"\x89PNG": "a PNG picture",
+    b"\xff\xd8\xff": "a JPEG picture",
+    b"GIF8": "a GIF picture",
+    b"BM": "a bitmap picture",
+    b"II*\x00": "a TIFF picture",
+    b"MM\x00*": "a TIFF picture",
+    b"%PDF": "a PDF document",
+    b"{\\rtf": "a formatted text document",
+    b"Rar!": "a RAR archive",
+    b"7z\xbc\xaf": "a 7z archive",
+    b"TDSm": "a TDMS file of LabVIEW",
+    b"\x7fELF": "a program",
+    b"MZ\x90": "a program",
+    b"SQLite format 3": "a database",
+    b"PAR1": "a Parquet file",
+    b"\x89HDF": "an HDF5 file",
+    b"MATLAB 5.0": "a MATLAB file",
+    b"MLVLG": "a binary log of MegaLogViewer",
+    b"<?xml": "an XML document",
+    b"<!DOCTYPE": "a web page",
+    b"<html": "a web page",
+}
+
+
+@dataclass(frozen=True)
+class Source:
+    """A log before anything is understood: ``data`` are its bytes, unpacked when it came packed."""
+
+    file: str
+    sha256: str
+    data: bytes
+    form: Form
+    packed: bool = False
+
+    def place(self, **where: object) -> Place:
+        """A place in this file."""
+        return Place(file=self.file, **where)  # type: ignore[arg-type]
+
+
+def open_source(source: str | Path | bytes, name: str | None = None) -> Source:
+    """Reads a log's bytes.
+
+    Raises
+    ------
+    RoadTestError
+        when the file is missing, empty, a picture or other thing that is no log, only zeros, or packed so
+        tightly that unpacking it would fill the memory.
+    """
+    if isinstance(source, bytes):
+        file, head = name or "log", source[:HEAD]
+        _refuse_what_is_no_log(head, file)
+        data = source
+    else:
+        path = Path(source)
+        file = name or path.name
+        try:
+            with path.open("rb") as stream:
+                head = stream.read(HEAD)
+                _refuse_what_is_no_log(head, file)
+                data = head + stream.read() if len(head) == HEAD else head
+        except OSError as error:
+            raise RoadTestError(f"cannot be opened: {error.strerror}", place=Place(file=file)) from error
+    digest = hashlib.sha256(data).hexdigest()
+    if data[:2] == b"\x1f\x8b":
+        data = _unpack(data, file)
+        return Source(file, digest, data, _form(data, file), packed=True)
+    return Source(file, digest, data, _form(data, file))
+
+
+def _form(data: bytes, file: str) -> Form:
+    if data[:4] == b"PK\x03\x04":
+        _refuse_bomb(data, file)
+        return "workbook"
+    if data[:8] == b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1":
+        return "workbook"
+    if data[:3] == b"MDF" or data[:8] == b"UnFinMF ":
+        return "mdf"
+    return "text"
+
+
+def _refuse_what_is_no_log(head: bytes, file: str) -> None:
+    place = Place(file=file)
+    if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):
+        if head.strip(b" \t\r\n"):
+            raise RoadTestError(
+                "holds nothing but zero bytes: the logger did not finish writing it, or the card is damaged",
+                place=place,
+            )
+        raise RoadTestError("is empty: the logger wrote nothing", place=place)
+    for magic, what in _PICTURES.items():
+        if head.startswith(magic) and (magic != b"BM" or b"\x00" in head[:32]):
+            raise RoadTestError(
+                f"is {what}, no road-test log, whatever its name says",
+                place=place,
+                expected="delimited text, xlsx or MDF4 as the logger exports it",
+            )
+
+
+def _unpack(data: bytes, file: str) -> bytes:
+    limit = GROWTH * len(data) + SPARE
+    place = Place(file=file)
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            head = stream.read(HEAD)
+            _refuse_what_is_no_log(head, file)
+            unpacked = head + read_up_to(stream, limit - len(head), place)
+    except (OSError, EOFError, zlib.error) as error:
+        raise RoadTestError(f"its gz packing is damaged: {error}", place=place) from error
+    if unpacked[:2] == b"\x1f\x8b":
+        raise RoadTestError("is packed twice; unpack it first", place=place)
+    return unpacked
+
+
+def read_up_to(stream: BinaryIO | gzip.GzipFile, limit: int, place: Place) -> bytes:
+    """Reads a packed stream to its end, but never more than ``limit`` bytes.
+
+    Raises
+    ------
+    RoadTestError
+        when the stream goes on past the limit.
+    """
+    parts, total = [], 0
+    while part := stream.read(1 << 20):
+        total += len(part)
+        if total > limit:
+            raise RoadTestError(
+                f'unfolds to more than {limit >> 20} MB: this is no ordinary log (a "zip bomb"?)',
+                place=place,
+                expected="a log; if it really is one, unpack it first",
+            )
+        parts.append(part)
+    return b"".join(parts)
+
+
+def _refuse_bomb(data: bytes, file: str) -> None:
+    limit, total = GROWTH * len(data) + SPARE, 0
+    place = Place(file=file)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            members = archive.namelist()
+            if not any(member.startswith(("xl/", "content.xml", "Index/")) for member in members):
+                raise RoadTestError(
+                    "is a ZIP archive, not a log",
+                    place=place,
+                    value=", ".join(members[:3]),
+                    expected="the log itself: unpack the archive and give the file inside",
+                )
+            for info in archive.infolist():
+                with archive.open(info) as stream:
+                    while part := stream.read(1 << 20):
+                        total += len(part)
+                        if total > limit:
+                            raise RoadTestError(
+                                f'unfolds to more than {limit >> 20} MB: this is no ordinary workbook (a "zip bomb"?)',
+                                place=place,
+                                expected="a workbook with the log; save a large log as CSV",
+                            )
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+        raise RoadTestError(f"is a damaged workbook: {error}", place=place) from error
