@@ -50,21 +50,18 @@ class Fluid:
         log ν between the table's points (the data sheet's where there is no table). ``regression``: the source study's
         eq. (29), whatever the fluid. Outside `span` the result is NaN: see `span` and `messages`.
         """
-        temperature = np.asarray(temperature, dtype=float)
-        low, high = self.span(model)
-        if temperature.size and not (temperature.min() >= low and temperature.max() <= high):
-            temperature = np.where((temperature >= low) & (temperature <= high), temperature, np.nan)
-        return _plain(self._viscosity(temperature, model))
+        return _plain(self._viscosity(self._inside(temperature, model), model))
 
     def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
         """Density [kg/m³] at a temperature [°C]: the table's, linear between points, with ``tabulated``; eq. (30)
-        with ``regression``; else a line through the data sheet's point."""
+        with ``regression``; else a line through the data sheet's point. NaN where the viscosity is."""
+        temperature = self._inside(temperature, model)
         if model == "tabulated" and self.table:
-            return _plain(_between_points(np.asarray(temperature, dtype=float), self._knots[0], self._knots[2]))
+            return _plain(_between_points(temperature, self._knots[0], self._knots[2]))
         if model == "regression":
-            return fluid_equations.study_density(temperature)
+            return _plain(fluid_equations.study_density(temperature))
         at, density = self.density_at
-        return _plain(density + self.density_slope * (np.asarray(temperature, dtype=float) - at))
+        return _plain(density + self.density_slope * (temperature - at))
 
     def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
         """Lowest and highest temperature [°C] at which the model answers."""
@@ -113,6 +110,14 @@ class Fluid:
             text = f"{highest:g} °C is well above the data sheet's last point ({span[1]:g} °C)."
             found.append(Message("warning", "viscosity_extrapolated", text))
         return found
+
+    def _inside(self, temperature: Any, model: ViscosityModel) -> np.ndarray:
+        """The temperatures, NaN outside the model's span."""
+        temperature = np.asarray(temperature, dtype=float)
+        low, high = self.span(model)
+        if temperature.size and not (temperature.min() >= low and temperature.max() <= high):
+            return np.where((temperature >= low) & (temperature <= high), temperature, np.nan)
+        return temperature
 
     def _viscosity(self, temperature: np.ndarray, model: ViscosityModel) -> Any:
         if model == "d341":

@@ -410,7 +410,11 @@ class LeakageModel:
             )
         for section, below in reversed_.items():
             count.reversed_samples[section] += int(np.count_nonzero(below))
-        return sum(sections.values()), sections
+        total = sum(sections.values())
+        if np.isnan(total.sum()):
+            for flow in sections.values():
+                flow[np.isnan(total)] = np.nan
+        return total, sections
 
 
 @dataclass(frozen=True)
