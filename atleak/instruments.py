@@ -37,6 +37,7 @@ class Instrument:
     calibration: float  # [m] standard uncertainty
     common_part: float  # of the variance, 0 … 1
     repeatability: float | None  # [m] standard deviation of one reading
+    separate_heads: bool  # spool and sleeve take different heads or masters, which do not err alike
     representative: tuple[str, ...]
     origin: Origin | None = None
 
@@ -53,13 +54,18 @@ class Instrument:
 
 @dataclass(frozen=True)
 class Instruments:
-    """With what the two parts of a pair were measured. One and the same instrument errs alike in both."""
+    """With what the two parts of a pair were measured."""
 
     spool: Instrument
     sleeve: Instrument
 
     def of(self, part: Part) -> Instrument:
         return self.spool if part == "spool" else self.sleeve
+
+    @property
+    def err_alike(self) -> bool:
+        """Whether both parts share one common error, which then drops out of D − d."""
+        return self.spool == self.sleeve and not self.spool.separate_heads
 
 
 def load_instrument(id_or_path: str | Path) -> Instrument:
@@ -82,6 +88,7 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
         calibration=entry.calibration_um * 1e-6,
         common_part=entry.common_part,
         repeatability=None if entry.repeatability_um is None else entry.repeatability_um * 1e-6,
+        separate_heads=entry.separate_heads,
         representative=tuple(entry.representative),
         origin=origin,
     )
@@ -125,4 +132,5 @@ class InstrumentFile(Entry):
     calibration_um: NonNegative
     common_part: float = Field(ge=0, le=1)
     repeatability_um: NonNegative | None = None
+    separate_heads: bool = False
     representative: list[Literal["resolution_um", "calibration_um", "common_part", "repeatability_um"]] = []

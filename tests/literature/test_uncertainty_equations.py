@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ def _expectation(function, mean: float, spread: float) -> float:
     edges = [mean + k * spread for k in (-14, -6, -2, 0, 2, 6, 14)]
     parts = [
         integrate.quad(integrand, low, high, epsabs=0.0, epsrel=1e-13)[0]
-        for low, high in zip(edges, edges[1:], strict=False)
+        for low, high in pairwise(edges)
     ]
     return math.fsum(parts)
 
@@ -45,7 +46,7 @@ def test_moments_of_the_truncated_cube_against_quadrature(c: float, s: float) ->
             integrate.quad(lambda x: x**power * stats.norm.pdf(x, c, s), low, high, epsabs=0.0, epsrel=1e-13)[
                 0
             ]
-            for low, high in zip(edges, edges[1:], strict=False)
+            for low, high in pairwise(edges)
             if high > low
         )
 

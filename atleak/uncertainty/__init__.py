@@ -1,0 +1,48 @@
+"""Measurement uncertainty carried through the cube of a difference: to every flow, the total and every decision.
+
+`assess` is the one call; the rest is what its result is made of.
+"""
+
+from __future__ import annotations
+
+from atleak.uncertainty.advice import Remedy
+from atleak.uncertainty.assess import (
+    AtCondition,
+    LandUncertainty,
+    Shape,
+    TotalUncertainty,
+    UnitUncertainty,
+    assess,
+)
+from atleak.uncertainty.assumptions import DEFAULTS, NOTHING_ELSE, Assumptions
+from atleak.uncertainty.decision import (
+    DECISIONS,
+    GUARD_FACTOR,
+    Decision,
+    LevelDecision,
+    RuleDecision,
+    decide,
+)
+from atleak.uncertainty.sources import LandSources, RepeatSpread, Source
+
+__all__ = [
+    "DECISIONS",
+    "DEFAULTS",
+    "GUARD_FACTOR",
+    "NOTHING_ELSE",
+    "Assumptions",
+    "AtCondition",
+    "Decision",
+    "LandSources",
+    "LandUncertainty",
+    "LevelDecision",
+    "Remedy",
+    "RepeatSpread",
+    "RuleDecision",
+    "Shape",
+    "Source",
+    "TotalUncertainty",
+    "UnitUncertainty",
+    "assess",
+    "decide",
+]

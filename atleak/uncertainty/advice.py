@@ -1,0 +1,151 @@
+"""What to do about a decision the measurement cannot settle, in plain words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+
+from atleak.instruments import Instrument, Part, instruments
+from atleak.uncertainty.decision import RuleDecision
+from atleak.uncertainty.sources import PARTS, LandSources
+
+_MOST_REPEATS = 10  # of one place: beyond that a better instrument is the answer
+_SYMBOL: dict[Part, str] = {"spool": "d", "sleeve": "D"}
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """What would make the guard band narrow enough to decide.
+
+    ``first`` is the part to measure first, ``fraction`` what its readings carry of the clearance's variance.
+    ``repeats`` is how many independent repeats of each place settle it, of ``repeat_parts``; None where none do.
+    ``instruments`` lists the choices of shipped instruments that settle it, each choice a part and its instrument, or
+    two where one is not enough. ``reading_part`` is what
+    the clearance carries of the variance of the value that is judged, the rest is not for an instrument to settle.
+    """
+
+    first: Part | None
+    fraction: float
+    repeats: int | None
+    repeat_parts: tuple[Part, ...]
+    instruments: tuple[tuple[tuple[Part, str], ...], ...]
+    reading_part: float
+
+
+def remedy(land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float) -> Remedy:
+    """How a conditional decision could be settled.
+
+    Parameters
+    ----------
+    per_clearance
+        change of the rule's value per change of the clearance [1/m]; 1 for the clearance itself.
+    """
+    measured = [part for part in PARTS if part in land.plans]
+    first = max(measured, key=land.part_fraction, default=None)
+    variance = rule.standard_uncertainty**2
+    by_reading = (per_clearance * land.standard_uncertainty) ** 2
+    reading_part = min(by_reading / variance, 1.0) if variance > 0.0 and math.isfinite(variance) else 0.0
+    needed = abs(rule.value - rule.limit) / guard_factor if guard_factor else math.inf
+    rest = max(variance - by_reading, 0.0) if math.isfinite(variance) else math.inf
+    allowed = (needed**2 - rest) / per_clearance**2 if per_clearance else -1.0  # variance of the clearance [m²]
+    repeats, parts = _repeats(land, measured, first, allowed)
+    return Remedy(
+        first=first,
+        fraction=land.part_fraction(first) if first else 0.0,
+        repeats=repeats,
+        repeat_parts=parts,
+        instruments=_better(land, measured, allowed) if allowed > 0.0 else (),
+        reading_part=reading_part,
+    )
+
+
+def advise(rule: RuleDecision, name: str, found: Remedy, land: LandSources, limit_text: str, guard_text: str) -> str:
+    """The plain-words form of a conditional decision.
+
+    Parameters
+    ----------
+    name
+        of what is judged: ``"radial clearance"``.
+    limit_text, guard_text
+        the limit with its name and the ± guard band, with their units.
+    """
+    side = "over" if rule.decision == "conditional_fail" else "under"
+    tools = _tools(land)
+    text = f"{name} is {side} the {limit_text}, but within what {tools} can tell ({guard_text})"
+    if found.reading_part < 0.5:
+        return (
+            f"{text}: the readings carry only {found.reading_part:.0%} of the uncertainty, the rest is fluid, pressure "
+            "and pump. Measuring again will not settle it."
+        )
+    if found.first is None:
+        return f"{text}: nothing of this pair was measured."
+    text += (
+        f": measure again, {_SYMBOL[found.first]} first, it carries {found.fraction:.0%} of the uncertainty "
+        "of the clearance."
+    )
+    return f"{text} {_settles(found)}"
+
+
+def _settles(found: Remedy) -> str:
+    ways = []
+    if found.repeats is not None:
+        which = " and ".join(_SYMBOL[part] for part in found.repeat_parts)
+        ways.append(f"{found.repeats} independent repeats of {which} in every place")
+    ways += [
+        " with ".join(f"{instrument} for {_SYMBOL[part]}" for part, instrument in choice)
+        for choice in found.instruments
+    ]
+    if not ways:
+        tried = "more repeats and the other instruments of the catalogue"
+        return f"The value is too near its limit for {tried}: decide by judgement."
+    return f"It would be settled by {', or by '.join(ways)}, if the value stays where it is."
+
+
+def _tools(land: LandSources) -> str:
+    spool, sleeve = land.instruments.spool, land.instruments.sleeve
+    names = [land.instruments.of(part).name.lower() for part in PARTS if part in land.plans]
+    if len(names) == 2 and spool != sleeve:
+        return f"{names[0]} and {names[1]}"
+    return f"this {names[0]}" if names else "catalogue values"
+
+
+def _repeats(
+    land: LandSources, measured: Sequence[Part], first: Part | None, allowed: float
+) -> tuple[int | None, tuple[Part, ...]]:
+    if allowed <= 0.0 or first is None:
+        return None, ()
+    for parts in ((first,), tuple(measured)):
+        lowest = min(land.plans[part].repeats for part in parts)
+        for count in range(lowest + 1, _MOST_REPEATS + 1):
+            repeats = {part: max(count, land.plans[part].repeats) for part in parts}
+            if land.variance_with(repeats=repeats) <= allowed:
+                return count, parts
+    return None, ()
+
+
+def _better(land: LandSources, measured: Sequence[Part], allowed: float) -> tuple[tuple[tuple[Part, str], ...], ...]:
+    others = {
+        part: [
+            instrument
+            for instrument in _catalogue()
+            if part in instrument.measures and instrument != land.instruments.of(part)
+        ]
+        for part in measured
+    }
+    one = [{part: instrument} for part, found in others.items() for instrument in found]
+    two = [dict(zip(others, chosen, strict=True)) for chosen in product(*others.values())] if len(others) > 1 else []
+    for choices in (one, two):
+        settling = [chosen for chosen in choices if land.variance_with(instruments=chosen) <= allowed]
+        if settling:
+            return tuple(
+                tuple((part, instrument.name.lower()) for part, instrument in chosen.items()) for chosen in settling
+            )
+    return ()
+
+
+@lru_cache(maxsize=1)
+def _catalogue() -> tuple[Instrument, ...]:
+    return tuple(instruments())

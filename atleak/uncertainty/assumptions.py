@@ -1,0 +1,94 @@
+"""What else is uncertain besides the readings: defaults of this project, each settable by the workshop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
+from typing import Any
+
+from atleak.errors import InputError, nearest_name
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """Standard uncertainties (one standard deviation) of all that is not read from an instrument.
+
+    The defaults are a choice of this project. Relative ones are fractions.
+    """
+
+    room_temperature: float = 0.5  # [K] half width: the room is 20 °C within this, any value alike likely
+    contact_length: float = 0.1e-3  # [m]
+    mounting_clearance: float = 0.5e-6  # [m] of the catalogue's value, for this very pair
+    nominal_diameter: float = 3.0e-6  # [m] of a part that was not measured
+    unseen_ovality: float = 4.0e-6  # [m] of a part measured in one direction, where no other land tells
+    form_residual: float = 0.1  # of ovality and taper: what two directions and a few planes do not average out
+    viscosity: float = 0.05  # relative: batch, ageing, D341 between two points
+    temperature: float = 1.0  # [K] of the fluid in the gaps
+    main_pressure: float = 0.02  # relative
+    converter_pressure: float = 0.02  # relative
+    volumetric_efficiency: float = 0.02  # where the profile takes it as constant
+    slip_coefficient: float = 0.2  # relative, where the profile lets the pump slip
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Every assumption under its name for people, with the unit in the name."""
+        return {
+            f"{field.name}_{_UNITS[field.name][0]}": getattr(self, field.name) / _UNITS[field.name][1]
+            for field in fields(self)
+        }
+
+    def with_settings(self, settings: Mapping[str, Any]) -> Assumptions:
+        """These with some set, by the names of `settings`: ``{"viscosity_percent": 3}``.
+
+        Raises
+        ------
+        InputError
+            unknown name, or not a number of zero or more.
+
+        Examples
+        --------
+        >>> Assumptions().with_settings({"room_temperature_k": "2,5"}).room_temperature
+        2.5
+        """
+        names = {f"{name}_{unit}": name for name, (unit, _) in _UNITS.items()}
+        found: dict[str, float] = {}
+        for key, given in settings.items():
+            if key not in names:
+                raise InputError(
+                    "no such assumption",
+                    value=key,
+                    expected=f"one of {', '.join(names)}",
+                    nearest=nearest_name(key, names),
+                )
+            name = names[key]
+            try:
+                number = float(str(given).replace(",", "."))
+            except ValueError:
+                number = math.nan
+            if not (number >= 0.0 and math.isfinite(number)):
+                raise InputError(f"assumption {key} does not take this value", value=given, expected="0 or more")
+            found[name] = number * _UNITS[name][1]
+        return replace(self, **found)
+
+
+_UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
+    {
+        "room_temperature": ("k", 1.0),
+        "contact_length": ("mm", 1e-3),
+        "mounting_clearance": ("um", 1e-6),
+        "nominal_diameter": ("um", 1e-6),
+        "unseen_ovality": ("um", 1e-6),
+        "form_residual": ("percent", 1e-2),
+        "viscosity": ("percent", 1e-2),
+        "temperature": ("k", 1.0),
+        "main_pressure": ("percent", 1e-2),
+        "converter_pressure": ("percent", 1e-2),
+        "volumetric_efficiency": ("percent", 1e-2),
+        "slip_coefficient": ("percent", 1e-2),
+    }
+)
+
+DEFAULTS = Assumptions()
+NOTHING_ELSE = Assumptions(**{field.name: 0.0 for field in fields(Assumptions)})  # only the instruments err

@@ -1,0 +1,155 @@
+"""A value, its uncertainty and a limit → pass, conditional pass, conditional fail or fail."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from atleak.equations.uncertainty import guard_band, normal_cdf
+from atleak.limits import VERDICTS, Steps
+
+Decision = Literal["pass", "conditional_pass", "conditional_fail", "fail"]
+DECISIONS: tuple[Decision, ...] = ("pass", "conditional_pass", "conditional_fail", "fail")  # the worst last
+GUARD_FACTOR = 1.645  # one-sided 95 %
+
+
+@dataclass(frozen=True)
+class LevelDecision:
+    """One of a rule's limits, and how the value stands to it."""
+
+    level: str  # "watch", "replace", … or a band
+    limit: float
+    decision: Decision
+    probability_over: float
+
+
+@dataclass(frozen=True)
+class RuleDecision:
+    """One rule's value against the limit it reached, or its first limit where it reached none.
+
+    ``value``, ``limit`` and ``standard_uncertainty`` are in SI or fractions, as in the rule itself. ``level`` is the
+    verdict or band the value itself has reached.
+    """
+
+    rule: str
+    value: float
+    limit: float
+    standard_uncertainty: float
+    level: str
+    decision: Decision
+    probability_over_limit: float
+    levels: tuple[LevelDecision, ...]
+    level_uncertainties: tuple[float, ...]
+
+    @property
+    def conditional(self) -> bool:
+        """Whether the measurement cannot settle it."""
+        return self.decision in {"conditional_pass", "conditional_fail"}
+
+    @property
+    def about(self) -> str:
+        """Name of the level whose limit the decision is about."""
+        return next(level.level for level in self.levels if level.limit == self.limit)
+
+    @property
+    def at_next_level(self) -> RuleDecision | None:
+        """The same value against the limit above; None where there is none."""
+        for level, u in zip(self.levels, self.level_uncertainties, strict=True):
+            if level.limit > self.limit:
+                return replace(
+                    self,
+                    limit=level.limit,
+                    standard_uncertainty=u,
+                    decision=level.decision,
+                    probability_over_limit=level.probability_over,
+                )
+        return None
+
+    @property
+    def severity(self) -> tuple[int, float]:
+        """For ranking rules: the verdict, then how likely the limit is passed."""
+        rank = VERDICTS.index(self.level) if self.level in VERDICTS else 0
+        return rank, self.probability_over_limit
+
+
+def decide(
+    value: float,
+    limit: float,
+    standard_uncertainty: float,
+    guard_factor: float = GUARD_FACTOR,
+    probability_over: float | None = None,
+) -> Decision:
+    """How a value stands to an upper limit, given what the measurement can tell.
+
+    Parameters
+    ----------
+    value, limit, standard_uncertainty
+        y, T and u, in one unit.
+    guard_factor
+        k of the guard band k u.
+    probability_over
+        that the true value is above the limit, where its distribution is not normal. A skewed one can leave more risk
+        than the guard band promises: such a pass (or fail) becomes conditional.
+
+    Returns
+    -------
+    {"pass", "conditional_pass", "conditional_fail", "fail"}
+        y ≤ T − k u; ≤ T; ≤ T + k u; above.
+
+    Raises
+    ------
+    DomainError
+        Negative uncertainty or factor.
+
+    References
+    ----------
+    ILAC-G8:09/2019, 4.2.3 (non-binary statement with guard band); JCGM 106:2012.
+
+    Examples
+    --------
+    >>> [decide(y, 30.0, 1.0) for y in (28.0, 29.0, 31.0, 32.0)]
+    ['pass', 'conditional_pass', 'conditional_fail', 'fail']
+    """
+    risk = float(normal_cdf(-guard_factor))
+    sure_below = probability_over is None or probability_over <= risk
+    sure_above = probability_over is None or probability_over >= 1.0 - risk
+    if math.isfinite(standard_uncertainty):
+        guard = guard_band(standard_uncertainty, guard_factor)
+        sure_below = sure_below and value <= limit - guard
+        sure_above = sure_above and value > limit + guard
+    elif probability_over is None:
+        sure_below = sure_above = False
+    if value <= limit:
+        return "pass" if sure_below else "conditional_pass"
+    return "fail" if sure_above else "conditional_fail"
+
+
+def decide_rule(
+    rule: str,
+    value: float,
+    steps: Steps,
+    below: str,
+    standard_uncertainties: tuple[float, ...],
+    probabilities: tuple[float, ...],
+    guard_factor: float,
+    skewed: bool,
+) -> RuleDecision:
+    """A rule's decisions, level by level; uncertainty and probability over the limit are given for each level."""
+    levels = tuple(
+        LevelDecision(name, limit, decide(value, limit, u, guard_factor, p if skewed else None), p)
+        for (name, limit), u, p in zip(steps.levels, standard_uncertainties, probabilities, strict=True)
+    )
+    level, limit = steps.judge(value, below)
+    index = next(number for number, found in enumerate(levels) if found.limit == limit)
+    return RuleDecision(
+        rule=rule,
+        value=value,
+        limit=levels[index].limit,
+        standard_uncertainty=standard_uncertainties[index],
+        level=level,
+        decision=levels[index].decision,
+        probability_over_limit=levels[index].probability_over,
+        levels=levels,
+        level_uncertainties=standard_uncertainties,
+    )

@@ -1,0 +1,450 @@
+"""Uncertain clearances, fluid, pressures and pump → the spread of every flow and of the total.
+
+Monte Carlo after JCGM 101. An error that lands share is drawn once per trial and used for all of them. No array of
+lands by draws is kept: a land's draws are made, used at every condition, added to the totals and forgotten.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from atleak.controller import REFERENCE_TEMPERATURE, Gap
+from atleak.equations import gap as gap_equations
+from atleak.equations import pump as pump_equations
+from atleak.equations.uncertainty import normal_quantile
+from atleak.leakage import LeakageModel
+from atleak.projection import Projection
+from atleak.readings import LandClearance
+from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.sources import ROOM, LandSources
+
+SEED = 7667
+DRAWS = 20_000
+
+_SMALL = 0.01  # of a standard uncertainty: the step of the numerical derivatives in the budget
+_SHORTEST = 0.1  # of the nominal contact length: no draw goes below
+
+FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
+
+
+@dataclass(frozen=True)
+class Spread:
+    """What the draws of one quantity say."""
+
+    standard_uncertainty: float
+    interval: tuple[float, float]
+    probabilities: tuple[float, ...]  # over each of the limits that were asked for
+
+
+@dataclass(frozen=True)
+class LandSpread:
+    """One land at one condition; the derivative is for the linear budget."""
+
+    leakage: float  # [m³/s] at the values as measured
+    leakage_spread: Spread
+    share_spread: Spread
+    per_clearance: float  # d leakage / d clearance [m²/s]
+    share_per_clearance: float  # [1/m]
+    factor_effects: dict[str, float]  # [m³/s] change of leakage for one standard uncertainty
+    share_effects: dict[str, float]  # the same of the share
+    by_quadrature: bool  # exact for a normal clearance, no draws
+
+
+@dataclass(frozen=True)
+class TotalSpread:
+    """The whole controller at one condition."""
+
+    leakage_spread: Spread
+    share_spread: Spread
+    minimum_speed_interval: tuple[float, float]  # [1/s]
+    band_probabilities: tuple[float, ...]  # below the first limit, between, above the last
+    effects: dict[str, float]  # change of the share for one standard uncertainty of each source
+
+
+class _Condition:
+    """One operating condition, ready for whole arrays of what is uncertain."""
+
+    def __init__(self, model: LeakageModel, projection: Projection, assumptions: Assumptions) -> None:
+        self.model, self.point, self.assumptions = model, projection.condition, assumptions
+        self.gaps: dict[tuple[str, int], list[tuple[Gap, bool]]] = {}
+        for found in projection.gaps:
+            self.gaps.setdefault(found.gap.key, []).append((found.gap, found.drawn_from_pump))
+
+    def at(self, deviates: dict[str, Any]) -> _Drawn:
+        """Fluid, pressures and pump at given standard deviates of `FACTORS`."""
+        model, point, u = self.model, self.point, self.assumptions
+        low, high = model.fluid.span(model.profile.viscosity)
+        temperature = np.clip(point.temperature + u.temperature * deviates["temperature"], low, high)
+        nu = model.fluid.kinematic_viscosity(temperature, model.profile.viscosity)
+        nu = nu * np.exp(u.viscosity * deviates["viscosity"])
+        rho = model.fluid.density(temperature, model.profile.viscosity)
+        main = point.main_pressure * np.maximum(1.0 + u.main_pressure * deviates["main pressure"], 0.0)
+        converter = point.converter_pressure * np.maximum(
+            1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
+        )
+        pressures = model.controller.section_pressures(main, converter)
+        pump, speed = model.controller.pump, point.engine_speed
+        if model.uses_slip:
+            coefficient = pump.slip_coefficient * np.exp(u.slip_coefficient * deviates["pump efficiency"])
+            slip = pump_equations.slip_flow(pump.displacement, coefficient, main, nu * rho)
+            capacity = np.maximum(pump_equations.capacity(pump.displacement, speed, 1.0) - slip, 0.0)
+            draw = pump.displacement
+        else:
+            efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviates["pump efficiency"]
+            efficiency = np.clip(efficiency, 0.01, 1.0)
+            capacity = pump_equations.capacity(pump.displacement, speed, efficiency)
+            slip, draw = 0.0, pump.displacement * efficiency
+        rise = temperature - REFERENCE_TEMPERATURE
+        return _Drawn(self, rise, nu, rho, pressures, capacity, slip, draw)
+
+
+class _Drawn:
+    """A condition with its uncertain factors drawn; arrays of shape (draws,)."""
+
+    def __init__(
+        self,
+        condition: _Condition,
+        rise: Any,
+        nu: Any,
+        rho: Any,
+        pressures: dict[str, Any],
+        capacity: Any,
+        slip: Any,
+        draw: Any,
+    ) -> None:
+        self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
+        self.pressures, self.capacity, self.slip, self.draw = pressures, capacity, slip, draw
+        self.viscosity = nu * rho
+        self._drops: dict[Any, Any] = {}
+
+    def drop(self, gap: Gap) -> Any:
+        """Pressure drop [Pa]; a negative one leaks nothing."""
+        key = gap.high, gap.low
+        if key not in self._drops:
+            ends = [0.0 if end.section is None else end.coefficient * self.pressures[end.section] for end in key]
+            self._drops[key] = np.maximum(ends[0] - ends[1], 0.0)
+        return self._drops[key]
+
+    def driving(self, gaps: Sequence[Gap]) -> Any:
+        """Sum of the pressure drops over the dynamic viscosity [1/s]."""
+        key = tuple((gap.high, gap.low) for gap in gaps)
+        if key not in self._drops:
+            self._drops[key] = sum(self.drop(gap) for gap in gaps) / self.viscosity
+        return self._drops[key]
+
+    def leakage(self, state: LandClearance, clearance: Any, length: Any) -> tuple[Any, Any]:
+        """Flow of one land through all its gaps, and what of it is drawn from the pump [m³/s].
+
+        A clearance below zero is physically none: it is taken as zero and leaks nothing.
+        """
+        gaps = self.condition.gaps.get(state.land.key)
+        if not gaps:
+            nothing = np.zeros_like(self.viscosity)
+            return nothing, nothing
+        profile = self.condition.model.profile
+        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
+        c = rate * self.rise
+        c += clearance
+        np.maximum(c, 0.0, out=c)
+        d = state.spool_diameter + c if profile.diameter == "mean" else state.spool_diameter
+        if profile.entry_loss:
+            factor = gap_equations.eccentricity_factor(profile.eccentricity, 1.0)
+            flows = [
+                factor * gap_equations.entry_loss_flow(self.drop(gap), d, c, self.nu, self.rho, length)
+                for gap, _ in gaps
+            ]
+            every = sum(flows)
+            drawn = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
+            return every, sum(drawn) if drawn else np.zeros_like(every)
+        eccentricity = profile.eccentricity * c if profile.eccentricity else 0.0
+        geometry = gap_equations.annular_flow(1.0, d, c, 1.0, 1.0, length, eccentricity)
+        every = geometry * self.driving([gap for gap, _ in gaps])
+        counted = [gap for gap, counts in gaps if counts]
+        if len(counted) == len(gaps):
+            return every, every
+        return every, geometry * self.driving(counted) if counted else np.zeros_like(every)
+
+
+@dataclass
+class Propagated:
+    """All lands and totals, by condition in the order given."""
+
+    lands: list[tuple[LandSpread, ...]]
+    totals: list[TotalSpread]
+
+
+def propagate(
+    model: LeakageModel,
+    sources: Sequence[LandSources],
+    projections: Sequence[Projection],
+    assumptions: Assumptions,
+    *,
+    pair_limits: Sequence[float],
+    total_limits: Sequence[float],
+    coverage: float,
+    draws: int,
+    seed: int,
+) -> Propagated:
+    """Carry every uncertainty through the gap law.
+
+    Parameters
+    ----------
+    pair_limits, total_limits
+        shares over which probabilities are wanted, for lands and for the total, rising.
+    coverage
+        of the intervals, 0 … 1; they leave out as much below as above.
+    draws, seed
+        of the Monte Carlo. Each land has its own stream of PCG64: the same input gives the same digits.
+
+    Raises
+    ------
+    DomainError
+        A condition's temperature outside the fluid's data.
+    """
+    shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
+    deviates = {name: shared.standard_normal(draws) for name in FACTORS}
+    names = sorted({group for land in sources for group in land.groups})
+    common = {name: _room(shared, draws) if name == ROOM else shared.standard_normal(draws) for name in names}
+    conditions = [_Condition(model, projection, assumptions) for projection in projections]
+    drawn = [condition.at(deviates) for condition in conditions]
+    probes = [condition.at(_probe_deviates()) for condition in conditions]
+    totals = [np.zeros(draws) for _ in conditions]
+    probe_totals = [np.zeros(_PROBES) for _ in conditions]
+    variances = [0.0 for _ in conditions]  # of each total, from what no land shares
+    group_slopes = [dict.fromkeys(names, 0.0) for _ in conditions]
+    only_clearance = _nothing_else(assumptions)
+    lands: list[tuple[LandSpread, ...]] = []
+    for number, land in enumerate(sources):
+        stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
+        clearance = _clearance_draws(stream, land, common, draws)
+        nominal = land.state.land.contact_length
+        length = nominal
+        if assumptions.contact_length:
+            length = stream.standard_normal(draws)
+            length *= assumptions.contact_length
+            length += nominal
+            np.maximum(length, _SHORTEST * nominal, out=length)
+        exact = only_clearance and land.is_normal
+        found = []
+        for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
+            every, counted = now.leakage(land.state, clearance, length)
+            totals[index] += counted
+            share = _ratio(every, now.capacity)
+            slopes = _probe(probe, land, assumptions)
+            leakage_spread = _spread(every, (), coverage)
+            if exact:
+                leakage_spread = _exact(conditions[index], land, coverage) or leakage_spread
+            found.append(
+                LandSpread(
+                    leakage=slopes.leakage,
+                    leakage_spread=leakage_spread,
+                    share_spread=_spread(share, pair_limits, coverage),
+                    per_clearance=slopes.per_clearance,
+                    share_per_clearance=slopes.share_per_clearance,
+                    factor_effects=slopes.effects,
+                    share_effects=slopes.share_effects,
+                    by_quadrature=exact,
+                )
+            )
+            probe_totals[index] += slopes.counted_probe
+            variances[index] += slopes.counted_per_clearance**2 * land.own_variance
+            variances[index] += slopes.counted_length_effect**2
+            for name, u in land.groups.items():
+                group_slopes[index][name] += slopes.counted_per_clearance * u
+        lands.append(tuple(found))
+    return Propagated(
+        lands,
+        [
+            _total(now, probe, total, probe_total, variance, slopes, total_limits, coverage)
+            for now, probe, total, probe_total, variance, slopes in zip(
+                drawn, probes, totals, probe_totals, variances, group_slopes, strict=True
+            )
+        ],
+    )
+
+
+# --- draws
+
+
+def _clearance_draws(
+    stream: np.random.Generator, land: LandSources, common: dict[str, np.ndarray], draws: int
+) -> np.ndarray:
+    own = [source for source in land.sources if source.group is None]
+    normal = math.fsum(source.standard_uncertainty**2 for source in own if source.shape == "normal")
+    clearance = stream.standard_normal(draws)
+    clearance *= math.sqrt(normal)
+    clearance += land.state.radial_clearance
+    for source in own:
+        if source.shape == "rectangular" and source.standard_uncertainty:
+            clearance += _room(stream, draws) * source.standard_uncertainty
+    for name, u in land.groups.items():
+        if u:
+            clearance += u * common[name]
+    return clearance
+
+
+def _room(stream: np.random.Generator, draws: int) -> np.ndarray:
+    """Rectangular draws of unit standard deviation."""
+    found = stream.random(draws)
+    found -= 0.5
+    found *= math.sqrt(12.0)
+    return found
+
+
+def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
+    """Share of the pump's flow; infinite where the pump delivers nothing."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = flow / capacity
+    return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
+
+
+def _spread(values: np.ndarray, limits: Sequence[float], coverage: float) -> Spread:
+    finite = bool(np.isfinite(values).all())
+    over = tuple(float(np.count_nonzero(values > limit)) / values.size for limit in limits)
+    return Spread(
+        float(values.std()) if finite else math.inf,
+        _quantiles(values, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
+        over,
+    )
+
+
+def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[float, float]:
+    places = [(values.size - 1) * p for p in probabilities]
+    edges = [int(place) for place in places]
+    ends = sorted({min(edge + step, values.size - 1) for edge in edges for step in (0, 1)})
+    ordered = np.partition(values, ends)
+    found = []
+    for place, edge in zip(places, edges, strict=True):
+        low, high = float(ordered[edge]), float(ordered[min(edge + 1, values.size - 1)])
+        found.append(low if low == high else low + (place - edge) * (high - low))
+    return found[0], found[1]
+
+
+def _nothing_else(assumptions: Assumptions) -> bool:
+    """Whether a land's leakage is uncertain by its clearance alone."""
+    return not (
+        assumptions.contact_length
+        or assumptions.viscosity
+        or assumptions.temperature
+        or assumptions.main_pressure
+        or assumptions.converter_pressure
+    )
+
+
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(16)
+_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
+
+
+def _exact(condition: _Condition, land: LandSources, coverage: float) -> Spread | None:
+    """A normal clearance through the gap law: exact Gauss-Hermite moments, quantiles at c ± z u.
+
+    None where draws would be cut off at zero.
+    """
+    c, u = land.state.radial_clearance, land.standard_uncertainty
+    z = float(normal_quantile(0.5 + 0.5 * coverage))
+    nodes = np.concatenate([_NODES, [-z, z]])
+    state = land.state
+    point = condition.at({name: np.zeros(nodes.size) for name in FACTORS})
+    rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
+    if c + rate * float(point.rise[0]) <= float(nodes.max()) * u:
+        return None
+    flow, _ = point.leakage(state, c + u * nodes, state.land.contact_length)
+    moments, (low, high) = flow[: _NODES.size], flow[_NODES.size :]
+    mean = float(_WEIGHTS @ moments)
+    return Spread(math.sqrt(float(_WEIGHTS @ (moments - mean) ** 2)), (float(low), float(high)), ())
+
+
+# --- the linear budget: one thing at a time, by central differences
+
+_PROBES = 2 * len(FACTORS) + 5  # two per factor, two of the clearance, two of the contact length, one as it is
+
+
+def _probe_deviates() -> dict[str, np.ndarray]:
+    found = {}
+    for number, name in enumerate(FACTORS):
+        column = np.zeros(_PROBES)
+        column[2 * number], column[2 * number + 1] = _SMALL, -_SMALL
+        found[name] = column
+    return found
+
+
+@dataclass(frozen=True)
+class _Slopes:
+    leakage: float
+    per_clearance: float
+    share_per_clearance: float
+    effects: dict[str, float]
+    share_effects: dict[str, float]
+    counted_probe: np.ndarray
+    counted_per_clearance: float
+    counted_length_effect: float
+
+
+def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slopes:
+    state = land.state
+    step = _SMALL * (land.standard_uncertainty or 1e-7)
+    clearance = np.full(_PROBES, state.radial_clearance)
+    length = np.full(_PROBES, state.land.contact_length)
+    clearance[-5] += step
+    clearance[-4] -= step
+    length[-3] += _SMALL * assumptions.contact_length
+    length[-2] -= _SMALL * assumptions.contact_length
+    every, counted = probe.leakage(state, clearance, length)
+    share = _ratio(every, probe.capacity)
+
+    def effects(values: np.ndarray) -> dict[str, float]:
+        found = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
+        found["contact length"] = _difference(values, -3) / _SMALL
+        return found
+
+    counted_effects = effects(counted)
+    return _Slopes(
+        leakage=float(every[-1]),
+        per_clearance=_difference(every, -5) / step,
+        share_per_clearance=_difference(share, -5) / step,
+        effects=effects(every),
+        share_effects=effects(share),
+        counted_probe=counted,
+        counted_per_clearance=_difference(counted, -5) / step,
+        counted_length_effect=counted_effects["contact length"],
+    )
+
+
+def _difference(values: np.ndarray, index: int) -> float:
+    first, second = float(values[index]), float(values[index + 1])
+    return 0.5 * (first - second) if math.isfinite(first) and math.isfinite(second) else math.nan
+
+
+def _total(
+    now: _Drawn,
+    probe: _Drawn,
+    total: np.ndarray,
+    probe_total: np.ndarray,
+    own_variance: float,
+    group_slopes: dict[str, float],
+    limits: Sequence[float],
+    coverage: float,
+) -> TotalSpread:
+    share = _ratio(total, now.capacity)
+    share_spread = _spread(share, limits, coverage)
+    over = (1.0, *share_spread.probabilities, 0.0)
+    probe_share = _ratio(probe_total, probe.capacity)
+    capacity = float(probe.capacity[-1]) if np.ndim(probe.capacity) else float(probe.capacity)
+    per_flow = 1.0 / capacity if capacity > 0.0 else math.nan
+    effects = {name: _difference(probe_share, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
+    effects["each land's own readings and contact length"] = math.sqrt(own_variance) * per_flow
+    effects |= {f"common to all lands: {name}": slope * per_flow for name, slope in group_slopes.items()}
+    speed = (total + now.slip) / now.draw
+    return TotalSpread(
+        leakage_spread=_spread(total, (), coverage),
+        share_spread=share_spread,
+        minimum_speed_interval=_quantiles(speed, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
+        band_probabilities=tuple(max(a - b, 0.0) for a, b in pairwise(over)),
+        effects=effects,
+    )

@@ -1,0 +1,390 @@
+"""From instruments and readings to what makes each clearance uncertain, source by source.
+
+Every source is stated as its standard uncertainty in the *radial clearance* (half of that in a diameter). A source
+with a ``group`` is one error shared by all lands: the instrument's common part, the room's temperature.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from atleak.controller import Controller
+from atleak.equations.uncertainty import (
+    persistent_rounding_variance,
+    pooled_standard_deviation,
+    rectangular,
+)
+from atleak.instruments import Instrument, Instruments, Part
+from atleak.readings import LandClearance, Reading, Readings, independent_repeats
+from atleak.uncertainty.assumptions import Assumptions
+
+PARTS: tuple[Part, ...] = ("spool", "sleeve")
+ROOM = "room temperature"
+Kind = Literal[
+    "common calibration",
+    "calibration",
+    "resolution",
+    "repeats",
+    "form",
+    "room temperature",
+    "nominal diameter",
+    "mounting clearance",
+]
+
+_ENOUGH_DEGREES = 6  # of freedom, from which on repeats speak for themselves: choice of this project
+_NORMAL_ENOUGH = 0.02  # excess kurtosis below which a clearance is taken as normal
+_STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
+_STEP_TOLERANCE = 1e-9  # [m]
+_READINGS_THAT_SHOW_A_STEP = 12
+
+
+@dataclass(frozen=True)
+class Source:
+    """One reason why a radial clearance is uncertain."""
+
+    kind: Kind
+    part: Part | None
+    standard_uncertainty: float  # [m] in the radial clearance; negative where it acts the other way in its group
+    group: str | None = None  # of the error that other lands share
+    shape: Literal["normal", "rectangular"] = "normal"
+
+    @property
+    def label(self) -> str:
+        """For people: ``"sleeve: repeats"``."""
+        return self.kind if self.part is None else f"{self.part}: {self.kind}"
+
+
+@dataclass(frozen=True)
+class RepeatSpread:
+    """How far single readings of one part spread in this unit, and how finely they are written."""
+
+    part: Part
+    standard_deviation: float  # [m] of one reading before rounding
+    degrees_of_freedom: int  # of independent repeats, pooled over the unit
+    resolution: float  # [m] the coarser of instrument and sheet
+    roundings: int  # in one diameter: 2 where it is the difference of two coordinates
+    origin: Literal["repeats", "instrument", "resolution"]
+    ovality: float | None  # [m] root mean square over the lands measured in several directions
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """How one part of one land was measured."""
+
+    repeat_weight: float  # variance of the mean diameter / variance of a single reading
+    rounding_weight: float  # the same for the rounding error that repeats do not average out
+    two_lobe: float  # 0 … 1: how much of a two-lobe form the directions leave in the mean
+    repeats: int
+
+
+@dataclass(frozen=True)
+class LandSources:
+    """All sources of one land's clearance."""
+
+    state: LandClearance
+    sources: tuple[Source, ...]
+    plans: Mapping[Part, _Plan]
+    spreads: Mapping[Part, RepeatSpread]
+    instruments: Instruments
+    assumptions: Assumptions
+
+    @cached_property
+    def groups(self) -> dict[str, float]:
+        """Each shared error's signed standard uncertainty in this clearance [m]."""
+        found: dict[str, float] = defaultdict(float)
+        for source in self.sources:
+            if source.group is not None:
+                found[source.group] += source.standard_uncertainty
+        return dict(found)
+
+    @cached_property
+    def own_variance(self) -> float:
+        """Of the errors no other land shares [m²]."""
+        return math.fsum(source.standard_uncertainty**2 for source in self.sources if source.group is None)
+
+    @cached_property
+    def standard_uncertainty(self) -> float:
+        """Of the radial clearance [m]."""
+        return math.sqrt(self.own_variance + math.fsum(u * u for u in self.groups.values()))
+
+    @cached_property
+    def budget(self) -> tuple[tuple[Source, float], ...]:
+        """Each source with its part of the variance, the largest first; what two parts share is one source."""
+        total = self.standard_uncertainty**2
+        merged: list[Source] = [source for source in self.sources if source.group is None]
+        for group, u in self.groups.items():
+            members = [source for source in self.sources if source.group == group]
+            part = members[0].part if len(members) == 1 else None
+            merged.append(Source(members[0].kind, part, u, group, members[0].shape))
+        shares = ((source, source.standard_uncertainty**2 / total if total > 0.0 else 0.0) for source in merged)
+        return tuple(sorted(shares, key=lambda item: -item[1]))
+
+    def part_fraction(self, part: Part) -> float:
+        """What one part's readings carry of the clearance's variance."""
+        return math.fsum(fraction for source, fraction in self.budget if source.part == part)
+
+    @property
+    def is_normal(self) -> bool:
+        """Whether the clearance is normal for practical purposes: its excess kurtosis is next to nothing."""
+        rectangular_parts = [fraction for source, fraction in self.budget if source.shape == "rectangular"]
+        return 1.2 * math.fsum(fraction * fraction for fraction in rectangular_parts) <= _NORMAL_ENOUGH
+
+    def variance_with(
+        self,
+        *,
+        repeats: Mapping[Part, int] | None = None,
+        instruments: Mapping[Part, Instrument] | None = None,
+    ) -> float:
+        """Variance of the clearance [m²] had it been measured with more repeats or other instruments."""
+        chosen = Instruments(**{part: (instruments or {}).get(part, self.instruments.of(part)) for part in PARTS})
+        found: list[Source] = []
+        for part in PARTS:
+            if part not in self.plans:
+                found += [source for source in self.sources if source.part == part]
+                continue
+            plan, spread, instrument = self.plans[part], self.spreads[part], chosen.of(part)
+            if part in (instruments or {}):
+                s = instrument.repeatability if instrument.repeatability is not None else 0.0
+                spread = RepeatSpread(part, s, 0, instrument.resolution, 1, "instrument", spread.ovality)
+            times = (repeats or {}).get(part, plan.repeats) / plan.repeats
+            found += _part_sources(self.state, part, instrument, chosen, plan, spread, self.assumptions, times)
+        found += [source for source in self.sources if source.part is None]
+        return LandSources(self.state, tuple(found), {}, {}, chosen, self.assumptions).standard_uncertainty ** 2
+
+
+def find_sources(
+    states: Sequence[LandClearance],
+    readings: Readings | None,
+    controller: Controller,
+    instruments: Instruments,
+    assumptions: Assumptions,
+) -> tuple[tuple[LandSources, ...], dict[Part, RepeatSpread]]:
+    """Every land's sources, and what the unit's repeats say of each part.
+
+    Parameters
+    ----------
+    states
+        as from `atleak.readings.clearances`.
+    readings
+        the sheet they come from.
+    """
+    by_land: dict[tuple[str, int], dict[Part, list[Reading]]] = defaultdict(lambda: {"spool": [], "sleeve": []})
+    for reading in readings.readings if readings else ():
+        land = controller.land_of_plane(reading.component, reading.plane)
+        if land is not None:
+            by_land[land.key][reading.part].append(reading)
+    groups = {key: {part: _stations(found) for part, found in parts.items()} for key, parts in by_land.items()}
+    spreads = {
+        part: _spread(part, [land[part] for land in groups.values()], states, instruments.of(part)) for part in PARTS
+    }
+    return tuple(
+        _land_sources(state, groups.get(state.land.key, {}), spreads, instruments, assumptions) for state in states
+    ), spreads
+
+
+_Stations = dict[tuple[str, float | None], list[Reading]]
+
+
+def _stations(readings: Iterable[Reading]) -> _Stations:
+    found: _Stations = defaultdict(list)
+    for reading in readings:
+        found[reading.plane, reading.direction].append(reading)
+    return found
+
+
+def _land_sources(
+    state: LandClearance,
+    groups: Mapping[Part, _Stations],
+    spreads: Mapping[Part, RepeatSpread],
+    instruments: Instruments,
+    assumptions: Assumptions,
+) -> LandSources:
+    found: list[Source] = []
+    plans: dict[Part, _Plan] = {}
+    mounting = assumptions.mounting_clearance
+    if not state.measured:
+        found.append(Source("mounting clearance", None, mounting))
+    else:
+        for part in PARTS:
+            stations = groups.get(part)
+            if not stations:
+                nominal = assumptions.nominal_diameter
+                # a sleeve's nominal diameter is the spool's and twice the mounting clearance
+                u = nominal if part == "spool" else math.hypot(nominal, 2.0 * mounting)
+                found.append(Source("nominal diameter", part, 0.5 * u))
+                continue
+            plans[part] = _plan(stations, spreads[part].resolution)
+            found += _part_sources(
+                state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
+            )
+        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
+        room = rate * rectangular(assumptions.room_temperature)
+        found.append(Source("room temperature", None, room, ROOM, "rectangular"))
+    return LandSources(state, tuple(found), plans, spreads, instruments, assumptions)
+
+
+def _part_sources(
+    state: LandClearance,
+    part: Part,
+    instrument: Instrument,
+    instruments: Instruments,
+    plan: _Plan,
+    spread: RepeatSpread,
+    assumptions: Assumptions,
+    times: float = 1.0,
+) -> list[Source]:
+    """Sources of one measured part; ``times`` as many repeats as were made."""
+    sign = 0.5 if part == "sleeve" else -0.5
+    # one instrument for both parts errs alike in both, so that its common error drops out of D − d
+    group = "one instrument" if instruments.err_alike else f"{part} instrument"
+    s, m = spread.standard_deviation, spread.roundings
+    persistent = m * persistent_rounding_variance(spread.resolution, s / math.sqrt(m))
+    averaged = s * s + m * spread.resolution**2 / 12.0 - persistent if s > 0.0 else 0.0
+    # with a spread known from the readings, what rounding adds to it is in there already
+    return [
+        Source("common calibration", part, sign * instrument.common, group),
+        Source("calibration", part, 0.5 * instrument.own),
+        Source("resolution", part, 0.5 * math.sqrt(persistent * plan.rounding_weight), None, "rectangular"),
+        Source("repeats", part, 0.5 * math.sqrt(averaged * plan.repeat_weight / times)),
+        Source("form", part, 0.5 * _form(state, part, plan, spread, assumptions)),
+    ]
+
+
+def _form(state: LandClearance, part: Part, plan: _Plan, spread: RepeatSpread, assumptions: Assumptions) -> float:
+    """Standard uncertainty [m] of the mean diameter because form is seen in few places only.
+
+    Two perpendicular directions cancel a two-lobe form exactly, one direction leaves it all, at an unknown phase.
+    """
+    ovality = state.spool_ovality if part == "spool" else state.sleeve_ovality
+    taper = state.spool_taper if part == "spool" else state.sleeve_taper
+    seen = assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
+    if ovality is None:
+        ovality = spread.ovality if spread.ovality is not None else assumptions.unseen_ovality
+    return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), seen)
+
+
+def _plan(stations: _Stations, resolution: float) -> _Plan:
+    planes: dict[str, list[float | None]] = defaultdict(list)
+    for plane, direction in stations:
+        planes[plane].append(direction)
+    weights, repeats, means = [], [], []
+    repeat_weight = 0.0
+    for (plane, _), group in stations.items():
+        weight = 1.0 / (len(planes) * len(planes[plane]))
+        counts = _multiplicities(group)
+        # a copied or mirrored reading is the same error over again
+        repeat_weight += weight * weight * sum(count * count for count in counts) / len(group) ** 2
+        weights.append(weight)
+        repeats.append(len(counts))
+        means.append(math.fsum(reading.diameter for reading in group) / len(group))
+    # places that read the same round the same way; others do so independently
+    apart = max(means) - min(means) >= resolution
+    return _Plan(
+        repeat_weight=repeat_weight,
+        rounding_weight=math.fsum(weight * weight for weight in weights) if apart else 1.0,
+        two_lobe=math.fsum(_two_lobe(directions) for directions in planes.values()) / len(planes),
+        repeats=min(repeats),
+    )
+
+
+def _multiplicities(group: list[Reading]) -> list[int]:
+    """How often each independent reading of one place is in the sheet."""
+    if all(reading.coordinates is None for reading in group):
+        return [1] * len(group)
+    independent = independent_repeats(group)
+    pairs = [tuple(sorted(reading.coordinates)) if reading.coordinates else None for reading in group]
+    return [
+        1 if reading.coordinates is None else pairs.count(tuple(sorted(reading.coordinates))) for reading in independent
+    ]
+
+
+def _two_lobe(directions: Sequence[float | None]) -> float:
+    angles = [math.radians(2.0 * direction) for direction in directions if direction is not None]
+    if not angles:
+        return 1.0
+    return math.hypot(math.fsum(map(math.cos, angles)), math.fsum(map(math.sin, angles))) / len(angles)
+
+
+# --- repeats, pooled over the unit
+
+
+def _spread(
+    part: Part, lands: Iterable[_Stations], states: Sequence[LandClearance], instrument: Instrument
+) -> RepeatSpread:
+    deviations, degrees, everything = [], [], []
+    for stations in lands:
+        for group in stations.values():
+            everything += group
+            independent = [reading.diameter for reading in independent_repeats(group)]
+            if len(independent) > 1:
+                mean = math.fsum(independent) / len(independent)
+                squares = math.fsum((diameter - mean) ** 2 for diameter in independent)
+                deviations.append(math.sqrt(squares / (len(independent) - 1)))
+                degrees.append(len(independent) - 1)
+    resolution = max(instrument.resolution, _step(everything))
+    roundings = 2 if everything and all(reading.coordinates is not None for reading in everything) else 1
+    freedom = sum(degrees)
+    pooled = float(pooled_standard_deviation(deviations, degrees)) if freedom else 0.0
+    if pooled < _STEP_TOLERANCE:  # identical repeats show the resolution, not perfection
+        freedom, pooled = 0, 0.0
+    s, origin = _single_reading(pooled, freedom, resolution, roundings, instrument)
+    ovalities = [state.spool_ovality if part == "spool" else state.sleeve_ovality for state in states]
+    seen = [ovality for ovality in ovalities if ovality is not None]
+    return RepeatSpread(
+        part=part,
+        standard_deviation=s,
+        degrees_of_freedom=freedom,
+        resolution=resolution,
+        roundings=roundings,
+        origin=origin,
+        ovality=math.sqrt(math.fsum(o * o for o in seen) / len(seen)) if seen else None,
+    )
+
+
+def _single_reading(
+    pooled: float, freedom: int, resolution: float, roundings: int, instrument: Instrument
+) -> tuple[float, Literal["repeats", "instrument", "resolution"]]:
+    declared = instrument.repeatability
+    if freedom == 0:
+        return (0.0, "resolution") if declared is None else (declared, "instrument")
+    # few repeats may agree by chance: the variance of Student's t, JCGM 101, 6.4.9
+    widened = pooled * math.sqrt(freedom / (freedom - 2.0) if freedom > 2 else 3.0)
+    s = _before_rounding(widened, resolution, roundings)
+    if freedom < _ENOUGH_DEGREES and declared is not None and declared > s:
+        return declared, "instrument"
+    return s, "repeats"
+
+
+def _before_rounding(spread: float, resolution: float, roundings: int) -> float:
+    """The standard deviation of readings whose rounded values spread so far."""
+
+    def rounded_variance(s: float) -> float:
+        persistent = persistent_rounding_variance(resolution, s / math.sqrt(roundings))
+        return s * s + roundings * (resolution**2 / 12.0 - persistent)
+
+    much = spread * spread - roundings * resolution**2 / 12.0
+    if much > roundings * (0.6 * resolution) ** 2:
+        return math.sqrt(much)
+    low, high = 0.0, spread
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if rounded_variance(middle) < spread * spread else (low, middle)
+    return 0.5 * (low + high)
+
+
+def _step(readings: Sequence[Reading]) -> float:
+    """The step [m] in which a sheet is written, 0.0 where it has too few readings to show one."""
+    diameters = {reading.diameter for reading in readings}
+    if len(diameters) < _READINGS_THAT_SHOW_A_STEP:
+        return 0.0
+    fitting = (
+        step
+        for step in reversed(_STEPS)
+        if all(abs(diameter - step * round(diameter / step)) <= _STEP_TOLERANCE for diameter in diameters)
+    )
+    return next(fitting, 0.0)

@@ -1,0 +1,83 @@
+"""The same result as rows for people: one row a land, a total or a source, units in the column names."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from atleak.uncertainty.assess import Interval, LandUncertainty, TotalUncertainty, UnitUncertainty
+
+_UM, _DM3_MIN, _PERCENT, _RPM = 1e6, 6e4, 100.0, 60.0
+
+
+def land_rows(unit: UnitUncertainty) -> list[dict[str, Any]]:
+    """One row for every land that was measured, at the stated condition; unknown and infinite are None."""
+    return [_land_row(land) for land in unit.lands if land.u_clearance is not None]
+
+
+def total_rows(unit: UnitUncertainty) -> list[dict[str, Any]]:
+    """One row for every condition."""
+    return [_total_row(total) for total in unit.totals]
+
+
+def budget_rows(land: LandUncertainty) -> list[dict[str, Any]]:
+    """What makes one land's clearance uncertain, and its share at the stated condition, source by source."""
+    of_clearance = dict(land.budget)
+    of_share = dict(land.conditions[0].budget) if land.conditions else {}
+    return [
+        {
+            "source": name,
+            "of_clearance_percent": _PERCENT * of_clearance.get(name, 0.0),
+            "of_share_percent": _PERCENT * of_share.get(name, 0.0),
+        }
+        for name in dict.fromkeys([*of_share, *of_clearance])
+    ]
+
+
+def _land_row(land: LandUncertainty) -> dict[str, Any]:
+    state, shape, stated = land.sources.state, land.shape, land.conditions[0]
+    deciding = land.deciding
+    return {
+        "component": state.land.component,
+        "land": state.land.land,
+        "radial_clearance_um": state.radial_clearance * _UM,
+        "uncertainty_um": land.u_clearance * _UM,
+        **_interval("radial_clearance", "um", land.clearance_interval, _UM),
+        "worst_direction_deg": shape.worst_direction,
+        "worst_clearance_um": shape.worst_clearance * _UM,
+        "flow_equivalent_clearance_um": _scaled(shape.effective_clearance, _UM),
+        "lower_bound": shape.lower_bound,
+        "leakage_dm3_min": stated.leakage * _DM3_MIN,
+        **_interval("leakage", "dm3_min", stated.leakage_interval, _DM3_MIN),
+        "leakage_concentric_dm3_min": stated.eccentric[0] * _DM3_MIN,
+        "leakage_fully_eccentric_dm3_min": stated.eccentric[1] * _DM3_MIN,
+        "share_percent": _scaled(stated.share, _PERCENT),
+        **_interval("share", "percent", stated.share_interval, _PERCENT),
+        "deciding_rule": deciding.rule if deciding else None,
+        "decision": land.decision,
+        "probability_over_limit_percent": _scaled(land.probability_over_limit, _PERCENT),
+        "advice": land.advice,
+    }
+
+
+def _total_row(total: TotalUncertainty) -> dict[str, Any]:
+    return {
+        "condition": total.condition,
+        "leakage_dm3_min": total.leakage * _DM3_MIN,
+        **_interval("leakage", "dm3_min", total.leakage_interval, _DM3_MIN),
+        "share_percent": _scaled(total.share, _PERCENT),
+        **_interval("share", "percent", total.share_interval, _PERCENT),
+        **_interval("minimum_engine", "rpm", total.minimum_speed_interval, _RPM),
+        "band": total.decision.level,
+        "decision": total.decision.decision,
+        **{f"probability_{band}_percent": _PERCENT * p for band, p in total.band_probabilities},
+    }
+
+
+def _interval(name: str, unit: str, interval: Interval | None, factor: float) -> dict[str, float | None]:
+    low, high = interval or (None, None)
+    return {f"{name}_low_{unit}": _scaled(low, factor), f"{name}_high_{unit}": _scaled(high, factor)}
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None or not math.isfinite(value) else value * factor
