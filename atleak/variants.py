@@ -175,7 +175,9 @@ def run_variants(
                 variant=variant,
                 profile=profile,
                 time=road_test.time,
-                kinematic_viscosity=fluid.kinematic_viscosity(variant.temperature, profile.viscosity),
+                kinematic_viscosity=variant.viscosity_of_results
+                if profile.viscosity == "tabulated"
+                else fluid.kinematic_viscosity(variant.temperature, profile.viscosity),
                 density=fluid.density(variant.temperature, profile.viscosity),
                 computed=computed,
                 as_tabulated=tabulated,

@@ -45,9 +45,9 @@ def _variant(result: VariantResult) -> dict[str, Any]:
         "variant": variant.name,
         "temperature_c": variant.temperature,
         "wear_percent": variant.wear * PERCENT,
-        "kinematic_viscosity_mm2_s": variant.kinematic_viscosity * 1e6,
+        "kinematic_viscosity_mm2_s": variant.kinematic_viscosity / 1e-6,
         "density_g_cm3": variant.density * 1e-3,
-        "kinematic_viscosity_used_mm2_s": result.kinematic_viscosity * 1e6,
+        "kinematic_viscosity_used_mm2_s": result.kinematic_viscosity / 1e-6,
         "density_used_g_cm3": result.density * 1e-3,
         "printed": {
             "max_leakage_dm3_min": float(variant.printed_max_leakage),

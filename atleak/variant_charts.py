@@ -1,0 +1,269 @@
+"""What the pictures of the source study show, as plain arrays: prepared once, drawn by plotly and by matplotlib.
+
+Every chart comes in the units people read (dm³/min, %, °C, s). Colours keep a contrast of 3:1 or more on white and on
+near-black; dash and symbol tell the lines apart without them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from atleak.road_leakage import Instant
+from atleak.variants import DM3_MIN, TemperatureCurve, VariantResult
+
+MOST_POINTS = 2000  # of a line before thinning
+_BREAKS = 400
+
+Dash = Literal["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"]
+Symbol = Literal["circle", "square", "diamond", "cross", "x", "star", "triangle-up", "triangle-down", "hexagon"]
+Panel = Literal["upper", "lower"]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line, or one set of points where ``dash`` is None."""
+
+    name: str
+    x: np.ndarray
+    y: np.ndarray
+    color: str
+    dash: Dash | None = "solid"
+    symbol: Symbol | None = None  # None: no markers
+    filled: bool = True
+    panel: Panel = "lower"
+    width: float = 1.8
+    text: tuple[str, ...] = ()  # beside each point
+    in_legend: bool = True
+    group: str = ""  # shown and hidden together in a legend
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An instant worth a vertical line, told by its words and its dash, not by its colour alone."""
+
+    x: float
+    text: str
+    color: str
+    dash: Dash
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A picture before it is drawn. An upper panel exists where a line asks for it; both share x."""
+
+    title: str
+    x_label: str
+    y_label: str
+    lines: tuple[Line, ...]
+    upper_label: str = ""
+    marks: tuple[Mark, ...] = ()
+    spans: tuple[tuple[float, float, str], ...] = ()  # (from x, to x, text), such as the gears
+    description: str = ""  # for those who cannot see it
+    log_y: bool = False
+
+    @property
+    def has_upper(self) -> bool:
+        return any(line.panel == "upper" for line in self.lines)
+
+
+_STYLE: dict[str, tuple[str, Dash, Symbol]] = {
+    "W1": ("#2f7ed8", "solid", "circle"),
+    "W2": ("#2e9e6b", "dash", "square"),
+    "W3": ("#b8860b", "dot", "diamond"),
+    "W4": ("#d1495b", "solid", "triangle-up"),
+    "W5": ("#7a7f87", "dashdot", "x"),
+    "W6": ("#1a93a8", "longdash", "cross"),
+    "W7": ("#8e6bbf", "longdashdot", "hexagon"),
+    "W8": ("#c7621b", "dash", "star"),
+}
+_PUMP, _LEAST, _MOST = "#5b7fdb", "#2e9e6b", "#d1495b"
+_MODEL_STYLE: dict[str, tuple[str, Dash]] = {
+    "tabulated": ("#2f7ed8", "solid"),
+    "regression": ("#b8860b", "dot"),
+    "d341": ("#d1495b", "dash"),
+}
+
+
+def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None) -> Chart:
+    """Leakage of every variant and pump flow over time (the article's Figure 13).
+
+    ``gear`` is the road test's, shape (samples,). The marks are the instants of least and most leakage of the variant
+    that leaks most; triangles show each variant's own.
+    """
+    lines = []
+    first = results[0]
+    if first.computed.pump_capacity is not None:
+        x, y = thinned(first.time, first.computed.pump_capacity * DM3_MIN)
+        lines.append(Line("pump capacity Q_p", x, y, _PUMP, "solid", panel="upper"))
+    for result in results:
+        run, (color, dash, _) = result.computed, _STYLE[result.variant.name]
+        name = result.variant.name
+        keep = [_index(result.time, instant) for instant in (run.min_leakage, run.max_leakage)]
+        x, y = thinned(result.time, run.leakage * DM3_MIN, keep=keep)
+        lines.append(Line(variant_label(result), x, y, color, dash, group=name))
+        for word, symbol, instant in (
+            ("least", "triangle-down", run.min_leakage),
+            ("most", "triangle-up", run.max_leakage),
+        ):
+            at = np.array([instant.time]), np.array([instant.leakage * DM3_MIN])
+            lines.append(Line(f"{name} {word}", *at, color, None, symbol, group=name, in_legend=False))
+    leading = max(results, key=lambda result: result.computed.max_leakage.leakage).computed
+    least, most = leading.min_leakage.time, leading.max_leakage.time
+    return Chart(
+        title="Leakage and pump flow over the test",
+        x_label="time [s]",
+        y_label="leakage q [dm³/min]",
+        upper_label="pump Q_p [dm³/min]",
+        lines=tuple(lines),
+        marks=(
+            Mark(least, f"least leakage, {least:g} s", _LEAST, "dash"),
+            Mark(most, f"most leakage, {most:g} s", _MOST, "dot"),
+        ),
+        spans=gear_spans(first.time, gear),
+        description="Leakage of the variants and pump capacity over time; "
+        + "; ".join(
+            f"{result.variant.name} {result.computed.min_leakage.leakage * DM3_MIN:.3g} to "
+            f"{result.computed.max_leakage.leakage * DM3_MIN:.3g} dm³/min"
+            for result in results
+        ),
+    )
+
+
+def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None) -> Chart:
+    """Leakage share of every variant over time: largest at idle, not at the instant of most leakage.
+
+    Raises
+    ------
+    ValueError
+        where the road test has no engine speed and so no share.
+    """
+    lines = []
+    for result in results:
+        run, (color, dash, _) = result.computed, _STYLE[result.variant.name]
+        share, worst, name = run.share, run.max_share, result.variant.name
+        if share is None or worst is None or run.max_leakage.share is None:
+            raise ValueError("a road test without engine speed has no leakage share")
+        keep = [_index(result.time, instant) for instant in (worst, run.max_leakage)]
+        x, y = thinned(result.time, share * 100.0, keep=keep)
+        lines.append(Line(variant_label(result), x, y, color, dash, group=name))
+        for word, symbol, instant in (
+            ("largest share", "circle", worst),
+            ("most leakage", "triangle-up", run.max_leakage),
+        ):
+            at = np.array([instant.time]), np.array([instant.share * 100.0])
+            lines.append(Line(f"{name} {word}", *at, color, None, symbol, group=name, in_legend=False))
+    leading = max(results, key=lambda result: result.computed.max_leakage.leakage)
+    worst, most = leading.computed.max_share.time, leading.computed.max_leakage.time
+    return Chart(
+        title="Leakage share over the test",
+        x_label="time [s]",
+        y_label="leakage share U_p [%]",
+        lines=tuple(lines),
+        marks=(
+            Mark(worst, f"largest share, {worst:g} s", _MOST, "dash"),
+            Mark(most, f"most leakage, {most:g} s", _LEAST, "dot"),
+        ),
+        spans=gear_spans(leading.time, gear),
+        description="Leakage share over time; "
+        + "; ".join(
+            f"{result.variant.name} at most {result.computed.max_share.share * 100:.3g} %, "
+            f"at the instant of most leakage {result.computed.max_leakage.share * 100:.3g} %"
+            for result in results
+        ),
+    )
+
+
+def temperature_chart(
+    curves: Sequence[TemperatureCurve],
+    results: Sequence[VariantResult] = (),
+    *,
+    wear: float = 0.5,
+    printed: bool = True,
+    log_y: bool = False,
+) -> Chart:
+    """Most leakage against temperature at one wear (the article's Figure 14), by viscosity model.
+
+    ``results`` adds the variants of that wear as computed and, where ``printed``, as Table 3 prints them.
+    """
+    lines = []
+    for curve in curves:
+        color, dash = _MODEL_STYLE[curve.model]
+        lines.append(Line(curve.label, curve.temperature, curve.max_leakage * DM3_MIN, color, dash))
+    same = sorted(
+        (result for result in results if result.variant.wear == wear), key=lambda result: result.variant.temperature
+    )
+    if same:
+        at = np.array([result.variant.temperature for result in same])
+        names = tuple(result.variant.name for result in same)
+        if printed:
+            values = np.array([float(result.variant.printed_max_leakage) for result in same])
+            lines.append(Line("Table 3 as printed", at, values, "#7a7f87", None, "square", filled=False))
+        values = np.array([result.computed.max_leakage.leakage * DM3_MIN for result in same])
+        lines.append(Line("computed", at, values, "#2f7ed8", None, "circle", text=names))
+    return Chart(
+        title=f"Most leakage against temperature at {wear:.0%} wear".replace("%", " %"),
+        x_label="ATF temperature [°C]",
+        y_label="most leakage of the test [dm³/min]",
+        lines=tuple(lines),
+        description="Most leakage against temperature; "
+        + "; ".join(
+            f"{curve.label}: {_value_at(curve, 40.0):.3g} at 40 °C, {_value_at(curve, 100.0):.3g} dm³/min at 100 °C"
+            for curve in curves
+        ),
+        log_y=log_y,
+    )
+
+
+def variant_label(result: VariantResult) -> str:
+    """``W4: 80 °C, 50 % wear, 8.40 mm²/s``."""
+    variant = result.variant
+    viscosity = f"{result.kinematic_viscosity * 1e6:.4g}"
+    return f"{variant.name}: {variant.temperature:g} °C, {variant.wear * 100:g} % wear, {viscosity} mm²/s"
+
+
+def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, float, str], ...]:
+    """Stretches in one gear as (from, to, text); empty without a gear channel or where it changes without end."""
+    if gear is None or not len(time):
+        return ()
+    edges = np.flatnonzero(gear[1:] != gear[:-1]) + 1
+    starts, stops = [0, *edges.tolist()], [*edges.tolist(), len(time) - 1]
+    if len(starts) > 40:
+        return ()
+    return tuple(
+        (float(time[start]), float(time[stop]), f"gear {gear[start]:g}")
+        for start, stop in zip(starts, stops, strict=True)
+        if np.isfinite(gear[start])
+    )
+
+
+def thinned(
+    x: np.ndarray, y: np.ndarray, points: int = MOST_POINTS, keep: Sequence[int] = ()
+) -> tuple[np.ndarray, np.ndarray]:
+    """About ``points`` samples that keep every stretch's lowest and highest, the ends, gaps, and those in ``keep``."""
+    if len(x) <= points:
+        return x, y
+    from tsdownsample import MinMaxDownsampler
+
+    finite = np.isfinite(y)
+    usable = np.flatnonzero(finite)
+    chosen = [np.array([0, len(x) - 1, *keep])]
+    if len(usable) > points:
+        part = points // 2 * 2
+        chosen.append(usable[MinMaxDownsampler().downsample(np.ascontiguousarray(y[usable]), n_out=part)])
+    else:
+        chosen.append(usable)
+    edges = np.flatnonzero(finite[1:] != finite[:-1])[:_BREAKS]
+    index = np.unique(np.concatenate([*chosen, edges, edges + 1]))
+    return x[index], y[index]
+
+
+def _index(time: np.ndarray, instant: Instant) -> int:
+    return int(np.argmin(np.abs(time - instant.time)))
+
+
+def _value_at(curve: TemperatureCurve, temperature: float) -> float:
+    return float(np.interp(temperature, curve.temperature, curve.max_leakage)) * DM3_MIN
