@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,28 @@ from atleak.fluid import Fluid, load_fluid
 from atleak.limits import Limits, load_limits
 
 ROOT = Path(__file__).resolve().parents[1]
+
+# A machine without a browser or an office program skips the tests that need one. Where everything is installed, as in
+# continuous integration, a skip is a failure.
+NOTHING_MAY_SKIP = bool(os.environ.get("ATLEAK_NOTHING_MAY_SKIP"))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    if NOTHING_MAY_SKIP and report.skipped:
+        report.outcome = "failed"
+        report.longrepr = f"skipped where nothing may skip: {report.longrepr}"
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    report = yield
+    if NOTHING_MAY_SKIP and report.skipped:
+        report.outcome = "failed"
+        report.longrepr = f"skipped where nothing may skip: {report.longrepr}"
+    return report
 
 
 @pytest.fixture(scope="session")
