@@ -26,7 +26,7 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     radial clearance over 0.5 mm.
     """
     problems, doubtful = _factors(readings, controller)
-    apart = list(_repeats(readings, doubtful))
+    apart = list(_repeats(readings, controller, doubtful))
     problems += [problem for problem, _ in apart]
     doubtful |= {controller.land_of_plane(reading.component, reading.plane).key for _, reading in apart}
     by_land: dict[tuple[str, int], list[Reading]] = defaultdict(list)
@@ -130,15 +130,17 @@ def _written(readings: Readings, metres: float) -> str:
     return f"{unit.from_si(metres):.7g} {unit.name}"
 
 
-def _repeats(readings: Readings, doubtful: set[tuple[str, int]]) -> Iterable[tuple[ReadingsError, Reading]]:
+def _repeats(
+    readings: Readings, controller: Controller, doubtful: set[tuple[str, int]]
+) -> Iterable[tuple[ReadingsError, Reading]]:
     groups: dict[object, list[Reading]] = defaultdict(list)
     for reading in readings.readings:
         groups[reading.station].append(reading)
     for group in groups.values():
         low, high = min(group, key=_diameter), max(group, key=_diameter)
         spread = high.diameter - low.diameter
-        # one that is off by a factor has been told already
-        if spread <= REPEAT_LIMIT or high.diameter > _FAR * low.diameter:
+        land = controller.land_of_plane(high.component, high.plane)
+        if spread <= REPEAT_LIMIT or land is None or land.key in doubtful:  # what is off by a factor is told already
             continue
         yield (
             ReadingsError(

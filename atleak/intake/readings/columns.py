@@ -20,7 +20,7 @@ class Columns:
     """The columns to read from; None or empty where the sheet has none of a kind."""
 
     component: Column | None
-    names: tuple[Column, ...]  # further columns that name the component in words
+    names: tuple[Column, ...]  # further columns that say the component too, by name beside the number
     part: Column | None
     plane: Column | None
     land: Column | None
@@ -38,7 +38,7 @@ def understand(sheet: Sheet, header: Header, names: Names) -> Columns:
     problems: list[ReadingsError] = []
     columns = Columns(
         component=component,
-        names=tuple(column for column in header.of("component") if column != component),
+        names=tuple(_same(sheet, header, names, component)),
         part=_part(sheet, header),
         plane=next(iter(header.of("plane")), None),
         land=next(iter(header.of("land")), None),
@@ -97,6 +97,20 @@ def _component(sheet: Sheet, header: Header, names: Names) -> Column | None:
         if best is None or (known, column.rank) > best[:2]:
             best = (known, column.rank, column)
     return best[2] if best else None
+
+
+def _same(sheet: Sheet, header: Header, names: Names, component: Column | None) -> Iterator[Column]:
+    """Columns that say the same as the component's, most of the time: not a running number beside it."""
+    for column in header.of("component"):
+        if component is None or column == component:
+            continue
+        agree = differ = 0
+        for row in range(header.last + 1, len(sheet.rows)):
+            one, other = (names.component(sheet.filled(row, each.index)) for each in (component, column))
+            if one is not None and other is not None:
+                agree, differ = agree + (one == other), differ + (one != other)
+        if agree > differ:
+            yield column
 
 
 def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list[dict[str, Column]]:

@@ -112,6 +112,7 @@ class Header:
             + 0.1 * min(len(distinct), 20)
             + 0.05 * any(column.unit for column in self.values)
             - 0.1 * doubled
+            - 0.01 * (self.last - self.first)
         )
 
 
@@ -119,12 +120,20 @@ def find_header(sheet: Sheet) -> Header | None:
     """The best row (or up to three rows) of headings, or None where no row looks like headings at all."""
     best: Header | None = None
     for first in range(min(len(sheet.rows), _PREAMBLE)):
-        if sum(isinstance(cell, str) and bool(cell.strip()) for cell in sheet.rows[first]) < 1:
+        if not _may_hold_headings(sheet, first):
             continue
         for header in _headers_at(sheet, first):
             if header.score > 2.0 and (best is None or header.score > best.score + 1e-9):
                 best = header
     return best
+
+
+def _may_hold_headings(sheet: Sheet, row: int) -> bool:
+    """At least two texts, or one over several columns but not from the first: that would be a title."""
+    texts = [column for column, cell in enumerate(sheet.rows[row]) if isinstance(cell, str) and cell.strip()]
+    if len(texts) != 1:
+        return len(texts) > 1
+    return texts[0] > 0 and sheet.merged.get((row, texts[0] + 1)) == (row, texts[0])
 
 
 def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
@@ -198,7 +207,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         ),
         (bool(words & _DIAMETER) or _both_ends(axes), "diameter"),
         (bool(words & (_REPEAT | _READING)) and unit is not None, "diameter"),
-        (bool(words & (_REPEAT | _READING)) and numbered, "diameter"),
+        (bool(words & (_REPEAT | _READING)) and numbered and len(words) <= 3, "diameter"),
         (bool(words & _REPEAT), "repeat"),
         (bool(words & {"value", "reading"}), "diameter"),
         (bool(words & _UNIT) and not sized, "unit"),
@@ -299,9 +308,12 @@ def _settled(columns: list[Column]) -> tuple[Column, ...]:
     others = any(column.holds_value and column not in bare for column in columns)
     if others or "part" in roles or len({column.part for column in bare}) < 2:
         columns = [column for column in columns if column not in bare]
+    angles = {column.direction for column in columns if column.holds_value} - {None}
+    # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
+    only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
     settled = []
     for column in columns:
-        if column.holds_value and "direction" in roles:
+        if column.holds_value and ("direction" in roles or only_names):
             column = replace(column, direction=None)
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)

@@ -54,12 +54,6 @@ class Names:
         named = self._spellings.get(plain(tail.lstrip("–-:, ")))
         return number if number is not None and number == named else None
 
-    def named(self, cell: Cell) -> str | None:
-        """The component that a cell names in words; None for a number, or a name that two components share."""
-        text = plain(text_of(cell))
-        found = self._spellings.get(text)
-        return found if found is not None and text != plain(found) else None
-
     def require_component(self, cell: Cell) -> str:
         """As `component`, but one with lands or an error.
 

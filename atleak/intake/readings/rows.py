@@ -194,7 +194,7 @@ class _Reader:
         column = next(iter(group.values()))
         component = self._component(row)
         part = column.part or self._part(row)
-        plane = self._plane(row, component) if component is not None else None
+        plane = self._plane(row, component)
         direction, known = self._direction(row, column)
         repeat, explicit, countable = self._repeat(row, column)
         if component is None or part is None or plane is None or not known or not countable:
@@ -224,12 +224,12 @@ class _Reader:
 
     def _same_component(self, component: str, cell: Cell) -> None:
         """Number and name in one row must not contradict each other."""
-        named = None if is_blank(cell) else self.names.named(cell)
+        named = None if is_blank(cell) else self.names.component(cell)
         if named is not None and named != component:
             raise ReadingsError(
-                f"this is the name of component {named}, in a row numbered {component}",
+                f"this is component {named}, in a row of component {component}",
                 value=text_of(cell),
-                expected=self.names.controller.components[component],
+                expected=f"{component} or {self.names.controller.components[component]}",
             )
 
     def _part(self, row: int) -> Part | None:
@@ -250,10 +250,14 @@ class _Reader:
             )
         return part
 
-    def _plane(self, row: int, component: str) -> str | None:
+    def _plane(self, row: int, component: str | None) -> str | None:
         """The plane as the controller spells it, from the column of planes, of lands, or both."""
         plane_column, land_column = self.columns.plane, self.columns.land
         column = plane_column or land_column
+        if component is None:  # told already; whether the plane is there at all is still worth telling
+            if column is not None:
+                self._required(row, column)
+            return None
         if column is None:  # a controller whose components have one land each
             return self.names.controller.lands_of(component)[0].planes[0]
         try:

@@ -100,7 +100,7 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
         raise ReadingsError(
             "the spreadsheet program has turned this number into a date or time",
             value=str(cell),
-            expected="a number: format the cell as number or text and type it again",
+            expected="a diameter such as 9.939: format the cell as number or text and type it again",
         )
     text, written = _split_unit(unicodedata.normalize("NFKC", str(cell)).strip().replace("−", "-"))
     digits = _decimal_point(re.sub(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", text).strip())

@@ -18,7 +18,7 @@ _UNPACKED = 300e6  # bytes; a measuring sheet is a thousandth of it
 _CELLS = 4_000_000  # a sheet's outermost cells span at most this many
 _CELL = re.compile(rb"<(?:\w+:)?c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>)", re.DOTALL)
 _FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
-_VALUE = re.compile(rb"<(?:\w+:)?(?:v|is)\b[^>]*>([^<]*)")
+_VALUE = re.compile(rb"<(?:\w+:)?[vt]\b[^>]*>([^<]+)")
 _REFERENCE = re.compile(rb'\br="([A-Z]{1,3})(\d{1,7})"')
 _DAMAGE = (
     zipfile.BadZipFile,
@@ -161,7 +161,7 @@ def _formula_faults(xml: bytes, file: str, sheet: str) -> dict[tuple[int, int], 
             columns.append(column)
         if b't="e"' in attributes:
             found[row, column] = value[1].decode("utf-8", "replace") if value else "an error"
-        elif formula and not value:
+        elif formula and not value and b't="str"' not in attributes:  # an empty text is a result too
             found[row, column] = _NO_RESULT
     if (max(rows) + 1) * (max(columns) + 1) > _CELLS:
         raise ReadingsError(

@@ -1,0 +1,212 @@
+"""From readings to the clearance of every land."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import pytest
+
+from atleak.errors import Place
+from atleak.readings import LandClearance, Reading, Readings, clearances, independent_repeats
+
+UM = 1e-6
+
+
+def readings(*found: Reading) -> Readings:
+    return Readings("sheet.csv", "0" * 64, None, "mm", False, "tidy", found)
+
+
+def one(component: str, part: str, plane: str, direction: float | None, *diameters_mm: float) -> Iterable[Reading]:
+    for repeat, diameter in enumerate(diameters_mm, start=1):
+        yield Reading(component, part, plane, direction, repeat, diameter * 1e-3, Place("sheet.csv", row=repeat))
+
+
+def codes(found: LandClearance) -> list[str]:
+    return [message.code for message in found.messages]
+
+
+def test_one_land_clearance_per_land_in_order(controller):
+    assert [found.land.key for found in clearances(None, controller)] == [("6", 1), ("6", 2), ("8", 1), ("12'", 1)]
+
+
+def test_without_readings_every_land_is_at_its_mounting_clearance(controller):
+    for found in clearances(None, controller):
+        assert (found.status, found.measured) == ("not_measured", False)
+        assert found.radial_clearance == found.min_clearance == found.max_clearance == found.land.mounting_clearance
+        assert found.spool_diameter == found.land.nominal_diameter
+        assert found.sleeve_diameter == pytest.approx(found.land.nominal_diameter + 2 * found.land.mounting_clearance)
+        assert found.stations == ()
+        assert found.messages == ()
+
+
+def test_mean_over_repeats_then_directions_then_planes(controller):
+    # unequal numbers of repeats and directions must not weigh
+    spool = readings(
+        *one("8", "spool", "1", 0.0, 9.990, 9.990, 9.996),  # 9.992
+        *one("8", "spool", "1", 90.0, 9.998),  # plane 1: 9.995
+        *one("8", "spool", "2", 0.0, 9.985),  # plane 2
+        *one("8", "sleeve", "1", 0.0, 10.050),
+        *one("8", "sleeve", "1", 90.0, 10.060),
+        *one("8", "sleeve", "2", 0.0, 10.070),
+    )
+    found = clearances(spool, controller)[2]
+    assert found.spool_diameter == pytest.approx(9.990e-3, rel=1e-12)
+    assert found.sleeve_diameter == pytest.approx((10.055e-3 + 10.070e-3) / 2, rel=1e-12)
+    assert found.radial_clearance == pytest.approx((10.0625e-3 - 9.990e-3) / 2, rel=1e-9)
+    assert (found.status, found.measured) == ("measured", True)
+    assert (found.spool_readings, found.sleeve_readings) == (5, 3)
+    assert (found.spool_repeats, found.sleeve_repeats) == (1, 1)
+
+
+def test_ovality_taper_and_spread_of_repeats(controller):
+    found = clearances(
+        readings(
+            *one("8", "spool", "1", 0.0, 9.990, 9.992),
+            *one("8", "spool", "1", 90.0, 9.995, 9.996),
+            *one("8", "spool", "2", 0.0, 9.980, 9.980),
+            *one("8", "spool", "2", 90.0, 9.982, 9.983),
+            *one("8", "sleeve", "1", 0.0, 10.050),
+        ),
+        controller,
+    )[2]
+    assert found.spool_ovality == pytest.approx(4.5 * UM)  # plane 1: 9.9955 − 9.991
+    assert found.spool_taper == pytest.approx(9.99325e-3 - 9.98125e-3)
+    assert found.spool_repeat_spread == pytest.approx(2 * UM)
+    assert (found.sleeve_ovality, found.sleeve_taper, found.sleeve_repeat_spread) == (None, None, None)
+
+
+def test_worst_direction_and_the_range_over_directions(controller):
+    found = clearances(
+        readings(
+            *one("6", "spool", "1", 0.0, 9.940),
+            *one("6", "spool", "1", 90.0, 9.936),
+            *one("6", "sleeve", "1", 0.0, 10.000),
+            *one("6", "sleeve", "1", 90.0, 10.030),
+        ),
+        controller,
+    )[0]
+    assert found.min_clearance == pytest.approx(30 * UM)
+    assert found.max_clearance == pytest.approx(47 * UM)
+    assert found.radial_clearance == pytest.approx(38.5 * UM)
+    assert found.worst_direction == 90.0
+    assert [(station.direction, station.plane) for station in found.stations] == [(0.0, "1"), (90.0, "1")]
+
+
+def test_a_spool_without_directions_meets_each_direction_of_the_sleeve(controller):
+    found = clearances(
+        readings(
+            *one("6", "spool", "1", None, 9.940),
+            *one("6", "sleeve", "1", 0.0, 10.000),
+            *one("6", "sleeve", "1", 90.0, 10.020),
+        ),
+        controller,
+    )[0]
+    assert [station.spool_diameter for station in found.stations] == [9.940e-3, 9.940e-3]
+    assert found.max_clearance == pytest.approx(40 * UM)
+
+
+def test_missing_sleeve_takes_its_nominal_diameter_and_says_so(controller):
+    found = clearances(readings(*one("6", "spool", "1", 0.0, 9.935), *one("6", "spool", "1", 90.0, 9.935)), controller)[
+        0
+    ]
+    assert (found.status, found.measured) == ("spool_only", True)
+    assert found.sleeve_diameter == found.land.nominal_diameter + 2 * found.land.mounting_clearance
+    assert found.radial_clearance == pytest.approx(27 * UM)
+    message = next(message for message in found.messages if message.code == "sleeve_missing")
+    assert message.level == "warning"
+    assert "9.989 mm" in message.text
+    assert message.place.row == 1
+
+
+def test_missing_spool_takes_its_nominal_diameter_and_says_so(controller):
+    found = clearances(
+        readings(*one("12'", "sleeve", "1", 0.0, 14.080), *one("12'", "sleeve", "1", 90.0, 14.080)), controller
+    )[3]
+    assert (found.status, found.spool_readings) == ("sleeve_only", 0)
+    assert found.spool_diameter == found.land.nominal_diameter
+    assert found.radial_clearance == pytest.approx(40 * UM)
+    message = next(message for message in found.messages if message.code == "spool_missing")
+    assert "piston" in message.text
+
+
+def test_one_direction_only_is_a_lower_bound(controller):
+    found = clearances(
+        readings(
+            *one("6", "spool", "1", 0.0, 9.94), *one("6", "spool", "1", 90.0, 9.94), *one("6", "sleeve", "1", 0.0, 10.0)
+        ),
+        controller,
+    )[0]
+    messages = [message for message in found.messages if message.code == "one_direction"]
+    assert len(messages) == 1
+    assert "sleeve" in messages[0].text
+    assert "lower bound" in messages[0].text
+
+
+@pytest.mark.parametrize(("apart", "flagged"), [(0.005, False), (0.006, True)])
+def test_repeats_that_disagree_are_flagged_with_their_values(controller, apart, flagged):
+    found = clearances(
+        readings(*one("6", "spool", "1", 0.0, 9.940, 9.940 + apart), *one("6", "sleeve", "1", 0.0, 10.0)), controller
+    )[0]
+    said = [message for message in found.messages if message.code == "repeats_disagree"]
+    assert bool(said) is flagged
+    if flagged:
+        assert "9.94, 9.946 mm" in said[0].text
+        assert said[0].place.file == "sheet.csv"
+
+
+def test_mirrored_and_copied_coordinates_are_no_independent_repeats(controller):
+    def coordinate(repeat: int, first: float, second: float) -> Reading:
+        return Reading(
+            "6", "spool", "1", 0.0, repeat, abs(first - second), Place("sheet.csv", row=repeat), (first, second)
+        )
+
+    mirrored = [coordinate(1, 0.089605, 0.079666), coordinate(2, 0.079666, 0.089605), coordinate(3, 0.089605, 0.079666)]
+    assert independent_repeats(mirrored) == mirrored[:1]
+    found = clearances(readings(*mirrored), controller)[0]
+    assert (found.spool_readings, found.spool_repeats, found.spool_repeat_spread) == (3, 1, None)
+    message = next(message for message in found.messages if message.code == "mirrored_repeats")
+    assert message.level == "info"
+    assert message.place.row == 2
+    assert "2 of 3" in message.text
+
+    real = [coordinate(1, 0.089605, 0.079666), coordinate(2, 0.079667, 0.089605)]
+    found = clearances(readings(*real), controller)[0]
+    assert (found.spool_repeats, codes(found).count("mirrored_repeats")) == (2, 0)
+    assert found.spool_repeat_spread == pytest.approx(1 * UM, rel=1e-6)
+
+
+def test_equal_diameters_without_coordinates_are_independent(controller):
+    found = clearances(readings(*one("6", "spool", "1", 0.0, 9.94, 9.94)), controller)[0]
+    assert (found.spool_repeats, found.spool_repeat_spread) == (2, 0.0)
+
+
+def test_large_ovality_far_from_nominal_and_too_tight_are_flagged(controller):
+    oval = clearances(readings(*one("6", "sleeve", "1", 0.0, 9.99), *one("6", "sleeve", "1", 90.0, 10.06)), controller)[
+        0
+    ]
+    assert "large_ovality" in codes(oval)
+    far = clearances(readings(*one("6", "spool", "1", 0.0, 9.3)), controller)[0]
+    assert "far_from_nominal" in codes(far)
+    assert "(representative)" in next(m.text for m in far.messages if m.code == "far_from_nominal")
+    tight = clearances(readings(*one("6", "spool", "1", 0.0, 9.98), *one("6", "sleeve", "1", 0.0, 9.99)), controller)[0]
+    assert "tighter_than_new" in codes(tight)
+
+
+def test_a_direction_in_which_the_sleeve_is_smaller_is_negative_there_and_flagged(controller):
+    found = clearances(
+        readings(
+            *one("6", "spool", "1", 0.0, 9.942),
+            *one("6", "spool", "1", 90.0, 9.942),
+            *one("6", "sleeve", "1", 0.0, 9.940),
+            *one("6", "sleeve", "1", 90.0, 9.990),
+        ),
+        controller,
+    )[0]
+    assert found.min_clearance == pytest.approx(-1 * UM)
+    assert found.radial_clearance > 0
+    assert "tight_direction" in codes(found)
+
+
+def test_readings_of_a_plane_the_controller_lacks_are_left_out(controller):
+    found = clearances(readings(*one("6", "spool", "9", 0.0, 9.94)), controller)
+    assert all(not land.measured for land in found)
