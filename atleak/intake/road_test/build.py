@@ -55,7 +55,7 @@ def _channel(assigner: Assigner, signal: Signal, timeline: Timeline, speed: Sign
         count = int(mask.sum())
         text = f"{candidate.label!r}: {count} of {len(raw)} samples are suspect ({name}) and left out"
         assigner.say("suspect_samples", text, "warning", candidate.label)
-    independent, held = _independent(candidate.quantity, raw)
+    independent, held = _independent(candidate.quantity, raw, candidate.kind == "commanded")
     span = _span(time, timeline.segments)
     if held:
         text = f"{candidate.label!r}: the logger repeats its last answer; {independent} of {len(raw)} samples are true ones"
@@ -77,9 +77,9 @@ def _channel(assigner: Assigner, signal: Signal, timeline: Timeline, speed: Sign
     )
 
 
-def _independent(quantity: str, values: np.ndarray) -> tuple[int, bool]:
+def _independent(quantity: str, values: np.ndarray, commanded: bool) -> tuple[int, bool]:
     kind = QUANTITIES[quantity].unit_kind
-    if kind in ("rotational_speed", "pressure", "speed") and checks.is_sample_and_hold(values):
+    if kind in ("rotational_speed", "pressure", "speed") and not commanded and checks.is_sample_and_hold(values):
         return int(len(values) - checks.repeats(values).sum()), True
     return len(values), False
 

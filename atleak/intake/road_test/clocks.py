@@ -227,16 +227,7 @@ def _read(column: pd.Series) -> _Read:
     read = _Read(
         *(np.zeros(size) for _ in range(3)), np.zeros(size, int), np.zeros(size, bool), np.zeros(size, int), [""]
     )
-    raw = column.to_numpy(dtype=object)
-    missing = column.isna().to_numpy()
-    if missing.any():
-        raw = np.where(missing, "", raw)
-    try:
-        packed = np.array(raw, dtype="S")
-    except UnicodeEncodeError:
-        packed = np.array([str(cell).translate(_PLAIN).encode("ascii", "replace") for cell in raw], dtype="S")
-        readable = {index: str(raw[index]) for index in ()}
-        del readable
+    packed = _packed(column)
     if not packed.dtype.itemsize:
         return read
     table = packed.view(np.uint8).reshape(size, packed.dtype.itemsize)
@@ -244,17 +235,39 @@ def _read(column: pd.Series) -> _Read:
     for length in np.unique(lengths[lengths > 0]):
         rows = np.flatnonzero(lengths == length)
         for _ in range(12):  # templates of one length
-            rows = _read_alike(read, table, rows, int(length), raw)
+            rows = _read_alike(read, table, rows, int(length), column)
             if not len(rows):
                 break
     return read
 
 
-# letters whose place matters only, so that one character stays one byte
-_PLAIN = {code: "?" for code in range(0x80, 0x2000)}
+def _packed(column: pd.Series) -> np.ndarray:
+    """The strings as a fixed-width array of bytes, one byte a character."""
+    try:
+        import pyarrow as pa
+
+        strings = pa.array(column, type=pa.large_string())
+    except (ImportError, TypeError, ValueError):
+        strings = None
+    if strings is not None and not strings.null_count and len(strings):
+        offsets = np.frombuffer(strings.buffers()[1], np.int64)[strings.offset : strings.offset + len(strings) + 1]
+        width = int(offsets[1] - offsets[0])
+        data = strings.buffers()[2]
+        if width and data is not None and bool((np.diff(offsets) == width).all()):
+            table = np.frombuffer(data, np.uint8)[offsets[0] : offsets[-1]]
+            if table.max() < 0x80:
+                return table.view(f"S{width}")
+    raw = column.to_numpy(dtype=object)
+    missing = column.isna().to_numpy()
+    if missing.any():
+        raw = np.where(missing, "", raw)
+    try:
+        return np.array(raw, dtype="S")
+    except UnicodeEncodeError:
+        return np.array([str(cell).encode("ascii", "replace") for cell in raw], dtype="S")
 
 
-def _read_alike(read: _Read, table: np.ndarray, rows: np.ndarray, length: int, raw: np.ndarray) -> np.ndarray:
+def _read_alike(read: _Read, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
     """Reads those of the rows that look like the first one, returns the others."""
     line = table[rows[0], :length].tobytes().decode("ascii")
     match, parts = _TIME_OF_DAY.search(line), 3
@@ -263,30 +276,30 @@ def _read_alike(read: _Read, table: np.ndarray, rows: np.ndarray, length: int, r
     if match is None:
         return rows[1:] if len(rows) < 64 else rows[:0]
     whole = len(rows) == len(table)
-    block = table[:, :length] if whole else table[rows, :length]
+    block = np.ascontiguousarray((table[:, :length] if whole else table[rows, :length]).T)
     digits = np.zeros(length, bool)
     for group in range(1, match.re.groups + 1):
         if match[group] is not None:
             digits[match.start(group) : match.end(group)] = True
     span = np.zeros(length, bool)
     span[match.start() : match.end()] = True
-    first = block[0]
-    like = np.ones(len(block), bool)
+    first = block[:, 0]
+    like = np.ones(len(rows), bool)
     for position in np.flatnonzero(span):
-        cell = block[:, position]
+        cell = block[position]
         like &= (cell - 48 < 10) if digits[position] else (cell == first[position])
     for edge in (match.start() - 1, match.end()):
         if 0 <= edge < length:
-            like &= ~(block[:, edge] - 48 < 10)
+            like &= ~(block[edge] - 48 < 10)
     if not like.all():
-        block, chosen, rest = block[like], rows[like], rows[~like]
+        block, chosen, rest = block[:, like], rows[like], rows[~like]
     else:
         chosen, rest = rows, rows[:0]
 
     def number(group: int) -> np.ndarray:
-        total = np.zeros(len(block))
+        total = np.zeros(len(chosen), np.int32)
         for position in range(match.start(group), match.end(group)):
-            total = total * 10.0 + (block[:, position] - 48)
+            total = total * np.int32(10) + (block[position] - 48)
         return total
 
     target: slice | np.ndarray = slice(None) if whole and not len(rest) else chosen
@@ -301,22 +314,22 @@ def _read_alike(read: _Read, table: np.ndarray, rows: np.ndarray, length: int, r
     # the rest of the string is the date: it changes seldom, so only its changes are looked at
     outside = np.flatnonzero(~span)
     if len(outside):
-        changed = np.zeros(len(block), bool)
+        changed = np.zeros(len(chosen), bool)
         changed[0] = True
         for position in outside:
-            cell = block[:, position]
+            cell = block[position]
             changed[1:] |= cell[1:] != cell[:-1]
         starts = np.flatnonzero(changed)
         known: dict[str, int] = {}
         indices = []
         for start in starts:
-            text = str(raw[chosen[start]]).strip()
+            text = str(raw.iloc[chosen[start]]).strip()
             text = f"{text[: match.start()]} {text[match.end() :]}"
             if text not in known:
                 known[text] = len(read.texts)
                 read.texts.append(text)
             indices.append(known[text])
-        read.dates[target] = np.repeat(indices, np.diff([*starts, len(block)]))
+        read.dates[target] = np.repeat(indices, np.diff([*starts, len(chosen)]))
     return rest
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import warnings
 from collections.abc import Sequence
@@ -15,7 +16,10 @@ from atleak.intake.road_test.source import HEAD, Source
 from atleak.intake.road_test.table import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
 from atleak.intake.road_test.text import Text, to_text
 
-_NA = sorted({spelling for word in MISSING for spelling in (word, word.upper(), word.capitalize(), word.title())})
+
+_LONG_HEAD = 1 << 18
+LOOK = 600
+"""Lines among which the table's beginning is sought first."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,7 @@ class Delimited:
     offset: int
     sample: tuple[Row, ...]
     quoted: bool
+    spaced: bool
 
     @property
     def headings(self) -> tuple[Heading, ...]:
@@ -47,25 +52,31 @@ class Delimited:
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """These columns of every line from the first data row on: numbers as floats, anything else as text."""
+        frame = self._read(columns, None)
+        mixed = [index for index in columns if frame[index].dtype == object]
+        if mixed:  # numbers in one part of the file, text in another: one spelling for all
+            frame[mixed] = self._read(mixed, "str")
+        return frame
+
+    def _read(self, columns: Sequence[int], dtype: str | None) -> pd.DataFrame:
         stream = io.BytesIO(self.text.data)
         stream.seek(self.offset)
-        names = list(range(self.layout.width))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            warnings.simplefilter("ignore", pd.errors.DtypeWarning)
             return pd.read_csv(
                 stream,
                 sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
                 decimal=self.decimal,
                 header=None,
-                names=names,
+                names=list(range(self.layout.width)),
                 index_col=False,
                 usecols=sorted(columns),
+                dtype=dtype,  # type: ignore[arg-type]
                 engine="c",
-                low_memory=False,
-                na_values=_NA,
-                skipinitialspace=True,
-                quoting=0 if self.quoted else 3,
-                encoding="utf-8" if self.text.codec == "utf-8" else self.text.codec,
+                skipinitialspace=self.spaced,
+                quoting=csv.QUOTE_MINIMAL if self.quoted else csv.QUOTE_NONE,
+                encoding=self.text.codec,
                 encoding_errors="replace",
             )
 
@@ -80,7 +91,7 @@ def _sample_lines(text: Text, head: list[bytes]) -> list[str]:
     """Lines from the head's end and from four places further on in the file."""
     chosen = head[-200:]
     size = len(text.data)
-    if size > HEAD:
+    if size > _LONG_HEAD:
         for part in (0.3, 0.5, 0.75, 1.0):
             at = min(int(size * part), size - 1) - (1 << 14)
             chosen += _lines(text.data[at : at + (1 << 14)])[1:-1][:60]
@@ -92,20 +103,24 @@ def open_delimited(source: Source) -> Delimited | None:
     text = to_text(source.data)
     if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
         text = Text(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
-    head = _lines(text.data[:HEAD])
-    if len(text.data) > HEAD:
+    head = _lines(text.data[:_LONG_HEAD])
+    if len(text.data) > _LONG_HEAD:
         head = head[:-1]
+    head = head[: 2 * LOOK]
     dialect = find_dialect(_sample_lines(text, head))
     if dialect is None:
         return None
     delimiter, decimal = dialect
     rows = [split_line(text.decode(line), delimiter) for line in head]
-    layout = find_table(rows, decimal)
+    layout = find_table(rows[:LOOK], decimal) or find_table(rows, decimal)
     if layout is None:
         return None
     offset = sum(len(line) + 1 for line in head[: layout.start])
-    quoted = b'"' in text.data[offset : offset + HEAD] or b'"' in text.data[-HEAD:]
-    return Delimited(text, delimiter, decimal, layout, offset, tuple(rows[layout.start :][:400]), quoted)
+    body = (text.data[offset : offset + HEAD], text.data[-HEAD:])
+    quoted = any(b'"' in part for part in body)
+    spaced = any(delimiter.encode() + b" " in part for part in body)
+    sample = tuple(rows[layout.start :][:400])
+    return Delimited(text, delimiter, decimal, layout, offset, sample, quoted, spaced)
 
 
 def numbers(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, int]:

@@ -83,7 +83,7 @@ def describe(understood: Understood) -> dict[str, Any]:
     if test is not None:
         result["segments"] = [
             {"start_row": one.start_row, "rows": one.rows, "start_s": one.start, "duration_s": one.duration}
-            for one in test.segments
+            for one in understood.segments
         ]
         result["columns"] = [_time_column(understood, test), *map(_column, test.channels.values())]
     return result

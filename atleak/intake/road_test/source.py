@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
+import threading
 import zipfile
 import zlib
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from typing import BinaryIO, Literal
 
 from atleak.errors import Place, RoadTestError
 
-HEAD = 1 << 18
+HEAD = 1 << 16
 """Bytes looked at to find out what a file is."""
 SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
@@ -46,15 +47,33 @@ _PICTURES = {
 }
 
 
+class Digest:
+    """SHA-256 of a file's bytes; a large one is computed beside the reading."""
+
+    def __init__(self, data: bytes) -> None:
+        self._hash = hashlib.sha256()
+        self._thread = threading.Thread(target=self._hash.update, args=(data,), daemon=True)
+        self._thread.start()
+
+    def __str__(self) -> str:
+        self._thread.join()
+        return self._hash.hexdigest()
+
+
 @dataclass(frozen=True)
 class Source:
     """A log before anything is understood: ``data`` are its bytes, unpacked when it came packed."""
 
     file: str
-    sha256: str
+    digest: Digest
     data: bytes
     form: Form
     packed: bool = False
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file as it was given."""
+        return str(self.digest)
 
     def place(self, **where: object) -> Place:
         """A place in this file."""
@@ -81,10 +100,11 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> Source:
             with path.open("rb") as stream:
                 head = stream.read(HEAD)
                 _refuse_what_is_no_log(head, file)
-                data = head + stream.read() if len(head) == HEAD else head
+                stream.seek(0)
+                data = stream.read() if len(head) == HEAD else head
         except OSError as error:
             raise RoadTestError(f"cannot be opened: {error.strerror}", place=Place(file=file)) from error
-    digest = hashlib.sha256(data).hexdigest()
+    digest = Digest(data)
     if data[:2] == b"\x1f\x8b":
         data = _unpack(data, file)
         return Source(file, digest, data, _form(data, file), packed=True)

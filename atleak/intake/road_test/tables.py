@@ -26,7 +26,7 @@ from atleak.intake.road_test.names import match_name, split_unit, words
 from atleak.intake.road_test.table import Heading, Row, named_by_a_date
 from atleak.intake.road_test.timeline import Timeline
 from atleak.intake.road_test.timeline import build as build_timeline
-from atleak.road_test import QUANTITIES
+from atleak.road_test import QUANTITIES, Segment
 
 
 class Table(Protocol):
@@ -55,6 +55,7 @@ class Reading:
     clock: Clock
     long: bool = False
     used: frozenset[str] = frozenset()
+    file_segments: tuple[Segment, ...] | None = None
 
 
 def read_table(table: Table, assigner: Assigner, mapping: Mapping[str, str]) -> Reading:
@@ -137,22 +138,27 @@ def _drop_lines_that_are_no_rows(
             frame = frame.iloc[:tail]
         return frame, len(frame)
     telling = np.zeros(len(frame), bool)
+    worded = []
+    for index in frame.columns:
+        if frame[index].dtype.kind in "fiub":
+            telling |= frame[index].notna().to_numpy()
+        else:
+            worded.append(index)
+    # only rows without a single number so far need a closer look
+    unclear = np.flatnonzero(~telling)
     wordy = np.zeros(len(frame), bool)
     clocks_at = {one.heading.index for one in times}
-    for index in frame.columns:
-        column = frame[index]
-        if column.dtype.kind in "fiub":
-            telling |= column.notna().to_numpy()
-            continue
+    for index in worded if len(unclear) else ():
+        column = frame[index].iloc[unclear]
         text = column.astype("str").str.strip()
-        number = pd.to_numeric(
-            text.str.replace(",", ".", regex=False) if table.decimal == "," else text, errors="coerce"
-        ).notna()
+        plain = text.str.replace(",", ".", regex=False) if table.decimal == "," else text
+        number = pd.to_numeric(plain, errors="coerce").notna()
         if index in clocks_at:
             number |= text.str.contains(r"\d:\d", regex=True, na=False)
-        number = number.to_numpy(dtype=bool) & column.notna().to_numpy()
-        telling |= number
-        wordy |= ~number & column.notna().to_numpy()
+        known = column.notna().to_numpy()
+        number = number.to_numpy(dtype=bool) & known
+        telling[unclear] |= number
+        wordy[unclear] |= ~number & known
     text_only = wordy & ~telling
     if text_only.any():
         _refuse_another_header(frame[text_only], times + channels, assigner)
@@ -581,12 +587,11 @@ def _read_long(table: Table, shape: _Long, assigner: Assigner, mapping: Mapping[
                 stamps.append(assigner.signals[quantity].time)  # type: ignore[arg-type]
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
     timeline = _on_base(base, whole)
-    return Reading(len(frame), timeline, shape.time.label, clock, True, frozenset(map(str, uniques)))
+    names_there = frozenset(map(str, uniques))
+    return Reading(len(frame), timeline, shape.time.label, clock, True, names_there, whole.segments)
 
 
 def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:
-    from atleak.road_test import Segment
-
     segments = []
     for segment in whole.segments:
         low = int(np.searchsorted(base, segment.start, side="left"))

@@ -18,7 +18,7 @@ from atleak.intake.road_test.table import Heading
 from atleak.intake.road_test.tables import Reading, Table, read_table
 from atleak.intake.road_test.timeline import Timeline
 from atleak.intake.road_test.timeline import build as build_timeline
-from atleak.road_test import RoadTest
+from atleak.road_test import RoadTest, Segment
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Understood:
 
     ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
     data rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
-    ``signature`` is the key under which an answer is remembered.
+    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows.
     """
 
     file: str
@@ -47,6 +47,7 @@ class Understood:
     time_label: str = ""
     time_unit: str = ""
     time_assumed: bool = False
+    segments: tuple[Segment, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -171,6 +172,7 @@ def finish(blank: Understood, assigner: Assigner, reading: Reading, constants: M
         time_label=reading.time_label,
         time_unit=reading.clock.unit,
         time_assumed=reading.clock.unit_assumed,
+        segments=timeline.segments if reading.file_segments is None else reading.file_segments,
     )
 
 

@@ -1,0 +1,218 @@
+"""MDF 3 and 4: physical channels, and OBD2 answers found on a CAN bus. Needs the extra ``mdf`` (asammdf)."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test import memory
+from atleak.intake.road_test.assign import Assigner, Candidate, candidates, map_columns
+from atleak.intake.road_test.clocks import Clock
+from atleak.intake.road_test.names import split_unit
+from atleak.intake.road_test.source import Source
+from atleak.intake.road_test.table import Heading
+from atleak.intake.road_test.tables import Reading
+from atleak.intake.road_test.timeline import build as build_timeline
+from atleak.road_test import QUANTITIES
+
+if TYPE_CHECKING:
+    from atleak.intake.road_test.understand import Understood
+
+
+@dataclass(frozen=True)
+class _Raw:
+    heading: Heading
+    time: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(frozen=True)
+class Pid:
+    """A value of SAE J1979 service 01: name, unit, and how its data bytes make it."""
+
+    name: str
+    unit: str
+    size: int
+    value: Callable[[np.ndarray], np.ndarray]
+
+
+# SAE J1979 (ISO 15031-5), service 01
+PIDS: Mapping[int, Pid] = {
+    0x05: Pid("Engine coolant temperature", "°C", 1, lambda data: data[:, 0] - 40.0),
+    0x0C: Pid("Engine speed", "rpm", 2, lambda data: (data[:, 0] * 256.0 + data[:, 1]) / 4.0),
+    0x0D: Pid("Vehicle speed", "km/h", 1, lambda data: data[:, 0].astype(float)),
+    0xA4: Pid("Transmission actual gear", "", 4, lambda data: (data[:, 1] >> 4).astype(float)),
+}
+
+
+def decode_obd2(
+    time: np.ndarray, identifiers: np.ndarray, data: np.ndarray
+) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """Answers of service 01 among CAN frames → PID: (stamps, values).
+
+    ``data`` are the frames' bytes, shape (frames, 8). Answers come from 7E8-7EF or, with 29 bits, 18DAF1xx; one frame
+    may carry the answers to several PIDs. The first control unit that answers a PID is the one taken.
+    """
+    identifiers = identifiers.astype(np.int64) & 0x1FFFFFFF
+    answer = ((identifiers >= 0x7E8) & (identifiers <= 0x7EF)) | (identifiers >> 8 == 0x18DAF1)
+    length = data[:, 0]
+    answer &= (length >= 3) & (length <= 7) & (data[:, 1] == 0x41)
+    found: dict[int, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
+    left = np.flatnonzero(answer)
+    position = np.full(len(left), 2)
+    while len(left):
+        codes = data[left, position]
+        keep = np.zeros(len(left), bool)
+        moved = position.copy()
+        for code in np.unique(codes):
+            pid = PIDS.get(int(code))
+            if pid is None:
+                continue
+            rows = np.flatnonzero((codes == code) & (position + pid.size <= length[left]))
+            if not len(rows):
+                continue
+            picked = left[rows]
+            columns = position[rows][:, None] + 1 + np.arange(pid.size)
+            part = data[picked[:, None], columns]
+            found.setdefault(int(code), []).append((picked, identifiers[picked], pid.value(part)))
+            moved[rows] = position[rows] + 1 + pid.size
+            keep[rows] = moved[rows] + 1 <= length[left][rows]
+        left, position = left[keep], moved[keep]
+    result = {}
+    for code, parts in found.items():
+        rows = np.concatenate([part[0] for part in parts])
+        senders = np.concatenate([part[1] for part in parts])
+        values = np.concatenate([part[2] for part in parts])
+        turn = np.argsort(rows, kind="stable")
+        rows, senders, values = rows[turn], senders[turn], values[turn]
+        first = senders == senders[0]
+        result[code] = (time[rows[first]], values[first])
+    return result
+
+
+def understand_mdf(
+    source: Source, mapping: Mapping[str, str], units: Mapping[str, str], constants: Mapping[str, float]
+) -> Understood:
+    """Reads an MDF file.
+
+    Raises
+    ------
+    RoadTestError
+        when asammdf is not installed, the file is damaged, or it holds bus frames that need a database.
+    """
+    from atleak.intake.road_test.understand import Understood, finish
+
+    raws, frames, version = _load(source)
+    form = f"MDF {version}"
+    headings = tuple(raw.heading for raw in raws)
+    if not raws:
+        if frames:
+            raise RoadTestError(
+                f"is a recording of a CAN bus ({frames} frames) without OBD2 answers: turning frames into quantities "
+                "needs the car's database (DBC)",
+                place=Place(file=source.file),
+                expected="the logger's export with decoded (physical) channels",
+            )
+        raise RoadTestError("holds no channels", place=Place(file=source.file))
+    assigner = Assigner(source.file, units, [heading.unit for heading in headings if heading.unit])
+    if frames:
+        assigner.say("obd2_decoded", f"{form}: OBD2 answers were decoded from {frames} CAN frames")
+    blank = Understood(
+        source.file, source.sha256, form, None, None, None, headings, (), memory.signature(h.label for h in headings)
+    )
+    wanted = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
+    found = [one for one in candidates(headings) if one.quantity != "time"]
+    found = map_columns(found, headings, wanted, source.file)
+    for quantity in QUANTITIES:
+        offered = [_offer(one, raws) for one in found if one.quantity == quantity]
+        if offered:
+            assigner.decide(quantity, offered)
+    main = assigner.signals.get("engine_speed") or next(iter(assigner.signals.values()), None)
+    stamps = main.time if main is not None else max(raws, key=lambda raw: len(raw.time)).time
+    assert stamps is not None
+    timeline = build_timeline(stamps)
+    reading = Reading(len(stamps), timeline, "", Clock(stamps, "s"))
+    return finish(blank, assigner, reading, constants)
+
+
+def _offer(one: Candidate, raws: list[_Raw]) -> tuple[Candidate, np.ndarray, np.ndarray]:
+    raw = raws[one.heading.index]
+    return one, raw.values, raw.time
+
+
+def _load(source: Source) -> tuple[list[_Raw], int, str]:
+    try:
+        from asammdf import MDF
+    except ImportError as error:
+        raise RoadTestError(
+            "is an MDF file: reading it needs the extra 'mdf'",
+            place=Place(file=source.file),
+            expected="atleak installed as atleak[mdf]",
+        ) from error
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            with MDF(io.BytesIO(source.data)) as mdf:
+                raws = [
+                    _Raw(Heading(index, *named), time, values)
+                    for index, (named, time, values) in enumerate(_channels(mdf))
+                ]
+                frames, obd = _frames(mdf)
+                version = str(mdf.version)
+        except RoadTestError:
+            raise
+        except Exception as error:  # the reader's own errors share no base class
+            raise RoadTestError(f"is a damaged MDF file: {error}", place=Place(file=source.file)) from error
+    for code, (time, values) in sorted(obd.items()):
+        pid = PIDS[code]
+        name = f"{pid.name} (OBD2 01 {code:02X})"
+        raws.append(_Raw(Heading(len(raws), name, (pid.name,), pid.unit or None), time, values))
+    return raws, frames, version
+
+
+def _channels(mdf: Any) -> Iterator[tuple[tuple[str, tuple[str, ...], str | None], np.ndarray, np.ndarray]]:
+    """Every physical channel with numbers: (label, names, unit), stamps, values."""
+    for number, group in enumerate(mdf.groups):
+        if not group.channel_group.cycles_nr:
+            continue
+        for index, channel in enumerate(group.channels):
+            if "Frame" in channel.name and "_" in channel.name or channel.name.lower() in ("timestamp", "time", "t"):
+                continue
+            signal = mdf.get(group=number, index=index)
+            samples = np.asarray(signal.samples)
+            if samples.dtype.names or samples.ndim != 1 or samples.dtype.kind not in "fiub" or not len(samples):
+                continue
+            name = split_unit(channel.name.split("\\")[0])
+            yield (
+                (channel.name, (name.text,), signal.unit or name.unit),
+                np.asarray(signal.timestamps, float),
+                samples.astype(float),
+            )
+
+
+def _frames(mdf: Any) -> tuple[int, dict[int, tuple[np.ndarray, np.ndarray]]]:
+    """Number of CAN frames, and the OBD2 answers among them."""
+    frames, times, identifiers, data = 0, [], [], []
+    for number, group in enumerate(mdf.groups):
+        names = {channel.name for channel in group.channels}
+        if not group.channel_group.cycles_nr or "CAN_DataFrame.ID" not in names:
+            continue
+        ids = mdf.get("CAN_DataFrame.ID", group=number)
+        payload = np.asarray(mdf.get("CAN_DataFrame.DataBytes", group=number).samples)
+        frames += len(ids.samples)
+        if payload.ndim != 2 or payload.shape[1] < 8:
+            continue
+        times.append(np.asarray(ids.timestamps, float))
+        identifiers.append(np.asarray(ids.samples))
+        data.append(payload[:, :8].astype(np.uint8))
+    if not times:
+        return frames, {}
+    time = np.concatenate(times)
+    turn = np.argsort(time, kind="stable")
+    return frames, decode_obd2(time[turn], np.concatenate(identifiers)[turn], np.concatenate(data)[turn])
