@@ -39,6 +39,9 @@ NUMBER_FORMATS = {
     "nu": "0.0000",
     "rho": "0.0000",
     "time": "0.00",
+    "count": "0",
+    "scientific": "0.00E+00",
+    "mileage": '[>=10000000]"beyond 10 million";0',
     "plain": "General",
 }
 
@@ -90,31 +93,39 @@ class Book:
             sheet.repeat_rows(0, frozen[0] - 1)
         return sheet
 
-    def headings(self, sheet: Worksheet, row: int, names: Iterable[str]) -> None:
+    def headings(self, sheet: Worksheet, row: int, names: Iterable[str], lines: int = 2) -> None:
+        """A row of headings with room for so many lines."""
+        sheet.set_row(row, 15.0 * lines)
         for column, name in enumerate(names):
             sheet.write_string(row, column, name, self.heading)
 
-    def pairs(self, sheet: Worksheet, row: int, pairs: Iterable[tuple[str, Any]]) -> int:
-        """Names and values below one another, unknown and empty values left out; the next free row."""
+    def pairs(self, sheet: Worksheet, row: int, pairs: Iterable[tuple[str, Any]], width: int | None = None) -> int:
+        """Names and values below one another, unknown and empty values left out; the next free row.
+
+        Text is wrapped to ``width`` characters where given, else it runs over the empty cells to its right.
+        """
         for name, value in pairs:
             if value is None or value in ("", [], ()):
                 continue
-            sheet.write_string(row, 0, name, self.bold)
-            row = put_text(sheet, row, 1, value, self.wrapped) if isinstance(value, str) else row
-            if not isinstance(value, str):
+            sheet.write_string(row, 0, clean_text(name), self.bold)
+            if isinstance(value, str):
+                row = put_text(sheet, row, 1, value, self.form() if width is None else self.wrapped, width)
+            else:
                 put(sheet, row, 1, value, self.form(align="left"))
             row += 1
         return row
 
-    def records(self, sheet: Worksheet, row: int, records: Sequence[dict[str, Any]]) -> int:
-        """A heading row and a row per record; the next free row."""
+    def records(
+        self, sheet: Worksheet, row: int, records: Sequence[dict[str, Any]], kinds: dict[str, str] | None = None
+    ) -> int:
+        """A heading row and a row per record, numbers formatted by ``kinds``; the next free row."""
         if not records:
             return row
         names = list(dict.fromkeys(name for record in records for name in record))
         self.headings(sheet, row, names)
         for line, record in enumerate(records, start=row + 1):
             for column, name in enumerate(names):
-                put(sheet, line, column, record.get(name), self.wrapped)
+                put(sheet, line, column, record.get(name), self.form((kinds or {}).get(name, "plain"), align="left"))
         return row + len(records) + 1
 
     def colour_words(
@@ -146,12 +157,21 @@ def put(sheet: Worksheet, row: int, column: int, value: Any, form: Format | None
         sheet.write_string(row, column, clean_text(str(value))[:CELL_LIMIT], form)
 
 
-def put_text(sheet: Worksheet, row: int, column: int, text: str, form: Format | None = None) -> int:
-    """Text of any length, continued in the cells below where one cell cannot hold it; the last row used."""
+def put_text(
+    sheet: Worksheet, row: int, column: int, text: str, form: Format | None = None, width: int | None = None
+) -> int:
+    """Text of any length, continued in the cells below where one cell cannot hold it; the last row used.
+
+    With a ``width`` in characters the row is made as high as the wrapped text needs.
+    """
     text = clean_text(text)
     parts = [text[start : start + CELL_LIMIT] for start in range(0, len(text), CELL_LIMIT)] or [""]
     for line, part in enumerate(parts):
         sheet.write_string(row + line, column, part, form)
+        if width is not None:
+            lines = sum(1 + len(each) // width for each in part.split("\n"))
+            if lines > 1:
+                sheet.set_row(row + line, min(15.0 * lines, 409.0))
     return row + len(parts) - 1
 
 

@@ -117,7 +117,7 @@ class LiveSheets:
     def _condition(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
         """(label, unit, name, formula or None for an input, value, kind of number)."""
         found, condition = at.projection, at.projection.condition
-        yield "gear", "", "gear", None, condition.gear, "plain"
+        yield "gear", "", "gear", None, condition.gear, "count"
         yield "temperature", "°C", "T", None, condition.temperature, "temperature"
         yield "engine speed", "1/min", "n", None, condition.engine_speed * RPM, "rpm"
         yield "main pressure p_g", "kPa", "p_g", None, condition.main_pressure * KPA, "kpa"
@@ -155,8 +155,8 @@ class LiveSheets:
         uses_slip = self.diagnosis.profile.pump_efficiency == "wilson" and pump.slip_coefficient is not None
         displaced = f"{at('q_p')}*{at('n')}*1E-6"
         if uses_slip:
-            yield "slip coefficient C_s", "", "C_s", None, pump.slip_coefficient, "plain"
-            slip = f"{at('q_p')}*{at('C_s')}*{at('p_g')}*60E-6/(2*PI()*{at('nu')}*{at('rho')}*1E-6)"
+            yield "slip coefficient C_s", "", "C_s", None, pump.slip_coefficient, "scientific"
+            slip = f"{at('q_p')}*{at('C_s')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
             fluid, model, temperature = (
                 self.diagnosis.fluid,
                 self.diagnosis.profile.viscosity,
@@ -191,8 +191,9 @@ class LiveSheets:
     def write_lands(self, sheet: Worksheet) -> None:
         """One row per land: D, d → c_r → c_re → q → share → verdict."""
         book, columns = self.book, self.columns
-        book.headings(sheet, 0, columns.names)
-        sheet.set_row(0, 45)
+        book.headings(sheet, 0, columns.names, lines=4)
+        sheet.repeat_columns(0, 3)
+        sheet.fit_to_pages(2, 0)
         for found in self.lands:
             row = self.row_of[found.key]
             for column, (kind, text, value, properties) in enumerate(columns.cells(found)):
@@ -233,8 +234,7 @@ class LiveSheets:
             "pressure pair published",
         ]
         book = self.book
-        book.headings(sheet, 0, names)
-        sheet.set_row(0, 45)
+        book.headings(sheet, 0, names, lines=3)
         for row, found in enumerate(self.gaps[at.prefix], start=1):
             gap = found.gap
             for column, value in enumerate((gap.component, gap.land, gap.section, str(gap.high), str(gap.low))):
@@ -448,7 +448,7 @@ class _Columns:
                     probability = record["probability_over_limit"]
                     yield "percent", None, None if probability is None else probability * PERCENT, {}
                 case "mileage":
-                    yield "rpm", None, found.replace_mileage, {}
+                    yield "mileage", None, found.replace_mileage, {}
                 case "because":
                     deciding = found.deciding
                     because = deciding.label if deciding and found.verdict != "ok" else None

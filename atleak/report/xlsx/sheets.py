@@ -16,7 +16,13 @@ from atleak.report.xlsx.book import BANDS, Book, cell, formula, put, put_text, s
 from atleak.report.xlsx.live import LiveSheets
 
 ROAD_ROWS = 2000  # of the thinned road test
-_KINDS = {"time_s": "time", "share_percent": "percent", "temperature_c": "temperature", "engine_rpm": "rpm"}
+_KINDS = {
+    "gear": "count",
+    "time_s": "time",
+    "share_percent": "percent",
+    "temperature_c": "temperature",
+    "engine_rpm": "rpm",
+}
 _RULE_LABELS = {
     "wear": "wear [%]",
     "radial_clearance": "radial clearance [µm]",
@@ -37,7 +43,7 @@ class Sheets:
     def write_summary(self, sheet: Worksheet) -> None:
         """The verdict first, then totals, flagged lands and the order of repair."""
         book, record, diagnosis = self.book, self.record, self.diagnosis
-        for column, width in enumerate((24, 22, 16, 14, 14, 14, 14, 14, 14, 44, 24)):
+        for column, width in enumerate((26, 32, 16, 8, 14, 14, 14, 14, 14, 44, 24)):
             sheet.set_column(column, column, width)
         title = "Internal leakage of a valve body"
         put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
@@ -73,9 +79,9 @@ class Sheets:
         share = (
             f"{worst.share * PERCENT:.1f} % of the pump's flow" if worst.pump_capacity > 0 else "all the pump delivers"
         )
-        total = f"{worst.condition.label}: leakage takes {share} ({diagnosis.band(worst)})."
+        total = f"At “{worst.condition.label}” leakage takes {share} ({diagnosis.band(worst)})."
         if diagnosis.verdict == "not_measured":
-            return f"No land was measured. As mounted when new, {total}"
+            return f"No land was measured. With mounting clearances: {total}"
         found = f"{len(flagged)} of {diagnosis.measured} measured lands have reached a limit"
         return f"{verdict_word(diagnosis.verdict)}: {found}. {total}"
 
@@ -87,11 +93,11 @@ class Sheets:
         first = row + 1
         for row, at in enumerate(live.conditions, start=first):
             found, band = at.projection, self.diagnosis.band(at.projection)
-            put(sheet, row, 0, found.condition.label, book.wrapped)
+            put(sheet, row, 0, found.condition.label)
             cells: list[tuple[str, Any, str]] = [
                 ("T", found.condition.temperature, "temperature"),
                 ("n", found.condition.engine_speed * 60.0, "rpm"),
-                ("gear", found.condition.gear, "plain"),
+                ("gear", found.condition.gear, "count"),
                 ("leakage", found.leakage * 6e4, "flow"),
                 ("capacity", found.pump_capacity * 6e4, "flow"),
                 ("share", found.share * PERCENT, "percent"),
@@ -117,14 +123,13 @@ class Sheets:
         ]
         book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *(name for _, name, _ in keys)])
         because = max(4 + len(keys), 9)
-        book.headings(sheet, row + 1, [])
         put(sheet, row + 1, because, "because, as issued", book.heading)
         put(sheet, row + 1, because + 1, "origin of the limit", book.heading)
         first = row + 2
         for row, found in enumerate(flagged, start=first):
             land, at = found.state.land, live.row_of[found.key]
             put(sheet, row, 0, land.component, book.bold)
-            put(sheet, row, 1, self.diagnosis.controller.components[land.component], book.wrapped)
+            put(sheet, row, 1, self.diagnosis.controller.components[land.component])
             verdict = cell(at, live.columns.at["verdict"], "Lands")
             formula(sheet, row, 2, verdict, verdict_word(found.verdict), book.bold)
             put(sheet, row, 3, land.land, book.form(align="left"))
@@ -134,8 +139,8 @@ class Sheets:
                     address = cell(at, live.columns.at[key], "Lands")
                     formula(sheet, row, column, address, value, book.form(kind, align="left"))
             if found.deciding is not None:
-                put(sheet, row, because, found.deciding.label, book.wrapped)
-                put(sheet, row, because + 1, found.deciding.origin, book.wrapped)
+                put(sheet, row, because, found.deciding.label)
+                put(sheet, row, because + 1, found.deciding.origin)
         book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
         return row + 1
 
@@ -165,7 +170,7 @@ class Sheets:
             name = self.diagnosis.controller.components[step["component"]]
             values = (step["component"], name, verdict_word(step["verdict"]), step["land"])
             for column, value in enumerate(values):
-                put(sheet, row, column, value, self.book.form(align="left", text_wrap=True))
+                put(sheet, row, column, value, self.book.form(align="left"))
             for column, key in enumerate(("share_before_percent", "share_after_percent"), start=4):
                 put(sheet, row, column, step[key], self.book.form("percent", align="left"))
             put(sheet, row, 6, step["at"])
@@ -181,7 +186,7 @@ class Sheets:
         rows: list[tuple[str, Any]] = [(name, record[name]) for name in ("file", "sha256", "rows", "duration_s")]
         rows.append(("gears", ", ".join(map(str, record["gears"]))))
         rows += [
-            (f"of the volume leaked from {name} [%]", share * PERCENT)
+            (f"of the volume leaked from {name}", f"{share * PERCENT:.1f} %")
             for name, share in record["sections"].items()
             if share is not None
         ]
@@ -197,7 +202,9 @@ class Sheets:
             for name, said in _INSTANTS.items()
             if record[name]
         ]
-        row = book.records(sheet, row + 1, instants) + 1
+        kinds = {"time [s]": "time", "share [%]": "percent"}
+        kinds |= dict.fromkeys(("leakage [dm³/min]", "pump capacity [dm³/min]"), "flow")
+        row = book.records(sheet, row + 1, instants, kinds) + 1
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
         if series.thinned:
@@ -236,6 +243,7 @@ class Sheets:
             )
         chart.set_x_axis({"name": "time [s]", "min": 0, "label_position": "low"})
         chart.set_y_axis({"name": axis, "major_gridlines": {"visible": True, "line": {"color": "#DDDDDD"}}})
+        chart.set_title({"none": True})
         chart.set_legend({"position": "top"} if len(series) > 1 else {"none": True})
         chart.show_blanks_as("gap")
         chart.set_size({"width": 980, "height": 320})
@@ -256,7 +264,7 @@ class Sheets:
                 put(sheet, row, column, limit * factor, book.form("um", font_color="#0000C0"))
                 self.live.limit_cells[rule, level] = cell(row, column, "Limits")
             put(sheet, row, 6, steps.origin, book.wrapped)
-            put(sheet, row, 7, steps.source, book.wrapped)
+            put_text(sheet, row, 7, steps.source, book.wrapped, 64)
         row = len(self.diagnosis.limits.rules) + 2
         book.pairs(sheet, row, [("limit set", self.diagnosis.limits.name), ("note", self.diagnosis.limits.note)])
         sheet.set_column(0, 0, 44)
@@ -275,28 +283,31 @@ class Sheets:
                 continue
             if isinstance(value, Record):
                 put(sheet, row, 0, _words(name), self.book.heading)
-                row = self.book.pairs(sheet, row + 1, _pairs(value)) + 1
+                row = self.book.pairs(sheet, row + 1, _pairs(value), 84) + 1
             elif isinstance(value, tuple):
                 for item in value:
                     put(sheet, row, 0, _words(name), self.book.heading)
                     if isinstance(item, Record):
-                        row = self.book.pairs(sheet, row + 1, _pairs(item)) + 1
+                        row = self.book.pairs(sheet, row + 1, _pairs(item), 84) + 1
                     else:
                         put(sheet, row, 1, item, self.book.wrapped)
                         row += 1
             else:
                 put(sheet, row, 0, _words(name), self.book.heading)
-                row = put_text(sheet, row, 1, str(value), self.book.wrapped) + 2
+                row = put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
 
     def write_messages(self, sheet: Worksheet) -> None:
         rows = [
             {"level": message.level, "code": message.code, "text": message.text, "place": str(message.place or "")}
             for message in self.diagnosis.messages
         ]
-        self.book.headings(sheet, 0, ["level", "code", "text", "place"])
-        self.book.records(sheet, 0, rows)
         for column, width in enumerate((10, 30, 110, 40)):
             sheet.set_column(column, column, width)
+        self.book.headings(sheet, 0, ["level", "code", "text", "place"], lines=1)
+        for line, row in enumerate(rows, start=1):
+            for column, value in enumerate(row.values()):
+                put(sheet, line, column, value, self.book.wrapped)
+            put_text(sheet, line, 2, row["text"], self.book.wrapped, 100)
 
     def write_provenance(self, sheet: Worksheet) -> None:
         """Which program, options and files, and their SHA-256."""
@@ -311,7 +322,7 @@ class Sheets:
             if name == "road_test":
                 wanted = {key: found[key] for key in ("file", "sha256", "rows", "duration_s")}
             pairs = [(key.replace("_", " "), _plain(value)) for key, value in wanted.items()]
-            row = self.book.pairs(sheet, row + 1, pairs) + 1
+            row = self.book.pairs(sheet, row + 1, pairs, 94) + 1
         sheet.set_column(0, 0, 24)
         sheet.set_column(1, 1, 100)
 
@@ -349,6 +360,7 @@ def _heading(name: str) -> str:
     ):
         if name.endswith(ending):
             stem = name.removesuffix(ending)
-            stem = stem if stem.startswith("p_") else stem.replace("_", " ").replace("p ", "p_")
+            if not stem.startswith("p_"):
+                stem = stem.replace("_", " ").replace(" p ", " p_")
             return f"{stem} [{unit}]"
     return name.replace("_", " ")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.util
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -107,3 +109,13 @@ def unmeasured() -> Diagnosis:
 def hostile() -> tuple[str, ...]:
     """Names that somebody might type, or try."""
     return HOSTILE
+
+
+@pytest.fixture(scope="session")
+def calculator() -> type:
+    """The referee that calculates a workbook's formulas."""
+    path = Path(__file__).with_name("sheet_calculator.py")
+    spec = importlib.util.spec_from_file_location("sheet_calculator", path)
+    module = importlib.util.module_from_spec(spec)  # type: ignore[arg-type]
+    spec.loader.exec_module(module)  # type: ignore[union-attr]
+    return module.SheetCalculator
