@@ -119,6 +119,7 @@ def test_regressions_end_where_the_study_ends(regression) -> None:
     for outside in (-40.001, 100.001, math.inf):
         with pytest.raises(DomainError, match="between -40 and 100 °C"):
             regression(outside)
+    assert np.isnan(regression([-40.0, math.nan, 100.0])).tolist() == [False, True, False]
     with pytest.raises(DomainError, match=r"found 101 °C at index 2"):
         regression([20.0, math.nan, 101.0, -50.0])
 

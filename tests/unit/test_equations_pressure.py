@@ -78,6 +78,10 @@ def test_spring_in_the_units_of_the_trade() -> None:
     assert pressure.spring_force(rate.magnitude, deflection) == pytest.approx(force.magnitude, rel=1e-12, abs=0.0)
 
 
+def test_an_unloaded_spring_is_not_deflected() -> None:
+    assert pressure.spring_deflection(0.03, 0.03) == 0.0
+
+
 @given(st.floats(-1e5, 3e6), st.floats(0.0, 2.0), st.floats(1e5, 1e6))
 def test_modulated_pressure_is_the_smaller_of_two(p_g: float, ratio: float, limit: float) -> None:
     assert pressure.modulated_pressure(p_g, ratio, limit) == min(ratio * p_g, limit)
