@@ -1,0 +1,235 @@
+"""Results → plotly figures: transparent, units on the axes, signs and dashes besides colour, few points a trace.
+
+Nothing is computed here but what a picture needs. Figures are tested by their trace data.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.limits import Limits
+from atleak.report.record import DM3_MIN, PERCENT, UM
+from atleak.report.road_series import RoadSeries, road_series
+from atleak.report.text import SYMBOLS, WORDS
+from atleak.road_leakage import RoadLeakage
+
+POINTS = 3000  # of a log that are drawn, edges of gaps aside
+COLOURS = {
+    "ok": "#2f9e62",
+    "watch": "#e8a317",
+    "replace": "#d1383d",
+    "critical": "#a3278f",
+    "not_measured": "#8793a0",
+}
+BAND_COLOURS = {
+    "green": COLOURS["ok"],
+    "amber": COLOURS["watch"],
+    "red": COLOURS["replace"],
+    "critical": COLOURS["critical"],
+}
+PATTERNS = {"ok": "", "watch": "/", "replace": "x", "critical": "+", "not_measured": "."}
+_HATCH = {"fillmode": "overlay", "fgcolor": "rgba(255,255,255,0.7)", "size": 7, "solidity": 0.2}
+LEAKAGE, PUMP, SHARE = "#2a86d1", "#8793a0", "#e07b00"
+_INSTANTS = {
+    "max_leakage": ("largest leakage", "diamond", "leakage_dm3_min"),
+    "min_leakage": ("smallest leakage", "diamond-open", "leakage_dm3_min"),
+    "max_share": ("largest share", "star", "share_percent"),
+}
+
+
+def _dressed(figure: go.Figure, height: int, **layout: object) -> go.Figure:
+    figure.update_layout(
+        height=height,
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
+        margin={"l": 8, "r": 8, "t": 32, "b": 8},
+        legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0.0, "xanchor": "left"},
+        **layout,
+    )
+    figure.update_xaxes(automargin=True, zeroline=False)
+    figure.update_yaxes(automargin=True, zeroline=False)
+    return figure
+
+
+def land_name(found: LandDiagnosis) -> str:
+    """``25 · 1``: component and land."""
+    return f"{found.state.land.component} · {found.state.land.land}"
+
+
+def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
+    """Lands by leakage at the stated condition, the largest on top, coloured and hatched by verdict.
+
+    Parameters
+    ----------
+    lands
+        how many of the largest are drawn.
+    """
+    ranked = diagnosis.ranked[:lands]
+    figure = go.Figure()
+    for verdict in COLOURS:
+        found = [land for land in ranked if land.verdict == verdict]
+        if not found:
+            continue
+        figure.add_bar(
+            x=[land.leakage * DM3_MIN for land in found],
+            y=[land_name(land) for land in found],
+            orientation="h",
+            name=f"{SYMBOLS[verdict]} {WORDS[verdict]}",
+            marker={"color": COLOURS[verdict], "pattern": _HATCH | {"shape": PATTERNS[verdict]}},
+            text=[f"{SYMBOLS[verdict]} {land.share * PERCENT:.2f} %" for land in found],
+            textposition="outside",
+            cliponaxis=False,
+            customdata=[
+                (
+                    diagnosis.controller.components[land.state.land.component],
+                    land.state.radial_clearance * UM,
+                    land.share * PERCENT,
+                )
+                for land in found
+            ],
+            hovertemplate="%{y} %{customdata[0]}<br>%{x:.3f} dm³/min, %{customdata[2]:.2f} % of pump flow"
+            "<br>radial clearance %{customdata[1]:.1f} µm<extra></extra>",
+        )
+    order = [land_name(land) for land in reversed(ranked)]
+    largest = max((land.leakage * DM3_MIN for land in ranked), default=0.0)
+    figure.update_xaxes(title="leakage [dm³/min]", range=[0.0, 1.25 * largest or 1.0])
+    figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
+    return _dressed(figure, 110 + 22 * max(len(ranked), 3), bargap=0.25)
+
+
+def total_share(diagnosis: Diagnosis) -> go.Figure:
+    """Total share at each condition and the worst of the road test, over the bands of the limit set."""
+    points = [(point.condition.label, point.share * PERCENT) for point in diagnosis.projections]
+    worst = diagnosis.road.max_share if diagnosis.road else None
+    if worst is not None and worst.share is not None:
+        points.append((f"road test, worst, {worst.time:.1f} s", worst.share * PERCENT))
+    finite = [share for _, share in points if math.isfinite(share)]
+    edges = [0.0, *(level * PERCENT for _, level in diagnosis.limits.total_share.levels)]
+    right = max(1.2 * edges[-1], 1.1 * max(finite, default=0.0))
+    figure = go.Figure()
+    names = ["green", *(name for name, _ in diagnosis.limits.total_share.levels)]
+    for name, low, high in zip(names, edges, [*edges[1:], right], strict=True):
+        figure.add_vrect(
+            x0=low, x1=high, fillcolor=BAND_COLOURS[name], opacity=0.28, line_width=0, layer="below",
+            label={"text": name, "textposition": "top center", "font": {"size": 12}},
+        )  # fmt: skip
+    figure.add_scatter(
+        x=[share if math.isfinite(share) else None for _, share in points],
+        y=[label for label, _ in points],
+        mode="markers+text",
+        marker={"symbol": "diamond", "size": 14, "color": LEAKAGE, "line": {"width": 1.5, "color": "white"}},
+        text=[f"<b>{share:.1f} %</b>" if math.isfinite(share) else "" for _, share in points],
+        textposition="middle right",
+        hovertemplate="%{y}: %{x:.2f} %<extra></extra>",
+        showlegend=False,
+    )
+    figure.update_xaxes(title="leakage as a share of the pump's flow [%]", range=[0.0, right])
+    figure.update_yaxes(type="category", autorange="reversed")
+    return _dressed(figure, 90 + 46 * len(points))
+
+
+def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> go.Figure:
+    """Leakage and pump flow over a log, and below them the share with the edges of its bands.
+
+    Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
+    """
+    series = road_series(road, points)
+    with_share = "share_percent" in series.columns
+    figure = make_subplots(rows=2 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.08)
+    _line(figure, series, "leakage_dm3_min", "leakage", LEAKAGE, 1)
+    if with_share:
+        _line(figure, series, "pump_capacity_dm3_min", "pump flow", PUMP, 1, dash="dash")
+        _line(figure, series, "share_percent", "share", SHARE, 2)
+        _band_edges(figure, limits, float(np.nanmax(series.columns["share_percent"], initial=0.0)))
+        figure.update_yaxes(title="share [%]", rangemode="tozero", row=2, col=1)
+    _instants(figure, series)
+    figure.update_yaxes(title="flow [dm³/min]", rangemode="tozero", row=1, col=1)
+    figure.update_xaxes(title="time [s]", row=2 if with_share else 1, col=1)
+    return _dressed(figure, 520 if with_share else 320, hovermode="x unified")
+
+
+def _line(
+    figure: go.Figure, series: RoadSeries, name: str, label: str, colour: str, row: int, dash: str = "solid"
+) -> None:
+    figure.add_trace(
+        go.Scatter(
+            x=series.columns["time_s"],
+            y=series.columns[name],
+            name=label,
+            mode="lines",
+            line={"color": colour, "dash": dash, "width": 2},
+            connectgaps=False,
+            hovertemplate="%{y:.2f}",
+        ),
+        row=row,
+        col=1,
+    )
+
+
+def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
+    """The edges of the bands that the log comes near, so that a low curve is not squeezed by a high limit."""
+    for number, (name, level) in enumerate(limits.total_share.levels):
+        edge = level * PERCENT
+        if number and edge > 1.5 * top:
+            break
+        figure.add_hline(
+            y=edge, line={"color": BAND_COLOURS[name], "dash": "dot", "width": 1.5}, row=2, col=1,
+            annotation={"text": f"{name} from {edge:g} %", "font": {"size": 11}}, annotation_position="top right",
+        )  # fmt: skip
+
+
+def _instants(figure: go.Figure, series: RoadSeries) -> None:
+    for name, instant in series.instants.items():
+        label, symbol, column = _INSTANTS[name]
+        share = column == "share_percent"
+        value = instant.share if share else instant.leakage
+        if value is None:
+            continue
+        figure.add_trace(
+            go.Scatter(
+                x=[instant.time],
+                y=[value * (PERCENT if share else DM3_MIN)],
+                name=f"{label}, {instant.time:.2f} s",
+                mode="markers",
+                marker={"symbol": symbol, "size": 12, "color": SHARE if share else LEAKAGE, "line": {"width": 1.5}},
+                hovertemplate="%{y:.2f}",
+            ),
+            row=2 if share else 1,
+            col=1,
+        )
+
+
+def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:
+    """Wear of every measured land against the limits of the set, the most worn on top."""
+    chosen = diagnosis.lands if lands is None else lands
+    found = sorted((land for land in chosen if land.wear is not None), key=lambda land: land.wear)
+    figure = go.Figure()
+    for verdict in COLOURS:
+        these = [land for land in found if land.verdict == verdict]
+        if these:
+            figure.add_scatter(
+                x=[land.wear * PERCENT for land in these],
+                y=[land_name(land) for land in these],
+                mode="markers",
+                name=f"{SYMBOLS[verdict]} {WORDS[verdict]}",
+                marker={"color": COLOURS[verdict], "symbol": _MARKERS[verdict], "size": 11},
+                hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
+            )
+    for name, level in diagnosis.limits.wear.levels if diagnosis.limits.wear else ():
+        figure.add_vline(
+            x=level * PERCENT, line={"color": COLOURS[name], "dash": "dot"},
+            annotation={"text": f"{name} {level * PERCENT:g} %"},
+        )  # fmt: skip
+    order = [land_name(land) for land in found]
+    figure.update_xaxes(title="wear against the mounting clearance [%]")
+    figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
+    return _dressed(figure, 120 + 18 * max(len(found), 3))
+
+
+_MARKERS = {"ok": "circle", "watch": "triangle-up", "replace": "square", "critical": "x", "not_measured": "circle-open"}

@@ -1,0 +1,45 @@
+"""The main job: which pairs are past their limits, what they cost, what to repair first."""
+
+import streamlit as st
+
+from atleak import figures
+from atleak.report.record import diagnosis_record, to_json
+from atleak.report.xlsx import write_workbook
+from pages.shared import panel, show, words
+
+bench, diagnosis = panel.shown()
+record = diagnosis_record(diagnosis)
+show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
+
+st.subheader("Flagged pairs")
+by_key = {(land["component"], land["land"]): land for land in record["lands"]}
+flagged = [by_key[land.key] for land in diagnosis.flagged]
+if flagged:
+    show.verdict_table(words.land_rows(diagnosis, flagged), words.FORMATS)
+else:
+    st.write("No measured land has reached a limit.")
+show.sheet_messages(diagnosis)
+
+st.subheader("Total share of the pump's flow")
+st.plotly_chart(figures.total_share(diagnosis), key="share")
+show.conditions(diagnosis, record)
+
+st.subheader("Order of repair")
+show.repair_plan(diagnosis, record)
+
+if diagnosis.road is not None:
+    st.subheader("Over the road test")
+    st.plotly_chart(figures.road_leakage(diagnosis.road, diagnosis.limits), key="road")
+    show.log_messages(diagnosis)
+
+st.subheader("Lands by leakage")
+st.plotly_chart(figures.leakage_ranking(diagnosis), key="ranking")
+with st.expander(f"All {len(diagnosis.lands)} lands"):
+    ranked = [by_key[land.key] for land in diagnosis.ranked]
+    show.verdict_table(words.land_rows(diagnosis, ranked), words.FORMATS)
+
+st.subheader("Take it along")
+with st.container(horizontal=True):
+    st.download_button("JSON", lambda: to_json(record), "atleak.json", "application/json", on_click="ignore")
+    st.download_button("Excel workbook", lambda: write_workbook(diagnosis), "atleak.xlsx", on_click="ignore")
+show.basis(diagnosis, record)

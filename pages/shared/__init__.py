@@ -1,0 +1,1 @@
+"""What the pages share: the job on the bench, the panel that changes it, and how results are shown."""

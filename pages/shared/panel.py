@@ -1,0 +1,157 @@
+"""The panel at the side: the files and choices of the job. It is drawn on every page, so nothing in it is lost."""
+
+from __future__ import annotations
+
+from typing import Any, get_args, get_type_hints
+
+import streamlit as st
+
+from atleak import catalogue
+from atleak.diagnosis import Diagnosis
+from atleak.intake.units import unit
+from atleak.profile import PROFILES, Profile
+from pages.shared import show
+from pages.shared.bench import Bench, File, catalogue_object, controller_of, diagnosis_of
+from pages.shared.state import choose, put_file, session, settle, take_sample
+
+OWN = "own file (TOML) …"
+FILES = {
+    "sheet": (
+        "Measuring sheet",
+        "Spool and sleeve diameters: xlsx, xls, ods or csv. Told by its content, not its name.",
+    ),
+    "log": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
+}
+KINDS = {"controller": "Controller", "fluid": "Fluid", "limits": "Limits"}
+OPTIONS = {
+    "diameter": "Diameter in the gap law",
+    "viscosity": "Viscosity",
+    "pump_draw": "Counted as drawn from the pump",
+    "pump_efficiency": "Pump efficiency",
+}
+
+
+def draw() -> None:
+    """The panel, the job's results brought up to date, and what was refused at the head of the page."""
+    with st.sidebar:
+        places = {slot: _uploader(slot) for slot in FILES}
+        if not session().bench.sample:
+            st.button("Take the sample job", on_click=take_sample, width="stretch")
+        for kind in KINDS:
+            _choice(kind)
+        _condition()
+        _profile()
+    result = settle()
+    for slot, place in places.items():
+        with place:
+            _status(slot, result)
+    _notices()
+
+
+def shown() -> tuple[Bench, Diagnosis]:
+    """The job that is shown and its diagnosis."""
+    bench = session().good
+    return bench, diagnosis_of(bench)
+
+
+def _key(name: str) -> str:
+    return f"{name}-{session().generation}"
+
+
+def _uploader(slot: str) -> Any:
+    label, tip = FILES[slot]
+    key = _key(slot)
+
+    def changed() -> None:
+        found = st.session_state[key]
+        put_file(slot, None if found is None else File(found.name, found.getvalue()))
+
+    st.file_uploader(label, key=key, help=tip, on_change=changed)
+    return st.container()
+
+
+def _status(slot: str, result: Diagnosis) -> None:
+    now = session()
+    file, refused = getattr(now.good, slot), now.refused.get(slot)
+    if refused is not None:
+        st.error(f"**Not taken.** {show.error_line(refused.error)}")
+    if file is None:
+        st.caption("None yet: every land is at its mounting clearance." if slot == "sheet" else "None yet.")
+        return
+    origin = "sample: " if now.good.sample else "still " if refused is not None else ""
+    if slot == "sheet":
+        about = f"{result.measured} of {len(result.lands)} lands measured"
+    else:
+        test = result.road.road_test
+        about = f"{test.rows} rows, {test.duration:.0f} s"
+    st.caption(f"{origin}**{show.plain(file.name)}** · {about}")
+
+
+def _choice(kind: str) -> None:
+    bench = session().bench
+    current = getattr(bench, kind)
+    options = [*catalogue.catalogue_files({"limits": "limits"}.get(kind, f"{kind}s")), OWN]
+    picked = st.selectbox(
+        KINDS[kind],
+        options,
+        index=options.index(current if isinstance(current, str) else OWN),
+        key=_key(kind),
+        format_func=lambda found: found if found == OWN else catalogue_object(kind, found).name,
+    )
+    if picked != OWN:
+        choose(**{kind: picked})
+        return
+    own = st.file_uploader(f"Your own {kind} file", key=_key(f"own-{kind}"))
+    if own is not None:
+        choose(**{kind: File(own.name, own.getvalue())})
+
+
+def _condition() -> None:
+    point = controller_of(session().good).operating_points[0]
+    with st.expander("Stated condition and mileage"):
+        owner = f"{_key('at')}-{controller_of(session().good).sha256}"
+        gears = list(controller_of(session().good).gears)
+        rpm = round(unit("rpm", "rotational_speed").from_si(point.engine_speed), 6)
+        temperature = st.number_input("Temperature [°C]", -60.0, 200.0, point.temperature, 5.0, key=f"{owner}-t")
+        speed = st.number_input("Engine speed [rpm]", 1.0, 15000.0, rpm, 100.0, key=f"{owner}-n")
+        gear = st.selectbox("Gear", gears, gears.index(point.gear), key=f"{owner}-g")
+        mileage = st.number_input("Mileage [km]", 0.0, 9_999_999.0, None, 1000.0, "%.0f", key=_key("mileage"))
+        st.caption(f"Pressures as {show.plain(point.label)}: {show.plain(point.source)}")
+    choose(
+        temperature=None if temperature == point.temperature else temperature,
+        rpm=None if speed == rpm else speed,
+        gear=None if gear == point.gear else gear,
+        mileage=mileage,
+    )
+
+
+def _profile() -> None:
+    hints = get_type_hints(Profile)
+    with st.expander("Engine: profile and options"):
+        name = st.selectbox("Profile", list(PROFILES), key=_key("profile"))
+        base = PROFILES[name].options
+        options = {}
+        for option, label in OPTIONS.items():
+            values = list(get_args(hints[option]))
+            key = f"{_key(option)}-{name}"
+            options[option] = st.selectbox(label, values, values.index(base[option]), key=key)
+        options["entry_loss"] = st.toggle("Subtract entry loss", base["entry_loss"], key=f"{_key('entry')}-{name}")
+        options["eccentricity"] = st.slider(
+            "Eccentricity e/c", 0.0, 1.0, base["eccentricity"], 0.05, key=f"{_key('ecc')}-{name}"
+        )
+        st.caption("`workshop` is the better physics; `paper` computes as the source study printed.")
+    choose(profile=name, options=tuple((key, value) for key, value in options.items() if value != base[key]))
+
+
+def _notices() -> None:
+    now = session()
+    if now.good.sample:
+        st.caption("**Sample job**: representative data. Your own files go in the panel at the side (» on a phone).")
+    for slot, (label, _) in FILES.items():
+        if slot in now.refused:
+            kept = getattr(now.good, slot)
+            still = f"Shown are still the results of {kept.name}." if kept else "The job is as it was."
+            show.refusal(label.lower(), now.refused[slot], still)
+    for slot in ("catalogue", "settings"):
+        if slot in now.refused:
+            show.refusal("These choices cannot be computed.", now.refused[slot], "Shown is the last job that could.")

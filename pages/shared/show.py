@@ -1,0 +1,161 @@
+"""Results and messages as a person sees them: signs, words, markdown-safe text, tables with coloured verdicts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+import pandas as pd
+import streamlit as st
+
+from atleak.diagnosis import Diagnosis
+from atleak.errors import AtleakError, Message
+from atleak.figures import COLOURS
+from atleak.limits import VERDICTS
+from atleak.report.text import SYMBOLS, WORDS
+from pages.shared.state import Refusal
+
+BAND_SYMBOLS = {"green": "●", "amber": "▲", "red": "■", "critical": "✖"}
+_BOX = {"green": st.success, "amber": st.warning, "red": st.error, "critical": st.error}
+_MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
+SHOWN = 12
+
+
+def plain(text: object) -> str:
+    """Text of a user or a file in markdown, sign for sign."""
+    return _MARKDOWN.sub(r"\\\1", str(text)).replace("\n", "  \n")
+
+
+def verdict(name: str) -> str:
+    """``■ replace``."""
+    return f"{SYMBOLS[name]} {WORDS[name]}"
+
+
+def refusal(what: str, found: Refusal, kept: str) -> None:
+    """Why something was not taken, and what is shown instead."""
+    problems = getattr(found.error, "problems", (found.error,))
+    head = f"**{plain(found.name)} was not taken as {what}.**" if found.name else f"**{what}**"
+    lines = [f"- {plain(problem)}" for problem in problems[:SHOWN]]
+    if len(problems) > SHOWN:
+        lines.append(f"- … and {len(problems) - SHOWN} more")
+    st.error("\n".join([f"{head} {plain(kept)}", "", *lines]))
+
+
+def error_line(error: AtleakError) -> str:
+    """The first problem of an error, for a narrow place."""
+    problems = getattr(error, "problems", (error,))
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return plain(problems[0]) + more
+
+
+def messages(found: Iterable[Message], about: str) -> None:
+    """Warnings in the open, remarks in a fold; each with its place."""
+    found = list(dict.fromkeys(found))
+    warnings = [message for message in found if message.level == "warning"]
+    remarks = [message for message in found if message.level != "warning"]
+    if warnings:
+        with st.expander(
+            f"{len(warnings)} warning{'s' * (len(warnings) > 1)} about {about}", expanded=len(warnings) <= 3
+        ):
+            st.warning("\n".join(f"- {_with_place(message)}" for message in warnings))
+    if remarks:
+        with st.expander(f"{len(remarks)} remark{'s' * (len(remarks) > 1)} about {about}"):
+            st.markdown("\n".join(f"- {_with_place(message)}" for message in remarks))
+
+
+def _with_place(message: Message) -> str:
+    place = "" if message.place is None else str(message.place)
+    return plain(message.text) + (f" — *{plain(place)}*" if place else "")
+
+
+def verdict_table(rows: list[dict[str, Any]], formats: dict[str, str], **options: Any) -> None:
+    """Rows with a ``Verdict`` column: shown as sign, word and colour, sorted by severity."""
+    table = pd.DataFrame(rows)
+    ranks = {rank: name for rank, name in enumerate(VERDICTS)}
+    table["Verdict"] = table["Verdict"].map(VERDICTS.index)
+    shown = {name: form for name, form in formats.items() if name in table}
+    style = table.style.map(lambda rank: _colours(ranks[rank]), subset=["Verdict"]).format(
+        {"Verdict": lambda rank: verdict(ranks[rank])} | shown, na_rep="–"
+    )
+    config = {"Verdict": st.column_config.Column(width=112, help="sorted by severity")}
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config | options.pop("config", {}), **options)
+
+
+def _colours(name: str) -> str:
+    back = COLOURS[name]
+    return (
+        ""
+        if name in {"ok", "not_measured"}
+        else f"background-color: {back}; color: {'#000' if name == 'watch' else '#fff'}"
+    )
+
+
+def sheet_messages(diagnosis: Diagnosis) -> None:
+    """What the measuring sheet and its clearances have to say."""
+    of_lands = [message for land in diagnosis.lands for message in land.messages]
+    messages([*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands], "the measuring sheet")
+
+
+def log_messages(diagnosis: Diagnosis) -> None:
+    """What the road-test log has to say."""
+    if diagnosis.road is not None:
+        messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
+
+
+def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
+    """What the result rests on: choices, sources, and what of it is representative."""
+    road, readings = diagnosis.road, diagnosis.readings
+    said = [message for land in diagnosis.lands for message in land.messages]
+    said += readings.messages if readings else ()
+    said += (*road.road_test.messages, *road.messages) if road else ()
+    messages([message for message in diagnosis.messages if message not in said], "controller, fluid and conditions")
+    lines = [
+        f"- {name}: **{plain(record[name]['name'])}** — {plain(record[name]['source'])}"
+        for name in ("controller", "fluid", "limits")
+    ]
+    with st.expander("What this rests on"):
+        st.markdown("\n".join([*lines, f"- profile: **{plain(diagnosis.profile.label)}**"]))
+
+
+def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
+    """The conditions of the totals, and the speed below which the pump no longer holds the pressure."""
+    for point, found in zip(diagnosis.projections, ("projection", "hot_idle"), strict=False):
+        row = record[found]
+        st.caption(
+            f"**{plain(point.condition.label)}**: {row['leakage_dm3_min']:.2f} of {row['pump_capacity_dm3_min']:.2f} "
+            f"dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; the pump holds the pressure from "
+            f"**{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
+        )
+
+
+def repair_plan(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
+    """Flagged lands in order of repair, with the total share before and after each."""
+    steps = record["repair_plan"]
+    if not steps:
+        st.write("Nothing to repair.")
+        return
+    rows = [
+        {
+            "No.": number,
+            "Verdict": step["verdict"],
+            "Component": f"{step['component']} · {diagnosis.controller.components[step['component']]}",
+            "Land": step["land"],
+            "Total before [%]": step["share_before_percent"],
+            "Total after [%]": step["share_after_percent"],
+        }
+        for number, step in enumerate(steps, start=1)
+    ]
+    verdict_table(rows, dict.fromkeys(("Total before [%]", "Total after [%]"), "{:.1f}"))
+    label = diagnosis.repair_plan[0].condition.label
+    st.caption(
+        f"Total share at {plain(label)} when each land is brought back to its mounting clearance, one after another."
+    )
+
+
+def banner(diagnosis: Diagnosis, sentence: str) -> None:
+    """The verdict in a box of its colour."""
+    bands = [diagnosis.band(projection) for projection in diagnosis.projections]
+    level = {"watch": 1, "replace": 2, "critical": 3}.get(diagnosis.verdict, 0)
+    level = max([level, *(list(BAND_SYMBOLS).index(band) for band in bands)])
+    _BOX[list(BAND_SYMBOLS)[level]](sentence)

@@ -1,0 +1,99 @@
+"""The session: the job as chosen, the last job that computed, and what was refused since."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import streamlit as st
+
+from atleak.diagnosis import Diagnosis
+from atleak.errors import AtleakError, CatalogueError, ReadingsError, RoadTestError
+from pages.shared.bench import Bench, File, diagnosis_of, sample_job
+
+FILES = ("sheet", "log")
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Something that was not taken, and why."""
+
+    name: str
+    error: AtleakError
+    file: File | None = None
+
+
+@dataclass
+class Session:
+    """One user's state; ``good`` is what is shown."""
+
+    bench: Bench
+    good: Bench
+    refused: dict[str, Refusal]
+    before: Bench | None = None  # the job before a file was put on it, to go back to
+    generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
+
+
+def session() -> Session:
+    """This user's session; a fresh one starts with the sample job."""
+    if "atleak" not in st.session_state:
+        bench = sample_job()
+        st.session_state["atleak"] = Session(bench, bench, {})
+    return st.session_state["atleak"]
+
+
+def put_file(slot: str, file: File | None) -> None:
+    """A file was chosen or taken away."""
+    now = session()
+    refused = now.refused.pop(slot, None)
+    if file is None and refused is not None:
+        return  # the refused file was taken away: the one before it is still on the bench
+    now.before, now.bench = now.bench, now.bench.with_file(slot, file)
+
+
+def choose(**changes: Any) -> None:
+    """Other choices; another controller than the sample's drops the sample's files, which fit only that."""
+    now = session()
+    if now.bench.sample and changes.get("controller", now.bench.controller) != now.bench.controller:
+        changes |= {"sheet": None, "log": None, "sample": False}
+    now.bench = replace(now.bench, **changes)
+
+
+def take_sample() -> None:
+    """Back to the sample job, with fresh widgets."""
+    now = session()
+    bench = sample_job()
+    st.session_state["atleak"] = Session(bench, bench, {}, generation=now.generation + 1)
+
+
+def settle() -> Diagnosis:
+    """The diagnosis of the job as chosen, or of the last one that computed, with the reason kept in ``refused``."""
+    now = session()
+    for slot in ("settings", *(kind for kind in now.refused if kind not in FILES)):
+        now.refused.pop(slot, None)
+    try:
+        result = diagnosis_of(now.bench)
+    except AtleakError as error:
+        slot = _at_fault(now, error)
+        if slot in FILES and now.before is not None:
+            file = getattr(now.bench, slot)
+            now.refused[slot] = Refusal(file.name, error, file)
+            now.bench, now.before = now.before, None
+            return settle()
+        now.refused[slot] = Refusal("", error)
+        return diagnosis_of(now.good)
+    now.good, now.before = now.bench, None
+    return result
+
+
+def _at_fault(now: Session, error: AtleakError) -> str:
+    changed = [
+        slot for slot in FILES if now.before is not None and getattr(now.bench, slot) != getattr(now.before, slot)
+    ]
+    if isinstance(error, ReadingsError):
+        return "sheet" if "sheet" in changed else "settings"
+    if isinstance(error, RoadTestError):
+        return "log" if "log" in changed else "settings"
+    if isinstance(error, CatalogueError):
+        return "catalogue"
+    return changed[0] if changed else "settings"
