@@ -306,7 +306,9 @@ def _part_messages(
             "of another one: no independent repeats",
             lost[0].place,
         )
-    planes = {reading.plane: {r.direction for r in readings if r.plane == reading.plane} for reading in readings}
+    planes: dict[str, set[float | None]] = defaultdict(set)
+    for reading in readings:
+        planes[reading.plane].add(reading.direction)
     single = [plane for plane, directions in planes.items() if len(directions) == 1]
     if single:
         yield Message(

@@ -164,6 +164,9 @@ def _clearance(found: LandClearance, readings: list[Reading], all_readings: Read
     name = f"component {land.component} land {land.land}"
     spool, sleeve = (_written(all_readings, size) for size in (found.spool_diameter, found.sleeve_diameter))
     place = _place(readings, "sleeve") or _place(readings, "spool")
+    rows = _swapped_rows(found, readings, all_readings)
+    if rows is not None:
+        return [rows]
     if found.radial_clearance < 0.0:
         return [_smaller(found, name, spool, sleeve, place)]
     if found.radial_clearance > CLEARANCE_LIMIT:
@@ -176,28 +179,34 @@ def _clearance(found: LandClearance, readings: list[Reading], all_readings: Read
                 expected=f"at most 0.5 mm; the mounting clearance is {land.mounting_clearance * 1e3:.4g} mm",
             )
         ]
-    # the spool has turned since it was measured: what cannot be is that in the same order of size it does not fit
-    if found.min_clearance < -0.5 * REPEAT_TOLERANCE and found.status == "measured":
-        station = min(found.stations, key=lambda each: each.radial_clearance)
-        where = f"plane {station.plane}" + ("" if station.direction is None else f", {station.direction:g}°")
-        row = next(
-            (
-                reading.place
-                for reading in readings
-                if reading.part == "sleeve" and (reading.plane, reading.direction) == (station.plane, station.direction)
-            ),
-            place,
-        )
-        return [
-            ReadingsError(
-                f"{name}, {where}: the sleeve measures smaller than the {land.part} "
-                f"({_written(all_readings, station.spool_diameter)}): spool and sleeve swapped there?",
-                place=row,
-                value=_written(all_readings, station.sleeve_diameter),
-                expected="in each direction a sleeve larger than the spool",
-            )
-        ]
     return []
+
+
+def _swapped_rows(found: LandClearance, readings: list[Reading], all_readings: Readings) -> ReadingsError | None:
+    """A single spool reading larger than a sleeve reading of the same plane and direction, where others fit."""
+    spools: dict[tuple[str, float | None], Reading] = {}
+    sleeves: dict[tuple[str, float | None], Reading] = {}
+    for reading in readings:
+        station = reading.plane, reading.direction
+        if reading.part == "spool":
+            spools[station] = max(spools.get(station, reading), reading, key=_diameter)
+        else:
+            sleeves[station] = min(sleeves.get(station, reading), reading, key=_diameter)
+    pairs = [(spools[station], sleeve) for station, sleeve in sleeves.items() if station in spools]
+    spool, sleeve = max(pairs, key=lambda pair: pair[0].diameter - pair[1].diameter, default=(None, None))
+    if spool is None or sleeve is None or found.max_clearance <= 0.0:
+        return None
+    if spool.diameter - sleeve.diameter <= REPEAT_TOLERANCE:
+        return None
+    name = f"component {found.land.component} land {found.land.land}"
+    where = f"plane {sleeve.plane}" + ("" if sleeve.direction is None else f", {sleeve.direction:g}°")
+    return ReadingsError(
+        f"{name}, {where}: the sleeve measures smaller than the {found.land.part} in row {spool.place.row} "
+        f"({_written(all_readings, spool.diameter)}): spool and sleeve swapped there?",
+        place=sleeve.place,
+        value=_written(all_readings, sleeve.diameter),
+        expected="a sleeve larger than the spool in every plane and direction",
+    )
 
 
 def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Place | None) -> ReadingsError:

@@ -74,12 +74,14 @@ class _Reader:
 
     def _repeats_headings(self, row: int) -> bool:
         """Headings printed again at the top of a page."""
-        same = [
-            plain(self.sheet.cell(row, column.index)) == plain(self.sheet.filled(self.header.first, column.index))
-            for column in self.header.columns
-            if not is_blank(self.sheet.cell(row, column.index))
-        ]
-        return len(same) >= 2 and all(same)
+        same = 0
+        for column in self.header.columns:
+            cell = self.sheet.cell(row, column.index)
+            if not is_blank(cell):
+                if plain(cell) != plain(self.sheet.filled(self.header.first, column.index)):
+                    return False
+                same += 1
+        return same >= 2
 
     def _overlong(self, row: int) -> None:
         """A text row with more cells than headings: its decimal commas were taken for the ends of cells."""

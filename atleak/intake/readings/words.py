@@ -56,15 +56,20 @@ def plain(text: object) -> str:
     >>> plain("Średnica\\n Tłoka")
     'srednica tloka'
     """
-    folded = unicodedata.normalize("NFKD", str(text)).lower().replace("ł", "l").replace("ß", "ss")
+    return _plain(str(text))
+
+
+@lru_cache(maxsize=8192)
+def _plain(text: str) -> str:
+    folded = unicodedata.normalize("NFKD", text).lower().replace("ł", "l").replace("ß", "ss")
     return _SPACES.sub(" ", "".join(sign for sign in folded if not unicodedata.combining(sign))).strip()
 
 
 def is_blank(cell: Cell) -> bool:
     """Whether nothing was measured here: an empty cell, a dash, "n/a"."""
-    if cell is None:
-        return True
-    return isinstance(cell, str) and plain(cell) in _ABSENT
+    if isinstance(cell, str):
+        return not cell or plain(cell) in _ABSENT
+    return cell is None
 
 
 def text_of(cell: Cell) -> str:

@@ -149,6 +149,8 @@ def _xlsx_paths(archive: zipfile.ZipFile) -> dict[str, str]:
 
 def _formula_faults(xml: bytes, file: str, sheet: str) -> dict[tuple[int, int], str]:
     found: dict[tuple[int, int], str] = {}
+    if not _FORMULA.search(xml) and b't="e"' not in xml and _span(_REFERENCE.findall(xml)) <= _CELLS:
+        return found  # the usual case, in a tenth of the time
     rows, columns = [0], [0]
     for attributes, content in _CELL.findall(xml):
         reference = _REFERENCE.search(attributes)
@@ -170,6 +172,11 @@ def _formula_faults(xml: bytes, file: str, sheet: str) -> dict[tuple[int, int], 
             expected="a measuring sheet: delete the stray cells far outside the table",
         )
     return found
+
+
+def _span(references: list[tuple[bytes, bytes]]) -> int:
+    rows = max((int(row) for _, row in references), default=0)
+    return rows * (1 + max((column_index(letters.decode()) for letters in {name for name, _ in references}), default=0))
 
 
 def _ods_merges(xml: bytes) -> dict[str, dict[tuple[int, int], tuple[int, int]]]:

@@ -299,8 +299,18 @@ def test_swapped_in_one_direction_only(refused, make_workbook, tidy):
         7: ("6", "spool", "1", "90°", 2, 10.002),
     }
     error = refused(make_workbook(tidy(changed)))
-    assert "swapped" in error.problem
-    assert "90°" in str(error) or "component 6 land 1" in str(error)
+    assert "component 6 land 1, plane 1, 90°" in error.problem
+    assert "row 9" in error.problem
+    assert "swapped there?" in error.problem
+    assert where(error) == ("sheet.xlsx", "Readings", 4, "F")
+
+
+def test_two_rows_swapped(refused, make_workbook, tidy):
+    changed = {1: ("6", "spool", "1", "0°", 2, 9.996), 5: ("6", "sleeve", "1", "0°", 2, 9.940)}
+    error = refused(make_workbook(tidy(changed)))
+    assert len(error.problems) == 1
+    assert "row 3 (9.996 mm)" in error.problem
+    assert where(error) == ("sheet.xlsx", "Readings", 7, "F")
 
 
 def test_a_clearance_over_half_a_millimetre(refused, make_text):

@@ -1,0 +1,130 @@
+"""What must not change the readings does not."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from atleak.intake.readings import read_readings
+from atleak.readings import clearances
+from atleak.report.template import write_readings
+
+SETTINGS = settings(max_examples=40, deadline=None)
+HEADINGS = ("component", "part", "plane", "direction", "repeat", "diameter")
+PAIRS = (("6", "1", 9.939), ("6", "2", 9.942), ("8", "1", 10.0), ("8", "2", 10.0), ("12'", "1", 14.0))
+
+
+@st.composite
+def sheets(draw):
+    """Rows of a sheet in mm: some planes, each with both parts, one or two directions, one to three repeats."""
+    rows = []
+    for component, plane, nominal in draw(st.lists(st.sampled_from(PAIRS), min_size=1, unique=True)):
+        for part, low, high in (("spool", -20, 5), ("sleeve", 20, 120)):
+            for direction in draw(st.sampled_from([(0,), (90,), (0, 90)])):
+                for repeat in range(1, 1 + draw(st.integers(1, 3))):
+                    thousandths = round(nominal * 1000) + draw(st.integers(low, high))
+                    rows.append((component, part, plane, direction, repeat, thousandths))
+    return rows
+
+
+def as_text(
+    rows, columns=HEADINGS, heading="diameter_mm", delimiter=";", number=lambda microns: f"{microns / 1000:.3f}"
+):
+    lines = [[heading if name == "diameter" else name for name in columns]]
+    for row in rows:
+        cells = dict(zip(HEADINGS, row, strict=True))
+        cells["diameter"] = number(cells["diameter"])
+        lines.append([str(cells[name]) for name in columns])
+    return "\n".join(delimiter.join(line) for line in lines).encode()
+
+
+def diameters(found):
+    return {(one.component, one.part, one.plane, one.direction, one.repeat): one.diameter for one in found.readings}
+
+
+@pytest.mark.parametrize(
+    ("heading", "number"),
+    [
+        ("diameter [µm]", lambda microns: f"{microns}"),
+        ("diameter_inch", lambda microns: repr(microns / 25400)),
+        ("diameter [mm]", lambda microns: f"{microns / 1000:.3f}".replace(".", ",")),
+        ("diameter", lambda microns: f"{microns / 1000:.3f} mm"),
+        ("diameter", lambda microns: f"{microns / 25400!r} in"),
+    ],
+)
+@SETTINGS
+@given(rows=sheets())
+def test_the_unit_and_the_decimal_sign_do_not_matter(controller, heading, number, rows):
+    plain = diameters(read_readings(as_text(rows), controller))
+    other = diameters(read_readings(as_text(rows, heading=heading, number=number), controller))
+    assert plain.keys() == other.keys()
+    for key, diameter in plain.items():
+        assert math.isclose(other[key], diameter, rel_tol=1e-12)
+
+
+@SETTINGS
+@given(rows=sheets(), columns=st.permutations(HEADINGS), delimiter=st.sampled_from([",", ";", "\t"]))
+def test_the_order_of_columns_does_not_matter(controller, rows, columns, delimiter):
+    plain = read_readings(as_text(rows), controller)
+    other = read_readings(as_text(rows, columns=columns, delimiter=delimiter), controller)
+    assert diameters(other) == diameters(plain)
+
+
+@SETTINGS
+@given(data=st.data(), rows=sheets())
+def test_the_order_of_rows_does_not_matter(controller, data, rows):
+    plain = read_readings(as_text(rows), controller)
+    other = read_readings(as_text(data.draw(st.permutations(rows))), controller)
+    assert diameters(other) == diameters(plain)
+    for one, two in zip(clearances(plain, controller), clearances(other, controller), strict=True):
+        assert one.radial_clearance == two.radial_clearance
+        assert (one.min_clearance, one.max_clearance) == (two.min_clearance, two.max_clearance)
+        assert one.status == two.status
+
+
+def mean(values):
+    return sum(values) / len(values)
+
+
+@SETTINGS
+@given(rows=sheets())
+def test_clearances_are_means_of_means_in_thousandths(controller, rows):
+    """Against the same in integers: repeats, then directions, then planes."""
+    for found in clearances(read_readings(as_text(rows), controller), controller):
+        part_means = {}
+        for part in ("spool", "sleeve"):
+            planes = []
+            for plane in found.land.planes:
+                mine = [row for row in rows if row[:3] == (found.land.component, part, plane)]
+                angles = sorted({row[3] for row in mine})
+                if angles:
+                    planes.append(mean([mean([row[5] for row in mine if row[3] == angle]) for angle in angles]))
+            if planes:
+                part_means[part] = mean(planes)
+        assert found.measured == bool(part_means)
+        if part_means:
+            assert found.spool_diameter == pytest.approx(part_means["spool"] * 1e-6, rel=1e-12)
+            assert found.sleeve_diameter == pytest.approx(part_means["sleeve"] * 1e-6, rel=1e-12)
+            assert found.radial_clearance == pytest.approx(
+                (part_means["sleeve"] - part_means["spool"]) * 0.5e-6, rel=1e-9
+            )
+            same_planes = all(
+                len({row[3] for row in rows if row[:3] == (found.land.component, part, plane)}) == 2
+                for part in part_means
+                for plane in found.land.planes
+            )
+            if same_planes:
+                assert found.min_clearance - 1e-15 <= found.radial_clearance <= found.max_clearance + 1e-15
+
+
+@settings(max_examples=15, deadline=None)
+@given(rows=sheets(), blank_rows=st.booleans())
+def test_a_sheet_that_is_written_reads_back(controller, rows, blank_rows):
+    found = read_readings(as_text(rows), controller)
+    again = read_readings(write_readings(controller, found.readings, blank_rows=blank_rows), controller)
+    assert diameters(again).keys() == diameters(found).keys()
+    for key, diameter in diameters(found).items():
+        assert math.isclose(diameters(again)[key], diameter, rel_tol=1e-12)
