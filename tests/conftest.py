@@ -7,12 +7,17 @@ from collections.abc import Generator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from atleak.controller import Controller, load_controller
 from atleak.fluid import Fluid, load_fluid
 from atleak.limits import Limits, load_limits
 
 ROOT = Path(__file__).resolve().parents[1]
+
+# No deadline: how long an example takes says more about the machine than about the code.
+settings.register_profile("atleak", deadline=None)
+settings.load_profile("atleak")
 
 # A machine without a browser or an office program skips the tests that need one. Where everything is installed, as in
 # continuous integration, a skip is a failure.

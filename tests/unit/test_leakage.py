@@ -111,7 +111,7 @@ def test_series_equals_slow_loop(
     total, sections = slow_loop(model, log)
     np.testing.assert_allclose(series.total, total, rtol=1e-12)
     assert np.isnan(series.total).sum() == np.isnan(total).sum() > 3
-    assert np.nansum(series.total) == pytest.approx(np.nansum(total), rel=1e-12)
+    assert np.nansum(series.total) == pytest.approx(np.nansum(total), rel=1e-12, abs=0.0)
     for section in series.sections:
         scale = np.nanmax(np.abs(total))
         np.testing.assert_allclose(series.sections[section], sections[section], rtol=1e-12, atol=1e-15 * scale)
@@ -144,7 +144,10 @@ def test_gear_that_flickers(four_speed: Controller, hipol: Fluid) -> None:
     model = LeakageModel(four_speed, clearances(None, four_speed), hipol, WORKSHOP)
     flickering = model.series(7e5, 3e5, 80.0, gear).total
     for number in (1.0, 2.0, 3.0):
-        assert np.all(flickering[gear == number] == pytest.approx(model.series(7e5, 3e5, 80.0, number).total[0]))
+        assert np.all(
+            flickering[gear == number]
+            == pytest.approx(model.series(7e5, 3e5, 80.0, number).total[0], rel=1e-12, abs=0.0)
+        )
     assert np.isnan(flickering[np.isnan(gear)]).all()
 
 
@@ -190,7 +193,7 @@ def test_gap_that_closes_in_the_cold(four_speed: Controller, hipol: Fluid) -> No
         replace(four_speed, gaps=tuple(g for g in four_speed.gaps if g.key != ("25", 1))), tight, hipol, PAPER
     )
     series = model.series(**log).total
-    assert series[0] == pytest.approx(others.series(**log).total[0], rel=1e-12)
+    assert series[0] == pytest.approx(others.series(**log).total[0], rel=1e-12, abs=0.0)
     assert series[3] > others.series(**log).total[3]
 
 
@@ -205,7 +208,7 @@ def test_mean_diameter_follows_the_exact_annulus(four_speed: Controller, hipol: 
             gap.kinematic_viscosity * gap.density,
             gap.contact_length,
         )
-        assert gap.leakage == pytest.approx(exact, rel=1e-6)
+        assert gap.leakage == pytest.approx(exact, rel=1e-6, abs=0.0)
 
 
 def test_flow_between_sections_is_not_drawn_twice(four_speed: Controller, hipol: Fluid) -> None:
@@ -252,7 +255,7 @@ def test_entry_loss_is_said_where_it_matters(four_speed: Controller, hipol: Flui
     assert "entry_loss" in {message.code for message in gap_messages(gaps, point)}
     lossy = LeakageModel(four_speed, wide, hipol, PAPER.with_options(entry_loss="on")).gaps(point)
     for plain, less in zip(gaps, lossy, strict=True):
-        assert less.leakage == pytest.approx(plain.leakage * (1.0 - entry_loss_share(plain)), rel=1e-12)
+        assert less.leakage == pytest.approx(plain.leakage * (1.0 - entry_loss_share(plain)), rel=1e-12, abs=0.0)
 
 
 def test_pump_with_slip_and_without(four_speed: Controller, hipol: Fluid) -> None:
@@ -264,11 +267,13 @@ def test_pump_with_slip_and_without(four_speed: Controller, hipol: Fluid) -> Non
     viscous = slipping.viscosity_times_density(80.0)
     efficiency = 1.0 - four_speed.pump.slip_coefficient * 8e5 / (viscous * 2.0 * np.pi * 2500 / 60)
     ideal = constant.pump_capacity(2500 / 60, 8e5, 80.0) / 0.95
-    assert slipping.pump_capacity(2500 / 60, 8e5, 80.0) == pytest.approx(ideal * efficiency, rel=1e-12)
+    assert slipping.pump_capacity(2500 / 60, 8e5, 80.0) == pytest.approx(ideal * efficiency, rel=1e-12, abs=0.0)
     assert slipping.pump_capacity(0.01, 8e5, 80.0) == 0.0
     leakage = 5e-5
     speed = slipping.minimum_speed(leakage, 8e5, 80.0)
-    assert slipping.pump_capacity(speed, 8e5, 80.0) == pytest.approx(leakage, rel=1e-12)
-    assert constant.pump_capacity(constant.minimum_speed(leakage, 8e5, 80.0), 8e5, 80.0) == pytest.approx(leakage)
+    assert slipping.pump_capacity(speed, 8e5, 80.0) == pytest.approx(leakage, rel=1e-12, abs=0.0)
+    assert constant.pump_capacity(constant.minimum_speed(leakage, 8e5, 80.0), 8e5, 80.0) == pytest.approx(
+        leakage, rel=1e-12, abs=0.0
+    )
     without = replace(four_speed, pump=replace(four_speed.pump, slip_coefficient=None))
     assert not LeakageModel(without, states, hipol, WORKSHOP).uses_slip
