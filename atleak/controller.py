@@ -14,14 +14,14 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
 
 from atleak import catalogue
-from atleak.catalogue import Entry, Finite, NonNegative, Origin, Positive, Strict, Text, catalogue_error
+from atleak.catalogue import Origin, catalogue_error
+from atleak.catalogue.controller_tables import ComponentTable, ControllerFile, LandTable, PumpTable, RelationTable
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import pressure as pressure_equations
 from atleak.equations import pump as pump_equations
-from atleak.errors import nearest_name
+from atleak.errors import DomainError, nearest_name
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
 SECTION_NAMES = MappingProxyType({"p_g": "main", "p_s": "control", "p_m": "modulated", "p_k": "converter"})
@@ -50,7 +50,10 @@ class Pressure:
         found = _PRESSURE.match(text)
         if found is None:
             raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k), '0' or 'drain'")
-        return cls(float(found["factor"] or 1.0), found["section"])
+        factor = float(found["factor"] or 1.0)
+        if not 0.0 < factor <= 1.0:
+            raise ValueError("a share of a pressure, more than 0 and at most 1")
+        return cls(factor, found["section"])
 
     def __str__(self) -> str:
         if self.section is None:
@@ -171,7 +174,7 @@ class Controller:
     components: MappingProxyType[str, str]  # number → name
     lands: tuple[Land, ...]
     gaps: tuple[Gap, ...]
-    relations: MappingProxyType[str, PressureRelation]  # of p_s, p_m and, where stated, p_k
+    relations: MappingProxyType[str, PressureRelation]  # of p_s and p_m; p_g and p_k are measured
     pump: Pump
     operating_points: tuple[OperatingPoint, ...]
     origin: Origin
@@ -239,136 +242,15 @@ def controllers() -> list[Controller]:
     return [load_controller(found) for found in catalogue.catalogue_files("controllers")]
 
 
-# --- the file -----------------------------------------------------------------------------------------------------
-
-
-class MaterialTable(Strict):
-    expansion_per_k: Positive
-    source: Text
-
-
-class LandTable(Strict):
-    land: int = Field(ge=1, le=9)
-    planes: list[Text] | None = None
-    nominal_diameter_mm: float = Field(gt=0.5, lt=200)
-    contact_length_mm: Positive | None = None
-    mounting_clearance_um: float = Field(gt=0, lt=500)
-    clearance_limit_um: Positive | None = None
-    body: Text | None = None
-    spool: Text | None = None
-    published: list[str] = []
-
-
-class ComponentTable(Strict):
-    id: Text
-    name: Text
-    part: Literal["spool", "piston"] = "spool"
-    lands: list[LandTable] = []
-
-
-class GapTable(Strict):
-    component: Text
-    land: int
-    section: Literal["p_g", "p_s", "p_m", "p_k"]
-    high: Text = Field(alias="from")
-    low: Text = Field(alias="to")
-    gears: list[int] = Field(min_length=1)
-    ends_in: Literal["sump", "section"] | None = None
-    published: bool = False
-
-
-class PumpTable(Strict):
-    module_mm: Positive | None = None
-    teeth: int | None = Field(default=None, gt=0)
-    width_mm: Positive | None = None
-    tooth_height_mm: Positive | None = None
-    displacement_mm3: Positive | None = None
-    volumetric_efficiency: float = Field(gt=0, le=1)
-    slip_coefficient: Positive | None = None
-    source: Text
-    representative: list[str] = []
-
-    @model_validator(mode="after")
-    def _geometry_or_displacement(self) -> PumpTable:
-        geometry = (self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm)
-        given = sum(value is not None for value in geometry)
-        if given == (4 if self.displacement_mm3 is None else 0):
-            return self
-        raise ValueError("either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both")
-
-
-class SpringTable(Strict):
-    shear_modulus_mpa: Positive
-    wire_diameter_mm: Positive
-    active_coils: Positive
-    mean_coil_diameter_mm: Positive
-    free_length_mm: Positive
-    working_length_mm: Positive
-
-
-class RelationTable(Strict):
-    """``relation = "spool_balance"`` wants the diameters and the spring, ``"line"`` the ratio."""
-
-    relation: Literal["spool_balance", "line"]
-    limit_kpa: Positive | None = None
-    source: Text
-    ratio: NonNegative | None = None
-    offset_kpa: Finite = 0.0
-    diameter_1_mm: Positive | None = None
-    diameter_2_mm: Positive | None = None
-    diameter_3_mm: Positive | None = None
-    rod_diameter_mm: Positive | None = None
-    diameter_g1_mm: Positive | None = None
-    diameter_g2_mm: Positive | None = None
-    spring: SpringTable | None = None
-
-    @model_validator(mode="after")
-    def _complete(self) -> RelationTable:
-        if self.relation == "line" and self.ratio is None:
-            raise ValueError("a line needs its ratio")
-        wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
-        missing = [key for key in wanted if getattr(self, key) is None]
-        if self.relation == "spool_balance" and missing:
-            raise ValueError(f"a spool balance also needs {', '.join(missing)}")
-        return self
-
-
-class OperatingPointTable(Strict):
-    name: catalogue.Identifier
-    label: Text
-    temperature_c: float = Field(ge=-60, le=200)
-    engine_rpm: Positive
-    gear: int
-    p_g_kpa: Positive
-    p_k_kpa: NonNegative
-    source: Text
-
-
-class DefaultsTable(Strict):
-    contact_length_mm: Positive | None = None
-    body: Text | None = None
-    spool: Text | None = None
-
-
-class ControllerFile(Entry):
-    representative: str = ""
-    representative_values: list[str] = []
-    gears: list[int] = Field(min_length=1)
-    materials: dict[str, MaterialTable] = Field(min_length=1)
-    defaults: DefaultsTable = DefaultsTable()
-    pump: PumpTable
-    pressures: dict[Literal["p_s", "p_m", "p_k"], RelationTable] = {}
-    operating_points: list[OperatingPointTable] = Field(min_length=1)
-    components: list[ComponentTable] = Field(min_length=1)
-    gaps: list[GapTable] = []
-
-
 # --- from the file to the objects ---------------------------------------------------------------------------------
 
 
 def _build(entry: ControllerFile, origin: Origin) -> Controller:
+    twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
+    if twice:
+        raise catalogue_error(origin.path, "", "gears", "gear given twice", value=twice[0])
     lands = tuple(_lands(entry, origin.path))
-    relations = {name: _relation(table) for name, table in entry.pressures.items()}
+    relations = {name: _relation(name, table, origin.path) for name, table in entry.pressures.items()}
     gaps = tuple(_gaps(entry, lands, origin.path))
     needed = {
         pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
@@ -502,20 +384,32 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
                 ends[key] = Pressure.parse(text)
             except ValueError as error:
                 raise catalogue_error(path, where, key, "not a pressure", value=text, expected=str(error)) from None
+        if ends["from"].section != table.section:
+            raise catalogue_error(
+                path,
+                where,
+                "section",
+                "not the section that the gap leaks from",
+                value=table.section,
+                expected=f"the one named in from = {table.high!r}",
+            )
         low = ends["to"]
         ends_in_section = low.section is not None and low.coefficient == 1.0
-        gaps.append(
-            Gap(
-                component=table.component,
-                land=table.land,
-                section=table.section,
-                high=ends["from"],
-                low=low,
-                gears=frozenset(table.gears),
-                into_sump=(table.ends_in == "sump") if table.ends_in else not ends_in_section,
-                published=table.published,
-            )
+        gap = Gap(
+            component=table.component,
+            land=table.land,
+            section=table.section,
+            high=ends["from"],
+            low=low,
+            gears=frozenset(table.gears),
+            into_sump=(table.ends_in == "sump") if table.ends_in else not ends_in_section,
+            published=table.published,
         )
+        for other in gaps:
+            both = gap.gears & other.gears
+            if both and (gap.key, gap.high, gap.low) == (other.key, other.high, other.low):
+                raise catalogue_error(path, where, "gears", "the same gap was given before", value=min(both))
+        gaps.append(gap)
     return gaps
 
 
@@ -529,7 +423,14 @@ def _pump(table: PumpTable) -> Pump:
     return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
 
 
-def _relation(table: RelationTable) -> PressureRelation:
+def _relation(name: str, table: RelationTable, path: Path) -> PressureRelation:
+    try:
+        return _pressure_relation(table)
+    except DomainError as error:  # diameters or lengths that cannot be those of one valve
+        raise catalogue_error(path, f"pressures.{name}", None, str(error)) from None
+
+
+def _pressure_relation(table: RelationTable) -> PressureRelation:
     limit = None if table.limit_kpa is None else table.limit_kpa * 1e3
     if table.relation == "line":
         return PressureRelation("line", float(table.ratio or 0.0), table.offset_kpa * 1e3, limit)
@@ -566,6 +467,10 @@ def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]
                 "unknown gear",
                 value=table.gear,
                 expected=f"one of {entry.gears}",
+            )
+        if any(table.name == point.name for point in points):
+            raise catalogue_error(
+                path, f"operating_points[{number}]", "name", "operating point given twice", value=table.name
             )
         points.append(
             OperatingPoint(

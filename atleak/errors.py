@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
+
+_OTHERS_SHOWN = 9
 
 
 class AtleakError(Exception):
@@ -44,7 +46,10 @@ class Place:
 
 
 class InputError(AtleakError):
-    """Something a user gave cannot be used: says where, what stood there and what was expected."""
+    """Something a user gave cannot be used: says where, what stood there and what was expected.
+
+    ``others`` are further faults of the same material, listed below the first.
+    """
 
     def __init__(
         self,
@@ -54,9 +59,10 @@ class InputError(AtleakError):
         value: object = None,
         expected: str | None = None,
         nearest: str | None = None,
+        others: Sequence[InputError] = (),
     ) -> None:
         self.problem, self.place, self.value = problem, place or Place(), value
-        self.expected, self.nearest = expected, nearest
+        self.expected, self.nearest, self.others = expected, nearest, tuple(others)
         super().__init__(str(self))
 
     def __str__(self) -> str:
@@ -68,6 +74,10 @@ class InputError(AtleakError):
             text += f"; expected {self.expected}"
         if self.nearest:
             text += f"; did you mean {self.nearest!r}?"
+        if self.others:
+            text += "".join(f"\n  {other}" for other in self.others[:_OTHERS_SHOWN])
+            if len(self.others) > _OTHERS_SHOWN:
+                text += f"\n  … and {len(self.others) - _OTHERS_SHOWN} more"
         return text
 
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from atleak import catalogue
 from atleak.catalogue import Entry, Finite, Origin, Strict, catalogue_error
@@ -148,20 +148,8 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
         naming file, table, key and value.
     """
     entry, origin = catalogue.read_entry("fluids", id_or_path, FluidFile)
-    points = sorted((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6) for row in entry.viscosity)
-    for (t_1, nu_1), (t_2, nu_2) in pairwise(points):
-        if t_1 == t_2 or nu_2 >= nu_1:
-            raise catalogue_error(
-                origin.path,
-                "viscosity",
-                "kinematic_viscosity_mm2_s",
-                f"viscosity must fall from {t_1:g} to {t_2:g} °C",
-                value=nu_2 * 1e6,
-                expected=f"two different temperatures and less than {nu_1 * 1e6:g} mm²/s",
-            )
-    rows = sorted(
-        (row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in entry.table
-    )
+    points = _falling("viscosity", entry.viscosity, origin)
+    rows = _falling("table", entry.table, origin)
     return Fluid(
         id=entry.id,
         name=entry.name,
@@ -169,8 +157,8 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
         date=entry.date,
         note=entry.note,
         representative=tuple(entry.representative),
-        points=tuple(points),
-        table=tuple(rows),
+        points=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6) for row in points),
+        table=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in rows),
         density_at=(entry.density.at_c, entry.density.density_g_cm3 * 1e3),
         density_slope=entry.density.density_slope_g_cm3_k * 1e3,
         pour_point=entry.pour_point_c,
@@ -181,6 +169,26 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
 def fluids() -> list[Fluid]:
     """Every shipped fluid."""
     return [load_fluid(found) for found in catalogue.catalogue_files("fluids")]
+
+
+def _falling(name: str, rows: list[ViscosityRow], origin: Origin) -> list[ViscosityRow]:
+    """Rows by temperature; the viscosity must fall with it."""
+    ordered = sorted(rows, key=lambda row: row.temperature_c)
+    for low, high in pairwise(ordered):
+        if low.temperature_c == high.temperature_c:
+            raise catalogue_error(
+                origin.path, name, "temperature_c", "temperature given twice", value=low.temperature_c
+            )
+        if high.kinematic_viscosity_mm2_s >= low.kinematic_viscosity_mm2_s:
+            raise catalogue_error(
+                origin.path,
+                name,
+                "kinematic_viscosity_mm2_s",
+                f"viscosity must fall from {low.temperature_c:g} to {high.temperature_c:g} °C",
+                value=high.kinematic_viscosity_mm2_s,
+                expected=f"less than {low.kinematic_viscosity_mm2_s:g} mm²/s",
+            )
+    return ordered
 
 
 def _between_points(at: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -212,9 +220,19 @@ class DensityTable(Strict):
     density_slope_g_cm3_k: float = Field(le=0, gt=-0.01)
 
 
+ViscosityRow = TypeVar("ViscosityRow", bound=ViscosityTable)
+
+
 class FluidFile(Entry):
     representative: list[str] = []
     pour_point_c: float | None = Field(default=None, ge=-80, le=20)
     density: DensityTable
     viscosity: list[ViscosityTable] = Field(min_length=2)
     table: list[PropertyTable] = []
+
+    @field_validator("table")
+    @classmethod
+    def _two_rows(cls, rows: list[PropertyTable]) -> list[PropertyTable]:
+        if len(rows) == 1:
+            raise ValueError("at least two temperatures, or no table")
+        return rows

@@ -9,10 +9,11 @@ from __future__ import annotations
 import hashlib
 import tomllib
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, ValidationError
 
 from atleak.errors import CatalogueError, Place, nearest_name
 
@@ -26,10 +27,18 @@ NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class Strict(BaseModel):
-    """A table of a catalogue file: unknown keys are errors, numbers are numbers."""
+def _day(value: Any) -> str:
+    """A date as TOML writes it, or as text; an impossible day is refused."""
+    try:
+        return date.fromisoformat(str(value)).isoformat()
+    except ValueError:
+        raise ValueError('a day such as "2026-01-31"') from None
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+
+class Strict(BaseModel):
+    """A table of a catalogue file: unknown keys are errors, and a number in quotes is no number."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
 class Entry(Strict):
@@ -38,7 +47,7 @@ class Entry(Strict):
     id: Identifier
     name: Text
     source: Text
-    date: Annotated[str, StringConstraints(pattern=r"^\d{4}-\d{2}-\d{2}$")]
+    date: Annotated[str, BeforeValidator(_day)]
     note: str = ""
 
 
@@ -98,11 +107,15 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
     if isinstance(id_or_path, str) and id_or_path in shipped:
         return shipped[id_or_path]
     path = Path(id_or_path)
-    if path.is_file():
-        return path
+    try:
+        if path.is_file():
+            return path
+        folder = bool(path.name) and path.is_dir()
+    except OSError:  # a name longer than the file system takes
+        folder = False
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
     raise CatalogueError(
-        "no such file" if looks_like_path else f"no such entry among the {kind}",
+        "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}",
         value=str(id_or_path),
         expected=f"one of {', '.join(shipped)}, or the path of a TOML file",
         nearest=nearest_name(str(id_or_path), shipped),
@@ -115,41 +128,55 @@ def catalogue_error(path: Path, table: str, key: str | None, problem: str, **mor
 
 
 def _explain(error: ValidationError, path: Path, data: dict[str, Any], model: type[BaseModel]) -> CatalogueError:
-    faults = [_explain_one(fault, path, data, model) for fault in error.errors(include_url=False)]
-    first = faults[0]
-    if len(faults) > 1:
-        rest = "".join(f"\n  {fault}" for fault in faults[1:10])
-        more = f"\n  … and {len(faults) - 10} more" if len(faults) > 10 else ""
-        first.args = (f"{first}\nand {len(faults) - 1} more in the same file:{rest}{more}",)
-        first.__class__ = _Several
+    faults = error.errors(include_url=False)
+    faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")  # a mistyped key explains the one missing
+    first, *others = (_explain_one(fault, path, data, model) for fault in faults)
+    first.others = tuple(others)
     return first
 
 
-class _Several(CatalogueError):
-    """A catalogue error whose text lists further ones."""
-
-    def __str__(self) -> str:
-        return str(self.args[0])
-
-
 def _explain_one(fault: Any, path: Path, data: dict[str, Any], model: type[BaseModel]) -> CatalogueError:
-    location = list(fault["loc"])
-    table, key = _table_name(location[:-1], data), str(location[-1]) if location else ""
-    place = Place(file=path.name, table=table or None, key=key or None)
-    kind = fault["type"]
-    if kind == "missing":
+    location = [step for step in fault["loc"] if step != "[key]"]  # pydantic's mark of a fault in a table's own name
+    found = fault["input"]
+    if isinstance(found, dict) and fault["type"] == "value_error":  # keys that do not go together
+        place = Place(file=path.name, table=_table_name(location, data) or None)
+        return CatalogueError("the keys of this table do not go together", place=place, expected=_expected(fault))
+    entry = f"[{location.pop() + 1}]" if location and isinstance(location[-1], int) else ""
+    key = f"{location[-1]}{entry}" if location else ""
+    place = Place(file=path.name, table=_table_name(location[:-1], data) or None, key=key or None)
+    if fault["type"] == "missing":
         return CatalogueError("required key is missing", place=place)
-    if kind == "extra_forbidden":
+    if fault["type"] == "extra_forbidden":
         allowed = _keys_at(model, location[:-1])
         return CatalogueError(
             "unknown key",
             place=place,
-            value=fault["input"],
+            value=None if isinstance(found, dict | list) else found,
             expected=f"one of {', '.join(allowed)}" if allowed else None,
             nearest=nearest_name(key, allowed),
         )
-    message = fault["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    return CatalogueError("value not accepted", place=place, value=fault["input"], expected=message)
+    return CatalogueError("value not accepted", place=place, value=found, expected=_expected(fault))
+
+
+def _expected(fault: Any) -> str:
+    """What a fault's key wants, in words of people rather than of pydantic."""
+    more = fault.get("ctx", {})
+    words = {
+        "string_type": "text in quotes",
+        "string_too_short": "text that is not empty",
+        "string_pattern_mismatch": "small letters, digits and _",
+        "float_type": "a number, without quotes",
+        "int_type": "a whole number, without quotes",
+        "int_from_float": "a whole number",
+        "bool_type": "true or false",
+        "list_type": "a list in square brackets",
+        "dict_type": "a table",
+        "model_type": "a table",
+        "finite_number": "a number that is not infinite",
+        "too_short": f"a list of at least {more.get('min_length')}",
+    }
+    said = fault["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    return words.get(fault["type"], said)
 
 
 def _table_name(location: list[Any], data: Any) -> str:

@@ -1,0 +1,141 @@
+"""What a controller's TOML file must look like: its tables and keys, with the unit in the key."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from atleak.catalogue import Entry, Finite, Identifier, NonNegative, Positive, Strict, Text
+
+ContactLength = Annotated[float, Field(gt=0, lt=200)]
+LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
+
+
+class MaterialTable(Strict):
+    expansion_per_k: float = Field(gt=0, lt=1e-3)
+    source: Text
+
+
+class LandTable(Strict):
+    land: int = Field(ge=1, le=9)
+    planes: list[Text] | None = None
+    nominal_diameter_mm: float = Field(gt=0.5, lt=200)
+    contact_length_mm: ContactLength | None = None
+    mounting_clearance_um: float = Field(ge=1, lt=500)
+    clearance_limit_um: Positive | None = None
+    body: Text | None = None
+    spool: Text | None = None
+    published: list[LandValue] = []
+
+
+class ComponentTable(Strict):
+    id: Text
+    name: Text
+    part: Literal["spool", "piston"] = "spool"
+    lands: list[LandTable] = []
+
+
+class GapTable(Strict):
+    component: Text
+    land: int
+    section: Literal["p_g", "p_s", "p_m", "p_k"]
+    high: Text = Field(alias="from")
+    low: Text = Field(alias="to")
+    gears: list[int] = Field(min_length=1)
+    ends_in: Literal["sump", "section"] | None = None
+    published: bool = False
+
+
+class PumpTable(Strict):
+    module_mm: Positive | None = None
+    teeth: int | None = Field(default=None, gt=0)
+    width_mm: Positive | None = None
+    tooth_height_mm: Positive | None = None
+    displacement_mm3: Positive | None = None
+    volumetric_efficiency: float = Field(gt=0, le=1)
+    slip_coefficient: Positive | None = None
+    source: Text
+    representative: list[str] = []
+
+    @field_validator("representative")
+    @classmethod
+    def _known(cls, names: list[str]) -> list[str]:
+        for name in names:
+            if name not in cls.model_fields:
+                raise ValueError(f"keys of this table, not {name!r}")
+        return names
+
+    @model_validator(mode="after")
+    def _geometry_or_displacement(self) -> PumpTable:
+        geometry = (self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm)
+        given = sum(value is not None for value in geometry)
+        if given == (4 if self.displacement_mm3 is None else 0):
+            return self
+        raise ValueError("either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both")
+
+
+class SpringTable(Strict):
+    shear_modulus_mpa: Positive
+    wire_diameter_mm: Positive
+    active_coils: Positive
+    mean_coil_diameter_mm: Positive
+    free_length_mm: Positive
+    working_length_mm: Positive
+
+
+class RelationTable(Strict):
+    """``relation = "spool_balance"`` wants the diameters and the spring, ``"line"`` the ratio."""
+
+    relation: Literal["spool_balance", "line"]
+    limit_kpa: Positive | None = None
+    source: Text
+    ratio: NonNegative | None = None
+    offset_kpa: Finite = 0.0
+    diameter_1_mm: Positive | None = None
+    diameter_2_mm: Positive | None = None
+    diameter_3_mm: Positive | None = None
+    rod_diameter_mm: Positive | None = None
+    diameter_g1_mm: Positive | None = None
+    diameter_g2_mm: Positive | None = None
+    spring: SpringTable | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> RelationTable:
+        if self.relation == "line" and self.ratio is None:
+            raise ValueError("a line with its ratio")
+        wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
+        missing = [key for key in wanted if getattr(self, key) is None]
+        if self.relation == "spool_balance" and missing:
+            raise ValueError(f"a spool balance with {', '.join(missing)} too")
+        return self
+
+
+class OperatingPointTable(Strict):
+    name: Identifier
+    label: Text
+    temperature_c: float = Field(ge=-60, le=200)
+    engine_rpm: float = Field(gt=0, le=15_000)
+    gear: int
+    p_g_kpa: float = Field(gt=0, le=10_000)
+    p_k_kpa: float = Field(ge=0, le=5_000)
+    source: Text
+
+
+class DefaultsTable(Strict):
+    contact_length_mm: ContactLength | None = None
+    body: Text | None = None
+    spool: Text | None = None
+
+
+class ControllerFile(Entry):
+    representative: str = ""
+    representative_values: list[LandValue] = []
+    gears: list[int] = Field(min_length=1)
+    materials: dict[str, MaterialTable] = Field(min_length=1)
+    defaults: DefaultsTable = DefaultsTable()
+    pump: PumpTable
+    pressures: dict[Literal["p_s", "p_m"], RelationTable] = {}
+    operating_points: list[OperatingPointTable] = Field(min_length=1)
+    components: list[ComponentTable] = Field(min_length=1)
+    gaps: list[GapTable] = []
