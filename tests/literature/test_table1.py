@@ -1,7 +1,7 @@
 """Table 1 of the source study: the readings of spool 6, as printed.
 
-Dziubak & Szczepaniak, Energies 2023, 16, 7667, doi 10.3390/en16227667. Printed in mm to 0.001. Of the two directions only
-90° is printed; the other one is 0°.
+Dziubak & Szczepaniak, Energies 2023, 16, 7667, doi 10.3390/en16227667. Printed in mm to 0.001. Of the
+two directions only 90° is printed; the other one is 0°.
 """
 
 from __future__ import annotations
