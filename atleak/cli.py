@@ -16,9 +16,11 @@ from typing import TYPE_CHECKING, Any
 
 from atleak import __version__
 from atleak.errors import AtleakError, InputError, Place
+from atleak.shipped import shipped
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
+    from atleak.road_test import RoadTest
 
 DEFAULT_CONTROLLER = "four_speed_2023"
 DEFAULT_FLUID = "hipol_atf_iid"
@@ -59,11 +61,7 @@ def _diagnose(options: argparse.Namespace) -> int:
     _one_stream(options)
     controller = load_controller(options.controller)
     profile = find_profile(options.profile, dict(options.set))
-    road_test = None
-    if options.road_test is not None:
-        from atleak.intake.road_test import read_road_test
-
-        road_test = read_road_test(Path(options.road_test))
+    road_test = None if options.road_test is None else _road_test(options)
     diagnosis = diagnose(
         controller,
         load_fluid(options.fluid),
@@ -95,6 +93,14 @@ def _diagnose(options: argparse.Namespace) -> int:
     return 0
 
 
+def _road_test(options: argparse.Namespace) -> RoadTest:
+    from atleak.intake.road_test import default_path, read_road_test
+
+    return read_road_test(
+        Path(options.road_test), mapping=dict(options.map), units=dict(options.unit), remembered=default_path()
+    )
+
+
 def _one_stream(options: argparse.Namespace) -> None:
     if options.xlsx == "-":
         raise InputError("a workbook cannot be written to standard output", value="--xlsx -", expected="a file name")
@@ -104,8 +110,50 @@ def _summary(diagnosis: Diagnosis, written: list[str]) -> None:
     from atleak.report.text import print_diagnosis
 
     print_diagnosis(diagnosis)
-    for name in written:
-        print(f"written: {name}")
+    _say(written)
+
+
+# --- variants, import-log -----------------------------------------------------------------------------------------
+
+
+def _variants(options: argparse.Namespace) -> int:
+    from atleak.controller import load_controller
+    from atleak.report.text import print_variants
+    from atleak.variants import run_variants
+
+    options.road_test = options.road_test or shipped("sample_data/minimum_acceleration_test.csv")
+    controller, road_test = load_controller(options.controller), _road_test(options)
+    results = run_variants(controller, road_test)
+    if options.json is not None:
+        from atleak.report.record import to_json
+        from atleak.report.variants import variants_record
+
+        _say(_write(options.json, to_json(variants_record(results, controller, road_test)).encode()))
+    if options.json != "-":
+        print_variants(results)
+    return 0
+
+
+def _import_log(options: argparse.Namespace) -> int:
+    from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
+    from atleak.report.text import print_log
+
+    mapping, units = dict(options.map), dict(options.unit)
+    understood = understand(Path(options.road_test), mapping=mapping, units=units, remembered=default_path())
+    record = describe(understood)
+    if options.json is not None:
+        from atleak.report.record import to_json
+
+        _say(_write(options.json, to_json(record).encode()))
+    if understood.road_test is None:
+        raise understood.problem or InputError("the log's columns cannot be told", place=Place(file=understood.file))
+    if options.csv is not None:
+        _say(_write(options.csv, tidy_csv(understood.road_test).encode()))
+    if (mapping or units) and not options.forget:
+        remember(default_path(), understood.signature, mapping, units)
+    if "-" not in (options.json, options.csv):
+        print_log(record)
+    return 0
 
 
 # --- template, catalogue ------------------------------------------------------------------------------------------
@@ -117,8 +165,7 @@ def _template(options: argparse.Namespace) -> int:
 
     if Path(options.output).suffix.lower() != ".xlsx":
         raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
-    for name in _write(options.output, write_template(load_controller(options.controller))):
-        print(f"written: {name}")
+    _say(_write(options.output, write_template(load_controller(options.controller))))
     return 0
 
 
@@ -176,8 +223,7 @@ def _list(rows: list[dict[str, Any]], columns: list[str], options: argparse.Name
     if options.json is not None:
         from atleak.report.record import to_json
 
-        for name in _write(options.json, to_json(rows).encode()):
-            print(f"written: {name}")
+        _say(_write(options.json, to_json(rows).encode()))
     if options.json != "-":
         from atleak.report.text import print_table
 
@@ -188,25 +234,10 @@ def _list(rows: list[dict[str, Any]], columns: list[str], options: argparse.Name
 # --- the dashboard ------------------------------------------------------------------------------------------------
 
 
-def dashboard_file() -> Path:
-    """The dashboard's ``app.py``: inside an installed wheel, or at the root of a checkout.
-
-    Raises
-    ------
-    InputError
-        where neither is there.
-    """
-    package = Path(__file__).resolve().parent
-    for folder in (package / "_dashboard", package.parent):
-        if (folder / "app.py").is_file() and (folder / "pages").is_dir():
-            return folder / "app.py"
-    raise InputError("the dashboard's files are not beside the package", place=Place(file=str(package)))
-
-
 def _app(options: argparse.Namespace) -> int:
     if find_spec("streamlit") is None:
         raise InputError("the dashboard needs streamlit", expected="python -m pip install streamlit")
-    app = dashboard_file()
+    app = shipped("app.py")
     command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", options.address]
     if options.port is not None:
         command += ["--server.port", str(options.port)]
@@ -227,7 +258,8 @@ def _parser() -> argparse.ArgumentParser:
     add = _adder(commands)
     diagnose = add("diagnose", _diagnose, "a verdict for every land from a measuring sheet and a road test")
     diagnose.add_argument("readings", metavar="READINGS", help="measuring sheet: xlsx, xls, ods or csv")
-    diagnose.add_argument("--road-test", metavar="LOG", help="road-test log: csv or xlsx")
+    diagnose.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
+    _add_columns(diagnose)
     _add_controller(diagnose)
     diagnose.add_argument("--fluid", metavar="ID|FILE", default=DEFAULT_FLUID)
     diagnose.add_argument("--limits", metavar="ID|FILE", default=DEFAULT_LIMITS)
@@ -247,6 +279,19 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--json", metavar="FILE|-")
     diagnose.add_argument("--xlsx", metavar="FILE")
     diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])
+
+    variants = add("variants", _variants, "W1 to W8 of the source study, as printed and as computed")
+    _add_controller(variants)
+    variants.add_argument("--road-test", metavar="LOG", help="your own log instead of the shipped test")
+    _add_columns(variants)
+    variants.add_argument("--json", metavar="FILE|-")
+
+    log = add("import-log", _import_log, "what is understood of a road-test log")
+    log.add_argument("road_test", metavar="LOG", help="text, xlsx or mf4, as the logger wrote it")
+    _add_columns(log)
+    log.add_argument("--json", metavar="FILE|-")
+    log.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")
+    log.add_argument("--forget", action="store_true", help="do not remember --map and --unit for logs with this header")
 
     template = add("template", _template, "a measuring sheet to fill in")
     _add_controller(template)
@@ -274,6 +319,18 @@ def _add_controller(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--controller", metavar="ID|FILE", default=DEFAULT_CONTROLLER)
 
 
+def _add_columns(parser: argparse.ArgumentParser) -> None:
+    for name, what in (("map", "COLUMN"), ("unit", "UNIT")):
+        parser.add_argument(
+            f"--{name}",
+            metavar=f"QUANTITY={what}",
+            type=_pair,
+            action="append",
+            default=[],
+            help=f"the {what.lower()} of a quantity of the log",
+        )
+
+
 def _number(text: str) -> float:
     try:
         return float(text.replace(",", "."))
@@ -291,8 +348,13 @@ def _mileage(text: str) -> float:
 def _pair(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not equals or not name.strip():
-        raise argparse.ArgumentTypeError(f"{text!r} is not OPTION=VALUE")
+        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
     return name.strip(), value.strip()
+
+
+def _say(written: list[str]) -> None:
+    for name in written:
+        print(f"written: {name}")
 
 
 def _write(target: str, content: bytes) -> list[str]:

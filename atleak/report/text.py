@@ -12,6 +12,7 @@ from rich.text import Text
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.projection import Projection
 from atleak.report.record import DM3_MIN, PERCENT, RPM, UM
+from atleak.variants import VariantResult
 
 SYMBOLS = {"ok": "●", "watch": "▲", "replace": "■", "critical": "✖", "not_measured": "○"}
 WORDS = {
@@ -50,6 +51,57 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
             console.print(Text(f"! {message.text}"))
 
 
+def print_variants(results: Sequence[VariantResult]) -> None:
+    """W1-W8: printed, computed and as Table 2 tabulates them."""
+    table = Table(
+        "variant", "°C", "wear %", "ν mm²/s", "printed", "computed", "as tabulated", "share printed", "computed"
+    )
+    for result in results:
+        variant, computed, tabulated = result.variant, result.computed.max_leakage, result.as_tabulated.max_leakage
+        table.add_row(
+            variant.name,
+            f"{variant.temperature:g}",
+            f"{variant.wear * PERCENT:g}",
+            f"{result.kinematic_viscosity * 1e6:g}",
+            str(variant.printed_max_leakage),
+            f"{computed.leakage * DM3_MIN:.3f}",
+            f"{tabulated.leakage * DM3_MIN:.3f}",
+            str(variant.printed_max_share),
+            "–" if computed.share is None else f"{computed.share * PERCENT:.2f}",
+        )
+    console = Console(highlight=False)
+    console.print(table)
+    console.print(Text("Leakage in dm³/min at its maximum over the log, share in % at that instant."))
+    for result in results:
+        if result.variant.note:
+            console.print(Text(f"{result.variant.name}: {result.variant.note}"))
+
+
+def print_log(record: dict[str, Any]) -> None:
+    """What was understood of a log, from its record."""
+    console = Console(highlight=False)
+    form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
+    console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
+    segments = record["segments"]
+    console.print(Text(f"{record['rows']} rows, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
+    table = Table("quantity", "column", "unit", "kind", "samples", "lowest", "highest", "Hz")
+    table.columns[0].no_wrap = True
+    for column in record["columns"]:
+        unit = f"{column['unit'] or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
+        numbers = [_short(column[key]) for key in ("min", "max", "sampling_hz")]
+        cells = (column["quantity"], column["column"] or column["source"], unit, column["kind"], str(column["samples"]))
+        table.add_row(*(Text(cell) for cell in (*cells, *numbers)))
+    console.print(table)
+    for found in record["ambiguous"]:
+        console.print(Text(f"? {found['quantity']}: {', '.join(map(str, found['candidates']))}"))
+    for message in record["messages"]:
+        console.print(Text(f"{'!' if message['level'] == 'warning' else '·'} {message['text']}"))
+
+
+def _short(value: float | None) -> str:
+    return "–" if value is None else f"{value:.4g}"
+
+
 def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
     """Records as a table."""
     table = Table(*(column.replace("_", " ") for column in columns))
@@ -73,13 +125,15 @@ def _total(diagnosis: Diagnosis, projection: Projection) -> str:
 
 
 def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
-    table = Table("verdict", "component", "land", "clearance µm", "mounting µm", "wear %", "share %", "because")
+    table = Table()
+    for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %", "share %"):
+        table.add_column(name, no_wrap=True)
+    table.add_column("because")
     for found in lands:
         land, rule = found.state.land, found.deciding
         table.add_row(
             Text(f"{SYMBOLS[found.verdict]} {WORDS[found.verdict]}", style=_STYLES.get(found.verdict, "")),
-            Text(land.component),
-            str(land.land),
+            Text(f"{land.component}/{land.land}"),
             f"{found.state.radial_clearance * UM:.1f}",
             f"{land.mounting_clearance * UM:.1f}",
             "–" if found.wear is None else f"{found.wear * PERCENT:.0f}",

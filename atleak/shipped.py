@@ -1,0 +1,24 @@
+"""Files that travel with the package: the dashboard and the sample job."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from atleak.errors import InputError, Place
+
+
+def shipped(name: str) -> Path:
+    """A file that lies beside the package: inside an installed wheel, or at the root of a checkout.
+
+    Raises
+    ------
+    InputError
+        where neither has it.
+    """
+    package = Path(__file__).resolve().parent
+    for folder in (package / "_dashboard", package.parent):
+        if (folder / name).exists():
+            return folder / name
+    raise InputError(
+        f"{name} is not beside the package", place=Place(file=str(package)), expected="a complete installation"
+    )
