@@ -71,6 +71,19 @@ class RepeatSpread:
     origin: Literal["repeats", "instrument", "resolution"]
     ovality: float | None  # [m] root mean square over the lands measured in several directions
 
+    @cached_property
+    def persistent_variance(self) -> float:
+        """Of the rounding error that repeats of one place do not average out [m²]."""
+        s = self.standard_deviation / math.sqrt(self.roundings)
+        return self.roundings * float(persistent_rounding_variance(self.resolution, s))
+
+    @cached_property
+    def averaged_variance(self) -> float:
+        """Of what they do average out, rounding included [m²]."""
+        s = self.standard_deviation
+        rounding = self.roundings * self.resolution**2 / 12.0 - self.persistent_variance
+        return s * s + rounding if s > 0.0 else 0.0
+
 
 @dataclass(frozen=True)
 class _Plan:
@@ -242,15 +255,13 @@ def _part_sources(
     sign = 0.5 if part == "sleeve" else -0.5
     # one instrument for both parts errs alike in both, so that its common error drops out of D − d
     group = "one instrument" if instruments.err_alike else f"{part} instrument"
-    s, m = spread.standard_deviation, spread.roundings
-    persistent = m * persistent_rounding_variance(spread.resolution, s / math.sqrt(m))
-    averaged = s * s + m * spread.resolution**2 / 12.0 - persistent if s > 0.0 else 0.0
-    # with a spread known from the readings, what rounding adds to it is in there already
+    resolution = spread.persistent_variance * plan.rounding_weight
+    repeats = spread.averaged_variance * plan.repeat_weight / times
     return [
         Source("common calibration", part, sign * instrument.common, group),
         Source("calibration", part, 0.5 * instrument.own),
-        Source("resolution", part, 0.5 * math.sqrt(persistent * plan.rounding_weight), None, "rectangular"),
-        Source("repeats", part, 0.5 * math.sqrt(averaged * plan.repeat_weight / times)),
+        Source("resolution", part, 0.5 * math.sqrt(resolution), None, "rectangular"),
+        Source("repeats", part, 0.5 * math.sqrt(repeats)),
         Source("form", part, 0.5 * _form(state, part, plan, spread, assumptions)),
     ]
 

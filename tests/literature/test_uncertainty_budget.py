@@ -1,0 +1,198 @@
+"""The linear budget against GTC, an independent implementation of the GUM; gap law and fluid written out anew."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import GTC
+import numpy as np
+import pytest
+
+from atleak.controller import Controller
+from atleak.fluid import Fluid
+from atleak.instruments import Instrument, Instruments
+from atleak.leakage import LeakageModel
+from atleak.limits import Limits
+from atleak.profile import WORKSHOP
+from atleak.projection import project
+from atleak.readings import Reading, Readings, clearances
+from atleak.uncertainty import Assumptions, UnitUncertainty, assess
+
+UM = 1e-6
+ASSUMED = Assumptions(
+    room_temperature=0.5,
+    contact_length=0.05e-3,
+    viscosity=0.03,
+    temperature=1.5,
+    main_pressure=0.01,
+    slip_coefficient=0.1,
+    form_residual=0.0,
+)
+
+
+def _instrument(name: str, calibration: float, common_part: float) -> Instrument:
+    return Instrument(
+        name, name, "test", "2026-01-01", "", ("spool", "sleeve"), 1e-9, calibration, common_part, 0.4 * UM, False, ()
+    )
+
+
+TOOLS = Instruments(_instrument("outside", 0.6 * UM, 0.3), _instrument("inside", 0.9 * UM, 0.6))
+
+
+@pytest.fixture(scope="module")
+def two_lands(four_speed: Controller) -> Controller:
+    """Two lands that leak from main pressure to a tenth of it."""
+    gap = next(g for g in four_speed.gaps_in(2) if str(g.high) == "p_g" and str(g.low) == "0.1*p_g")
+    land = four_speed.land(*gap.key)
+    lands = (
+        replace(land, component="a", land=1, planes=("1",), clearance_limit=None),
+        replace(land, component="b", land=1, planes=("1",), clearance_limit=None, contact_length=0.006),
+    )
+    return replace(
+        four_speed,
+        lands=lands,
+        gaps=tuple(replace(gap, component=name, land=1) for name in ("a", "b")),
+        operating_points=four_speed.operating_points[:1],
+    )
+
+
+CLEARANCES = {"a": 30 * UM, "b": 42 * UM}
+
+
+@pytest.fixture(scope="module")
+def assessed(two_lands: Controller, hipol: Fluid, limits: Limits) -> UnitUncertainty:
+    readings = []
+    for land in two_lands.lands:
+        # neither step nor repeats: a single setting in each of two directions
+        spool = land.nominal_diameter + 0.1234 * UM
+        for part, diameter in (("spool", spool), ("sleeve", spool + 2.0 * CLEARANCES[land.component])):
+            readings += [Reading(land.component, part, "1", angle, 1, diameter) for angle in (0.0, 90.0)]
+    sheet = Readings("x", "", None, "mm", False, "tidy", tuple(readings))
+    states = clearances(sheet, two_lands)
+    model = LeakageModel(two_lands, states, hipol, WORKSHOP)
+    projections = [project(model, point) for point in two_lands.operating_points]
+    return assess(
+        model, states, projections, limits, readings=sheet, instruments=TOOLS, assumptions=ASSUMED, draws=100_000
+    )
+
+
+def _referee(controller: Controller, hipol: Fluid) -> tuple[dict[str, object], dict[str, object], dict[str, object]]:
+    """Clearances, shares and elementary inputs as GTC's uncertain numbers."""
+    point, pump = controller.operating_points[0], controller.pump
+    c_s, p_g = pump.slip_coefficient, point.main_pressure
+    elementary = {
+        "outside": GTC.ureal(0.0, TOOLS.spool.common, label="spool: common calibration"),
+        "inside": GTC.ureal(0.0, TOOLS.sleeve.common, label="sleeve: common calibration"),
+        "room": GTC.ureal(0.0, ASSUMED.room_temperature / math.sqrt(3.0), label="room temperature"),
+        "viscosity": GTC.ureal(1.0, ASSUMED.viscosity, label="viscosity"),
+        "temperature": GTC.ureal(point.temperature, ASSUMED.temperature, label="temperature"),
+        "main": GTC.ureal(p_g, ASSUMED.main_pressure * p_g, label="main pressure"),
+        "slip": GTC.ureal(c_s, ASSUMED.slip_coefficient * c_s, label="pump efficiency"),
+    }
+    (t_1, nu_1), (t_2, nu_2) = hipol.points[0], hipol.points[-1]
+    w_1, w_2 = (math.log10(math.log10(nu * 1e6 + 0.7)) for nu in (nu_1, nu_2))
+    slope = (w_1 - w_2) / (math.log10(t_2 + 273.15) - math.log10(t_1 + 273.15))
+    t = elementary["temperature"]
+    w = w_1 - slope * (GTC.log10(t + 273.15) - math.log10(t_1 + 273.15))
+    nu = (10 ** (10**w) - 0.7) * 1e-6 * elementary["viscosity"]
+    at, density = hipol.density_at
+    mu = nu * (density + hipol.density_slope * (t - at))
+    capacity = pump.displacement * (point.engine_speed - elementary["slip"] * elementary["main"] / (2 * math.pi * mu))
+    cold, share = {}, {}
+    repeat = math.sqrt((0.4 * UM) ** 2 + (1e-9) ** 2 / 12)
+    for land in controller.lands:
+        name = land.component
+        d_0 = land.nominal_diameter + 0.1234 * UM
+        own = {
+            part: GTC.ureal(0.0, tool.calibration * math.sqrt(1 - tool.common_part), label=f"{part}: calibration")
+            for part, tool in (("spool", TOOLS.spool), ("sleeve", TOOLS.sleeve))
+        }
+        repeats = {
+            part: GTC.ureal(0.0, repeat / math.sqrt(2.0), label=f"{part}: repeats") for part in ("spool", "sleeve")
+        }
+        spool = d_0 + own["spool"] + repeats["spool"] + elementary["outside"]
+        sleeve = d_0 + 2 * CLEARANCES[name] + own["sleeve"] + repeats["sleeve"] + elementary["inside"]
+        rate = 0.5 * (land.body_expansion * (d_0 + 2 * CLEARANCES[name]) - land.spool_expansion * d_0)
+        cold[name] = 0.5 * (sleeve - spool) + rate * elementary["room"]
+        hot = cold[name] + rate * (t - 20.0)
+        length = GTC.ureal(land.contact_length, ASSUMED.contact_length, label="contact length")
+        flow = math.pi * (d_0 + hot) * hot**3 * 0.9 * elementary["main"] / (12 * mu * length)
+        share[name] = flow / capacity
+        elementary |= {f"{name} {part} own": u for part, u in own.items()}
+        elementary |= {f"{name} {part} repeats": u for part, u in repeats.items()}
+        elementary[f"{name} length"] = length
+    return cold, share, elementary
+
+
+def test_clearance_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, hipol: Fluid) -> None:
+    cold, _, elementary = _referee(two_lands, hipol)
+    for land in assessed.lands:
+        found = cold[land.key[0]]
+        assert land.sources.state.radial_clearance == pytest.approx(GTC.value(found), rel=1e-9)
+        assert land.u_clearance == pytest.approx(GTC.uncertainty(found), rel=1e-9)
+        expected = {
+            source.label: (GTC.component(found, source) / GTC.uncertainty(found)) ** 2 for source in elementary.values()
+        }
+        for label, fraction in land.budget:
+            if label.endswith("resolution"):
+                assert fraction < 1e-9
+                continue
+            referee = max(
+                (GTC.component(found, s) / GTC.uncertainty(found)) ** 2 for s in elementary.values() if s.label == label
+            )
+            assert fraction == pytest.approx(referee, rel=1e-6)
+        assert sum(fraction for _, fraction in land.budget) == pytest.approx(1.0, rel=1e-12)
+        assert set(expected) >= {label for label, _ in land.budget if not label.endswith("resolution")}
+
+
+def test_share_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, hipol: Fluid) -> None:
+    _, share, elementary = _referee(two_lands, hipol)
+    for land in assessed.lands:
+        found, stated = share[land.key[0]], land.conditions[0]
+        assert stated.share == pytest.approx(GTC.value(found), rel=1e-9)
+        # draws see the cube's curvature and scatter themselves, the linear sum does neither
+        assert stated.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03)
+        for label, fraction in stated.budget:
+            same = [GTC.component(found, s) for s in elementary.values() if s.label == label]
+            referee = max((part**2 / GTC.uncertainty(found) ** 2 for part in same), default=0.0)
+            assert fraction == pytest.approx(referee, rel=1e-4, abs=1e-9), label
+
+
+def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, hipol: Fluid) -> None:
+    _, share, elementary = _referee(two_lands, hipol)
+    found, total = share["a"] + share["b"], assessed.totals[0]
+    assert total.share == pytest.approx(GTC.value(found), rel=1e-9)
+    assert total.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03)
+    variance = GTC.uncertainty(found) ** 2
+    expected = {
+        name: GTC.component(found, elementary[source]) ** 2 / variance
+        for name, source in (
+            ("viscosity", "viscosity"),
+            ("temperature", "temperature"),
+            ("main pressure", "main"),
+            ("pump efficiency", "slip"),
+            ("common to all lands: spool instrument", "outside"),
+            ("common to all lands: sleeve instrument", "inside"),
+            ("common to all lands: room temperature", "room"),
+        )
+    }
+    own = [GTC.component(found, u) ** 2 for name, u in elementary.items() if name[:2] in {"a ", "b "}]
+    expected["each land's own readings and contact length"] = math.fsum(own) / variance
+    budget = dict(total.budget)
+    for name, fraction in expected.items():
+        assert budget[name] == pytest.approx(fraction, rel=1e-4, abs=1e-9), name
+    assert math.fsum(expected.values()) == pytest.approx(1.0, rel=1e-9)
+    assert not set(budget) - set(expected)
+
+
+def test_linear_interval_is_wrong_where_the_cube_bends(two_lands: Controller) -> None:
+    """At u(c)/c = 20 % the linear interval reaches below zero, the exact one does not."""
+    from atleak.equations.uncertainty import cube_quantile
+
+    c = GTC.ureal(10.0, 2.0)
+    linear = GTC.value(c**3) - 1.96 * GTC.uncertainty(c**3)
+    assert linear < 0.0
+    assert cube_quantile(0.025, 10.0, 2.0) > 0.0
+    drawn = np.quantile(np.random.default_rng(1).normal(10.0, 2.0, 400_000) ** 3, 0.025)
+    assert cube_quantile(0.025, 10.0, 2.0) == pytest.approx(drawn, rel=0.02)

@@ -1,0 +1,164 @@
+"""A value near its limit: which decisions, how likely, and what would settle it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from atleak.controller import Controller
+from atleak.errors import DomainError, InputError
+from atleak.instruments import load_instruments
+from atleak.limits import Limits, Steps
+from atleak.uncertainty import Assumptions, decide
+from atleak.uncertainty.decision import decide_rule
+
+from .conftest import a_sheet, two_instruments
+
+UM = 1e-6
+
+
+@pytest.mark.parametrize(
+    ("value", "decision"),
+    [
+        (30.0 - 1.645, "pass"),
+        (30.0 - 1.644, "conditional_pass"),
+        (30.0, "conditional_pass"),
+        (30.001, "conditional_fail"),
+        (30.0 + 1.645, "conditional_fail"),
+        (30.0 + 1.646, "fail"),
+    ],
+)
+def test_guard_band_of_one_standard_uncertainty(value: float, decision: str) -> None:
+    assert decide(value, 30.0, 1.0) == decision
+
+
+def test_guard_band_can_be_set_and_be_none() -> None:
+    assert decide(29.0, 30.0, 1.0, guard_factor=0.9) == "pass"
+    assert decide(29.0, 30.0, 1.0, guard_factor=2.0) == "conditional_pass"
+    assert decide(30.0, 30.0, 0.0) == "pass"
+    assert decide(30.0000001, 30.0, 0.0) == "fail"
+    with pytest.raises(DomainError):
+        decide(29.0, 30.0, -1.0)
+
+
+def test_a_skewed_distribution_does_not_pass_on_its_standard_uncertainty_alone() -> None:
+    assert decide(28.0, 30.0, 1.0, probability_over=0.049) == "pass"
+    assert decide(28.0, 30.0, 1.0, probability_over=0.06) == "conditional_pass"
+    assert decide(33.0, 30.0, 1.0, probability_over=0.9) == "conditional_fail"
+
+
+def test_without_a_finite_uncertainty_only_the_draws_decide() -> None:
+    infinite = float("inf")
+    assert decide(infinite, 0.1, infinite, probability_over=1.0) == "fail"
+    assert decide(0.05, 0.1, infinite, probability_over=0.0) == "pass"
+    assert decide(0.05, 0.1, infinite) == "conditional_pass"
+
+
+def test_a_rule_is_about_the_limit_it_reached() -> None:
+    steps = Steps((("watch", 10.0), ("replace", 50.0)), "published", "")
+    found = decide_rule("wear", 49.0, steps, "ok", (2.0, 3.0), (1.0, 0.37), 1.645, skewed=False)
+    assert (found.level, found.about, found.limit, found.decision) == ("watch", "watch", 10.0, "fail")
+    above = found.at_next_level
+    assert above is not None
+    assert (above.about, above.decision, above.probability_over_limit) == ("replace", "conditional_pass", 0.37)
+    assert above.standard_uncertainty == 3.0
+    assert above.at_next_level is None
+    low = decide_rule("wear", 3.0, steps, "ok", (2.0, 3.0), (0.0, 0.0), 1.645, skewed=False)
+    assert (low.level, low.about, low.decision) == ("ok", "watch", "pass")
+
+
+def _limits(limits: Limits, clearance: float) -> Limits:
+    steps = Steps((("replace", clearance),), "set by the workshop", "")
+    return replace(limits, wear=None, clearance=steps, pair_share=None)
+
+
+def test_over_the_limit_but_within_what_the_instruments_can_tell(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    sleeve_worse = two_instruments(calibration=1.0 * UM)
+    sleeve_worse = replace(sleeve_worse, sleeve=replace(sleeve_worse.sleeve, calibration=1.53 * UM))
+    sheet = a_sheet(four_speed, clearance=31 * UM)
+    case = judge(sheet, instruments=sleeve_worse, limits=_limits(limits, 30 * UM))
+    land = case.unit.lands[0]
+    rule = land.rule("radial_clearance")
+    assert rule.decision == "conditional_fail"
+    assert rule.limit == 30 * UM
+    assert land.probability_over_limit == pytest.approx(0.863, abs=0.001)  # Φ(1/0.914)
+    assert land.advice is not None
+    assert land.advice.startswith("radial clearance 31.0 µm is over the replace limit of 30.0 µm, but within what ")
+    assert "measure again, D first, it carries 70% of the uncertainty" in land.advice
+    remedy = land.remedy(rule)
+    assert remedy.first == "sleeve"
+    assert remedy.fraction == pytest.approx(0.7, abs=0.01)
+    assert remedy.repeats is None  # it is calibration, not repeatability
+    assert (("sleeve", "air gauge"),) in remedy.instruments
+
+
+def test_repeats_settle_what_repeats_can_settle(judge: Callable, four_speed: Controller, limits: Limits) -> None:
+    noisy = two_instruments(calibration=0.2 * UM, repeatability=1.5 * UM)
+    sheet = a_sheet(four_speed, clearance=29 * UM)
+    case = judge(sheet, instruments=noisy, limits=_limits(limits, 30 * UM))
+    land = case.unit.lands[0]
+    rule = land.deciding
+    assert rule.decision == "conditional_pass"
+    remedy = land.remedy(rule)
+    assert remedy.repeats is not None
+    assert f"{remedy.repeats} independent repeats" in land.advice
+    # with so many it is settled, with one fewer it is not
+    for repeats, settled in ((remedy.repeats, True), (remedy.repeats - 1, False)):
+        count = dict.fromkeys(remedy.repeat_parts, repeats)
+        u = land.sources.variance_with(repeats=count) ** 0.5
+        assert (decide(rule.value, rule.limit, u) == "pass") is settled
+
+
+def test_measuring_again_does_not_help_where_the_fluid_is_the_trouble(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    case = judge(
+        a_sheet(four_speed),
+        instruments=load_instruments("air_gauge", "air_gauge"),
+        assumptions=Assumptions(viscosity=0.4),
+        limits=replace(limits, wear=None),
+    )
+    land = max(case.unit.lands, key=lambda land: land.conditions[0].share)
+    share = land.conditions[0].share
+    near = replace(limits, wear=None, pair_share=Steps((("watch", 1.02 * share),), "set by the workshop", ""))
+    again = judge(
+        a_sheet(four_speed),
+        instruments=load_instruments("air_gauge", "air_gauge"),
+        assumptions=Assumptions(viscosity=0.4),
+        limits=near,
+    ).unit.land(land.key)
+    assert again.rule(f"share_{land.conditions[0].condition}").decision == "conditional_pass"
+    assert "Measuring again will not settle it" in again.advice_on(again.rule("share_driving_second"))
+
+
+def test_a_settled_land_says_nothing(judge: Callable, four_speed: Controller, limits: Limits) -> None:
+    case = judge(a_sheet(four_speed, clearance=20 * UM), limits=_limits(limits, 30 * UM))
+    for land in case.unit.lands:
+        assert land.decision == "pass"
+        assert land.advice is None
+        assert land.remedy(land.deciding) is None
+
+
+def test_a_verdict_that_may_be_worse_says_so(judge: Callable, four_speed: Controller, limits: Limits) -> None:
+    steps = Steps((("watch", 20 * UM), ("replace", 32 * UM)), "set by the workshop", "")
+    near = replace(limits, wear=None, clearance=steps, pair_share=None)
+    land = judge(a_sheet(four_speed, clearance=31 * UM), limits=near).unit.lands[0]
+    assert land.decision == "fail"  # over the limit to watch, without doubt
+    assert "under the replace limit of 32.0 µm" in land.advice
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ({"viscosity_percent": -1}, "0 or more"),
+        ({"viscosity": 3}, "viscosity_percent"),
+        ({"temperature_k": "x"}, "0 or"),
+    ],
+)
+def test_assumptions_refuse_what_they_do_not_know(setting: dict, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Assumptions().with_settings(setting)
