@@ -48,6 +48,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("MPa", 1e6): ("mpa", "мпа"),
         Unit("psi", _PSI): ("psi", "psig", "lbf/in2", "lb/in2", "psi(g)", "pounds per square inch"),
         Unit("Pa", 1.0): ("pa",),
+        Unit("0.1 kPa", 1e2): ("0.1 kpa",),
         Unit("kgf/cm²", 98066.5): ("kgf/cm2", "kg/cm2", "кгс/см2"),
     },
     "temperature": {
@@ -90,6 +91,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
             "�f",
         ),
         Unit("K", 1.0, -273.15): ("k", "kelvin"),
+        Unit("0.1 K", 0.1, -273.15): ("0.1 k",),
     },
     "rotational_speed": {
         Unit("rpm", 1.0 / 60.0): (
@@ -135,6 +137,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
             "kilometres/hour",
         ),
         Unit("mph", 0.44704): ("mph", "mi/h", "miles/h", "miles/hour", "mile/h"),
+        Unit("0.1 km/h", 1.0 / 36.0): ("0.1 km/h",),
         Unit("m/s", 1.0): ("m/s", "mps", "meters/second", "metres/second", "meter/s", "м/с"),
     },
     "time": {

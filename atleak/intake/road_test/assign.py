@@ -166,7 +166,7 @@ class Assigner:
             self.say("column_misfit", text, "warning", signal.candidate.label)
         taken = self._choose(quantity, fitting)
         if taken is None:
-            if not fitting and (asked := [s for s in misfits if s.candidate.tier < 2]):
+            if not fitting and (asked := [s for s in misfits if s.candidate.tier < 2 and not s.fit.foreign]):
                 labels = tuple(signal.candidate.label for signal in asked)
                 self.ambiguous.append(Ambiguous(quantity, labels, asked[0].fit.problem or ""))
             return

@@ -103,16 +103,21 @@ def open_delimited(source: Source) -> Delimited | None:
     text = to_text(source.data)
     if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
         text = Text(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
+    text = without_cut_cell(text)
     head = _lines(text.data[:_LONG_HEAD])
     if len(text.data) > _LONG_HEAD:
         head = head[:-1]
-    head = head[: 2 * LOOK]
     dialect = find_dialect(_sample_lines(text, head))
     if dialect is None:
         return None
-    delimiter, decimal = dialect
-    rows = [split_line(text.decode(line), delimiter) for line in head]
-    layout = find_table(rows[:LOOK], decimal) or find_table(rows, decimal)
+    delimiter, decimal = dialect.delimiter, dialect.decimal
+    rows: list[Row] = []
+    layout = None
+    for count in (LOOK, 4 * LOOK, len(head)):
+        rows += [split_line(text.decode(line), delimiter) for line in head[len(rows) : count]]
+        layout = find_table(rows, decimal, dialect.width)
+        if (layout is not None and layout.start < 0.8 * len(rows)) or count >= len(head):
+            break
     if layout is None:
         return None
     offset = sum(len(line) + 1 for line in head[: layout.start])
@@ -121,6 +126,22 @@ def open_delimited(source: Source) -> Delimited | None:
     spaced = any(delimiter.encode() + b" " in part for part in body)
     sample = tuple(rows[layout.start :][:400])
     return Delimited(text, delimiter, decimal, layout, offset, sample, quoted, spaced)
+
+
+def without_cut_cell(text: Text) -> Text:
+    """A log whose last line breaks off: the last, perhaps cut, cell is taken away, the row stays."""
+    data = text.data
+    if data.endswith((b"\n", b"\r")) or b"\n" not in data[-HEAD:]:
+        return text
+    lines = data[-HEAD:].split(b"\n")
+    last, before = lines[-1], [line for line in lines[:-1] if line.strip()][-3:]
+    for delimiter in (b"\t", b";", b","):
+        usual = {line.count(delimiter) for line in before}
+        if len(usual) == 1 and min(usual) > 0:
+            if last.count(delimiter) < min(usual) and delimiter in last:
+                return Text(data[: data.rindex(delimiter)], text.encoding, text.codec)
+            break
+    return text
 
 
 def numbers(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, int]:

@@ -14,7 +14,7 @@ from atleak.intake.units import Unit, find_unit, kinds_of, unit
 from atleak.road_test import QUANTITIES
 
 ATMOSPHERE = 101325.0
-_ABSOLUTE = re.compile(r"^(k?pa|m?bar|mpa|hpa|psi)\s*[ (_]?\s*(?:a|abs\.?|absolute?)\s*\)?$", re.IGNORECASE)
+_ABSOLUTE = re.compile(r"^((?:0\.1 )?k?pa|m?bar|mpa|hpa|psi)\s*[ (_]?\s*(?:a|abs\.?|absolute?)\s*\)?$", re.IGNORECASE)
 _SAYS_NOTHING = frozenset({"", "-", "none", "index", "gear", "raw", "n/a", "unitless", "?", "value"})
 
 
@@ -22,7 +22,7 @@ _SAYS_NOTHING = frozenset({"", "-", "none", "index", "gear", "raw", "n/a", "unit
 class Fit:
     """A column's unit: None with a ``problem`` where the column cannot be taken.
 
-    ``absolute`` pressures are turned into gauge pressures by `to_si`.
+    ``foreign``: the stated unit is of another kind. ``absolute`` pressures are turned into gauge pressures by `to_si`.
     """
 
     unit: Unit | None
@@ -30,6 +30,7 @@ class Fit:
     absolute: bool = False
     problem: str | None = None
     doubt: str | None = None
+    foreign: bool = False
 
     def to_si(self, values: np.ndarray) -> np.ndarray:
         """File's numbers → SI (gauge for pressures)."""
@@ -86,7 +87,7 @@ def fit(quantity: str, stated: str | None, values: np.ndarray, neighbours: Itera
         what = " or ".join(name.replace("_", " ") for name in kinds_of(text)) or "something else"
         if text.lower() in ("v", "mv", "volt", "volts"):
             what = "a sensor's voltage: its characteristic curve is needed"
-        return Fit(None, problem=f"unit {text!r} is {what}, not a unit of {kind.replace('_', ' ')}")
+        return Fit(None, problem=f"unit {text!r} is {what}, not a unit of {kind.replace('_', ' ')}", foreign=True)
     if found is not None:
         result = Fit(found, absolute=absolute)
         return (

@@ -155,6 +155,8 @@ def _load(source: Source) -> tuple[list[_Raw], int, str]:
             place=Place(file=source.file),
             expected="atleak installed as atleak[mdf]",
         ) from error
+    if source.data[64:66] != b"HD" and source.data[64:68] != b"##HD":
+        raise RoadTestError("is a damaged MDF file: its header is missing", place=Place(file=source.file))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

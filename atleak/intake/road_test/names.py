@@ -91,7 +91,12 @@ def split_unit(name: str) -> Name:
 def is_unit(text: str) -> bool:
     """Whether a text is a unit of anything a logger records."""
     bare = clean_unit(text)
+    if _ABSOLUTE.match(bare) or _ABSOLUTE.match(text.strip()):
+        return True
     return bool(bare) and (bare.lower() in _OTHER_UNITS or bool(kinds_of(bare)))
+
+
+_ABSOLUTE = re.compile(r"^(?:k?pa|m?bar|mpa|hpa|psi)\s*[ (_]?\s*(?:a|abs\.?|absolute?|g|gauge)\s*\)?$", re.IGNORECASE)
 
 
 def clean_unit(text: str) -> str:
@@ -212,6 +217,8 @@ def _own_unit(name: str, quantity: str) -> str | None:
     if find_unit(name, kind):  # a column called "mph" or "RPM"
         return name.strip()
     ending = unit_at_the_end(name, kind)
+    if ending is None and "/" in name and find_unit(name.rsplit("/", 1)[1], kind):  # a path: "engine/rpm"
+        return name.rsplit("/", 1)[1]
     return ending.unit if ending else None
 
 

@@ -51,15 +51,35 @@ def split_line(line: str, delimiter: str) -> Row:
     return [cell.strip() for cell in line.strip("\r\n").split(delimiter)]
 
 
-def find_dialect(lines: Sequence[str]) -> tuple[str, Decimal] | None:
+@dataclass(frozen=True)
+class Dialect:
+    """Delimiter, decimal sign and the usual number of cells in a row."""
+
+    delimiter: str
+    decimal: Decimal
+    width: int
+
+
+def find_dialect(lines: Sequence[str]) -> Dialect | None:
     """Delimiter and decimal sign, decided together by which makes most sense of these lines, or None.
 
+    The last lines are looked at by themselves too: in a short log the lines above the table may be more than its rows.
+
     >>> find_dialect(["0;1,5;700", "0;1,75;800"])
-    (';', ',')
+    Dialect(delimiter=';', decimal=',', width=3)
     """
-    best: tuple[float, int] = (0.0, 0)
-    found: tuple[str, Decimal] | None = None
     lines = [line for line in lines if line.strip()]
+    tries = [_dialect(lines)]
+    if len(lines) > 12:
+        tries += [_dialect(lines[-count:]) for count in (60, 12) if count < len(lines)]
+    found = [one for one in tries if one is not None]
+    best = max(found, key=lambda one: one[0], default=None)
+    return best[1] if best is not None and best[0] >= 0.25 else None
+
+
+def _dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
+    best: tuple[float, int] = (0.0, 0)
+    found: Dialect | None = None
     for delimiter in (",", ";", "\t", "|", WHITESPACE):
         rows = [split_line(line, delimiter) for line in lines]
         widths = Counter(len(row) for row in rows if len(row) > 1)
@@ -75,26 +95,65 @@ def find_dialect(lines: Sequence[str]) -> tuple[str, Decimal] | None:
             if not telling:
                 continue
             text = kinds["text"] / max(filled, 1)
-            score = (round(steady * (1 - text), 3), width)
+            # a blank parts a date from its time of day as well: it must be clearly better than the others
+            worth = 0.85 if delimiter == WHITESPACE else 1.0
+            score = (round(worth * steady * (1 - text), 3), width)
             if score > best:
-                best, found = score, (delimiter, decimal)
-    return found if best[0] >= 0.25 else None
+                best, found = score, Dialect(delimiter, decimal, width)
+    return (best[0], found) if found is not None else None
 
 
-def find_table(rows: Sequence[Row], decimal: Decimal) -> Layout | None:
+def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) -> Layout | None:
     """The table among rows of cells: the longest block of data rows with the rows that name its columns."""
     widths = Counter(len(row) for row in rows if _telling(row, decimal) and len(row) > 1)
     if not widths:
         return None
-    width = max(widths, key=lambda w: (widths[w] * min(w, 8), w))
+    if width is None or width not in widths:
+        width = max(widths, key=lambda w: (widths[w] * min(w, 8), w))
     expected = _expected_kinds([row for row in rows if len(row) == width], width, decimal)
     flags = [_is_data(row, expected, width, decimal) for row in rows]
     start = _longest_block(rows, flags, width, decimal)
     if start is None:
         return None
     header, top = _rows_above(rows, start, width, decimal)
+    defined = defined_channels(rows[:start], width)
+    if defined is not None:
+        return Layout(start, width, defined, True, tuple(rows[:top]), ())
     headings = _headings(header, width)
     return Layout(start, width, headings, bool(header), tuple(rows[:top]), tuple(header))
+
+
+# raw whole numbers by the channel's type; pressures are absolute, their zero on the gauge is 1013
+_TYPE_UNITS = {
+    "enginespeed": "rpm",
+    "temperature": "0.1 K",
+    "pressure": "0.1 kPa abs",
+    "abspressure": "0.1 kPa abs",
+    "speed": "0.1 km/h",
+    "gear": "gear",
+}
+
+
+def defined_channels(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
+    """Channels defined in blocks ``Channel : …``, ``ID : …``, ``Type : …`` above the data, which have no names row.
+
+    The first column of the data is the clock, the others follow the order of the blocks.
+    """
+    channels: list[list[str]] = []
+    for row in rows:
+        key, _, value = ",".join(row).partition(":")
+        key = key.strip().lower()
+        if key == "channel" and value.strip():
+            channels.append([value.strip(), ""])
+        elif key == "type" and channels:
+            channels[-1][1] = value.strip()
+    if not channels or abs(len(channels) + 1 - width) > 1:
+        return None
+    headings = [Heading(0, "time of day", ("time",), None)]
+    for index, (name, kind) in enumerate(channels, start=1):
+        unit = _TYPE_UNITS.get(kind.lower(), kind or None)
+        headings.append(Heading(index, name, (name,), unit))
+    return tuple(headings)
 
 
 def _telling(row: Row, decimal: Decimal) -> bool:

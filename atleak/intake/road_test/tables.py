@@ -147,7 +147,7 @@ def _drop_lines_that_are_no_rows(
     # only rows without a single number so far need a closer look
     unclear = np.flatnonzero(~telling)
     wordy = np.zeros(len(frame), bool)
-    clocks_at = {one.heading.index for one in times}
+    clocks_at = {one.heading.index for one in times if _holds_clocks(table, one.heading)}
     for index in worded if len(unclear) else ():
         column = frame[index].iloc[unclear]
         text = column.astype("str").str.strip()
@@ -169,6 +169,11 @@ def _drop_lines_that_are_no_rows(
     if blank.any():
         frame = frame[~blank]
     return frame, len(frame)
+
+
+def _holds_clocks(table: Table, heading: Heading) -> bool:
+    cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
+    return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)
 
 
 def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
