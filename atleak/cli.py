@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 DEFAULT_CONTROLLER = "four_speed_2023"
 DEFAULT_FLUID = "hipol_atf_iid"
 DEFAULT_LIMITS = "project_default"
+DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"
+DEFAULT_SLEEVE_INSTRUMENT = "bore_gauge"
 _BROKEN_PIPE = 141  # as a shell reports a program whose reader went away
 
 
@@ -35,7 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(encoding="utf-8", errors="replace")
     options = _parser().parse_args(arguments)
     try:
-        return options.run(options)
+        status = options.run(options)
+        sys.stdout.flush()  # a reader that went away is noticed here, not when the interpreter ends
+        return status
     except AtleakError as error:
         print(f"atleak: {error}", file=sys.stderr)
         return 2
@@ -53,12 +58,13 @@ def _diagnose(options: argparse.Namespace) -> int:
     from atleak.controller import load_controller
     from atleak.diagnosis import diagnose
     from atleak.fluid import load_fluid
+    from atleak.instruments import load_instruments
     from atleak.intake.readings import read_readings
     from atleak.limits import VERDICTS, load_limits
     from atleak.profile import find_profile
     from atleak.projection import stated_condition
 
-    _one_stream(options)
+    _check_targets(options)
     controller = load_controller(options.controller)
     profile = find_profile(options.profile, dict(options.set))
     road_test = None if options.road_test is None else _road_test(options)
@@ -76,6 +82,7 @@ def _diagnose(options: argparse.Namespace) -> int:
             gear=options.gear,
         ),
         mileage=options.mileage,
+        instruments=load_instruments(options.spool_instrument, options.sleeve_instrument),
     )
     written = []
     if options.json is not None:
@@ -101,9 +108,16 @@ def _road_test(options: argparse.Namespace) -> RoadTest:
     )
 
 
-def _one_stream(options: argparse.Namespace) -> None:
+def _check_targets(options: argparse.Namespace) -> None:
     if options.xlsx == "-":
         raise InputError("a workbook cannot be written to standard output", value="--xlsx -", expected="a file name")
+    taken = {Path(name).resolve() for name in (options.readings, options.road_test) if name is not None}
+    for target in (options.json, options.xlsx):
+        if target is None or target == "-":
+            continue
+        if Path(target).resolve() in taken:
+            raise InputError("would be written over another file of this command", place=Place(file=target))
+        taken.add(Path(target).resolve())
 
 
 def _summary(diagnosis: Diagnosis, written: list[str]) -> None:
@@ -219,6 +233,27 @@ def _limits(options: argparse.Namespace) -> int:
     return _list(rows, ["id", "name", "source"], options)
 
 
+def _instruments(options: argparse.Namespace) -> int:
+    from atleak.instruments import instruments
+
+    rows = [
+        {
+            "id": found.id,
+            "name": found.name,
+            "measures": list(found.measures),
+            "resolution_um": found.resolution * 1e6,
+            "calibration_um": found.calibration * 1e6,
+            "common_part": found.common_part,
+            "repeatability_um": None if found.repeatability is None else found.repeatability * 1e6,
+            "representative": list(found.representative),
+            "note": found.note or None,
+            "source": found.source,
+        }
+        for found in instruments()
+    ]
+    return _list(rows, ["id", "name", "measures", "resolution_um", "calibration_um", "common_part"], options)
+
+
 def _list(rows: list[dict[str, Any]], columns: list[str], options: argparse.Namespace) -> int:
     if options.json is not None:
         from atleak.report.record import to_json
@@ -276,6 +311,8 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--rpm", metavar="N", type=_number, help="engine speed of the stated condition")
     diagnose.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
     diagnose.add_argument("--mileage", metavar="KM", type=_mileage, help="of the vehicle [km]")
+    diagnose.add_argument("--spool-instrument", metavar="ID|FILE", default=DEFAULT_SPOOL_INSTRUMENT)
+    diagnose.add_argument("--sleeve-instrument", metavar="ID|FILE", default=DEFAULT_SLEEVE_INSTRUMENT)
     diagnose.add_argument("--json", metavar="FILE|-")
     diagnose.add_argument("--xlsx", metavar="FILE")
     diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])
@@ -297,7 +334,12 @@ def _parser() -> argparse.ArgumentParser:
     _add_controller(template)
     template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
 
-    for name, run in (("controllers", _controllers), ("fluids", _fluids), ("limits", _limits)):
+    for name, run in (
+        ("controllers", _controllers),
+        ("fluids", _fluids),
+        ("limits", _limits),
+        ("instruments", _instruments),
+    ):
         add(name, run, f"the {name} of the catalogue").add_argument("--json", metavar="FILE|-")
 
     app = add("app", _app, "the dashboard in a browser")
@@ -339,6 +381,8 @@ def _number(text: str) -> float:
 
 
 def _mileage(text: str) -> float:
+    if re.fullmatch(r"\d{1,3}[.,]\d{3}", text):  # a thousands separator, or metres
+        raise argparse.ArgumentTypeError(f"{text!r} can be read in two ways: write the km without a separator")
     value = _number(text)
     if not 0.0 <= value < 1e7:
         raise argparse.ArgumentTypeError(f"{text!r} is not a mileage in km")

@@ -10,6 +10,7 @@ import numpy as np
 from atleak.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
 from atleak.errors import Message
 from atleak.fluid import Fluid
+from atleak.instruments import Instruments
 from atleak.leakage import LeakageModel
 from atleak.limits import VERDICTS, Band, Limits, Steps, Verdict, worst
 from atleak.profile import WORKSHOP, Profile
@@ -17,6 +18,7 @@ from atleak.projection import Projection, mileage_at_wear, project, repaired
 from atleak.readings import LandClearance, Readings, clearances
 from atleak.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.road_test import RoadTest
+from atleak.uncertainty import DEFAULTS, Assumptions, Decision, LandUncertainty, RuleDecision, UnitUncertainty, assess
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class RuleResult:
 
 @dataclass(frozen=True)
 class LandDiagnosis:
-    """One land's state, its leakage at the stated condition, and its verdict."""
+    """One land's state, its leakage at the stated condition, its verdict and how sure that is."""
 
     state: LandClearance
     wear: float | None  # (c_r − c_m)/c_m; None where not measured
@@ -50,6 +52,7 @@ class LandDiagnosis:
     verdict: Verdict
     rules: tuple[RuleResult, ...]
     replace_mileage: float | None  # [km] at which the wear limit for replacing is reached, wear ∝ mileage
+    uncertainty: LandUncertainty | None  # None where nothing was measured
     messages: tuple[Message, ...]
 
     @property
@@ -57,8 +60,28 @@ class LandDiagnosis:
         return self.state.land.key
 
     @property
+    def decision(self) -> Decision | None:
+        """How sure the verdict is, about the limit of the rule that gave it; None where not measured."""
+        found = self.deciding_uncertainty
+        return found.decision if found else None
+
+    @property
+    def probability_over_limit(self) -> float | None:
+        """That the true value is over the limit of the rule that gave the verdict."""
+        found = self.deciding_uncertainty
+        return found.probability_over_limit if found else None
+
+    @property
+    def deciding_uncertainty(self) -> RuleDecision | None:
+        """The decision that belongs to the verdict."""
+        return self.uncertainty.deciding if self.uncertainty else None
+
+    @property
     def deciding(self) -> RuleResult | None:
-        """The rule that gave the verdict: the worst, the first of several equal ones."""
+        """The rule that gave the verdict: the worst; of several, the likeliest to be over its limit."""
+        sure = self.deciding_uncertainty
+        if sure is not None:
+            return next(rule for rule in self.rules if rule.rule == sure.rule)
         return max(self.rules, key=lambda rule: VERDICTS.index(rule.verdict), default=None)
 
 
@@ -87,6 +110,7 @@ class Diagnosis:
     hot_idle: Projection | None
     road: RoadLeakage | None
     repair_plan: tuple[RepairStep, ...]  # flagged lands in order of repair
+    uncertainty: UnitUncertainty | None  # None without readings
     messages: tuple[Message, ...]
 
     @property
@@ -128,6 +152,8 @@ def diagnose(
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
+    instruments: Instruments | None = None,
+    assumptions: Assumptions = DEFAULTS,
 ) -> Diagnosis:
     """The main job: readings and a road test in, a verdict for every land out.
 
@@ -143,6 +169,8 @@ def diagnose(
         at which leakage is projected; the controller's first operating point unless given.
     mileage
         of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
+    instruments, assumptions
+        with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
 
     Raises
     ------
@@ -161,8 +189,15 @@ def diagnose(
     when_new = [project(new, point) for point in conditions]
     idle = next((found for found in projections if found.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
-    lands = tuple(_land(state, projections, when_new, limits, mileage) for state in states)
+    sure = None
+    if readings is not None:
+        sure = assess(
+            model, states, projections, limits, readings=readings, instruments=instruments, assumptions=assumptions
+        )
+    lands = tuple(_land(state, projections, when_new, limits, mileage, sure) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if sure is not None:
+        messages = list(dict.fromkeys([*messages, *sure.messages]))
     return Diagnosis(
         readings=readings,
         controller=controller,
@@ -175,6 +210,7 @@ def diagnose(
         hot_idle=idle,
         road=road,
         repair_plan=_repair_plan(lands, projections, when_new, idle),
+        uncertainty=sure,
         messages=tuple(messages),
     )
 
@@ -209,6 +245,7 @@ def _land(
     when_new: list[Projection],
     limits: Limits,
     mileage: float | None,
+    sure: UnitUncertainty | None,
 ) -> LandDiagnosis:
     land = state.land
     stated = projections[0]
@@ -234,6 +271,7 @@ def _land(
         verdict=worst([rule.verdict for rule in rules]) if state.measured else "not_measured",
         rules=rules,
         replace_mileage=_replace_mileage(wear, limits, mileage),
+        uncertainty=sure.land(land.key) if sure is not None and state.measured else None,
         messages=state.messages,
     )
 

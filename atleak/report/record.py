@@ -13,6 +13,7 @@ from atleak.leakage import GapLeakage
 from atleak.limits import Limits, Steps
 from atleak.projection import Projection
 from atleak.road_leakage import Instant, RoadLeakage
+from atleak.uncertainty import LandUncertainty
 
 FORMAT = 1
 DM3_MIN = 6.0e4  # m³/s → dm³/min
@@ -109,7 +110,8 @@ def _steps(name: str, steps: Steps) -> dict[str, Any]:
 
 
 def _land(found: LandDiagnosis) -> dict[str, Any]:
-    state, land = found.state, found.state.land
+    state, land, sure = found.state, found.state.land, found.uncertainty
+    low, high = (sure.leakage_interval if sure else None) or (None, None)
     return {
         "component": land.component,
         "land": land.land,
@@ -117,33 +119,36 @@ def _land(found: LandDiagnosis) -> dict[str, Any]:
         "spool_diameter_mm": state.spool_diameter * MM,
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
-        "uncertainty_um": None,
+        "uncertainty_um": _scaled(sure.u_clearance, UM) if sure else None,
         "mounting_clearance_um": land.mounting_clearance * UM,
         "wear_percent": None if found.wear is None else found.wear * PERCENT,
         "effective_clearance_um": found.effective_clearance * UM,
         "leakage_dm3_min": found.leakage * DM3_MIN,
         "drawn_from_pump_dm3_min": found.drawn_from_pump * DM3_MIN,
-        "leakage_low_dm3_min": None,
-        "leakage_high_dm3_min": None,
+        "leakage_low_dm3_min": _scaled(low, DM3_MIN),
+        "leakage_high_dm3_min": _scaled(high, DM3_MIN),
         "share_percent": _finite(found.share * PERCENT),
         "verdict": found.verdict,
-        "decision": None,
-        "probability_over_limit": None,
+        "decision": found.decision,
+        "probability_over_limit": found.probability_over_limit,
+        "advice": sure.advice if sure else None,
         "replace_mileage_km": found.replace_mileage,
         "representative": list(land.representative),
-        "rules": [_rule(rule) for rule in found.rules],
+        "rules": [_rule(rule, sure) for rule in found.rules],
         "messages": [message_record(message) for message in found.messages],
     }
 
 
-def _rule(rule: RuleResult) -> dict[str, Any]:
+def _rule(rule: RuleResult, sure: LandUncertainty | None) -> dict[str, Any]:
     factor, suffix = _RULE_UNITS[rule.unit]
+    decided = sure.rule(rule.rule) if sure else None
     return {
         "rule": f"{rule.rule}_{suffix}",
         "value": _finite(rule.value * factor),
         "limit": rule.limit * factor,
         "verdict": rule.verdict,
-        "decision": None,
+        "decision": decided.decision if decided else None,
+        "probability_over_limit": decided.probability_over_limit if decided else None,
         "origin": rule.origin,
     }
 
@@ -171,6 +176,8 @@ def _gap(found: GapLeakage) -> dict[str, Any]:
 
 def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
     at = projection.condition
+    total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
+    low, high = total.leakage_interval if total else (None, None)
     return {
         "name": at.name,
         "temperature_c": at.temperature,
@@ -178,9 +185,13 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
         "gear": at.gear,
         **{f"{name}_kpa": value * KPA for name, value in projection.pressures.items()},
         "leakage_dm3_min": projection.leakage * DM3_MIN,
+        "leakage_low_dm3_min": _scaled(low, DM3_MIN),
+        "leakage_high_dm3_min": _scaled(high, DM3_MIN),
         "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
         "share_percent": _finite(projection.share * PERCENT),
         "band": diagnosis.band(projection),
+        "decision": total.decision.decision if total else None,
+        "probability_over_limit": total.decision.probability_over_limit if total else None,
         "minimum_engine_rpm": projection.minimum_speed * RPM,
         "source": at.source,
     }
@@ -211,6 +222,10 @@ def _instant(instant: Instant | None) -> dict[str, Any] | None:
         "pump_capacity_dm3_min": None if instant.pump_capacity is None else instant.pump_capacity * DM3_MIN,
         "share_percent": None if instant.share is None else instant.share * PERCENT,
     }
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else _finite(value * factor)
 
 
 def _finite(value: float) -> float | None:
