@@ -219,10 +219,10 @@ def temperature_chart(
 
 
 def variant_label(result: VariantResult) -> str:
-    """``W4: 80 °C, 50 % wear, 8.40 mm²/s``."""
+    """``W4: 80 °C, +50 %``; what is left out is fresh oil and no wear."""
     variant = result.variant
-    viscosity = f"{result.kinematic_viscosity * 1e6:.4g}"
-    return f"{variant.name}: {variant.temperature:g} °C, {variant.wear * 100:g} % wear, {viscosity} mm²/s"
+    oil = ", used oil" if variant.used_oil and not variant.wear else ""
+    return f"{variant.name}: {variant.temperature:g} °C{oil}" + (f", +{variant.wear * 100:g} %" if variant.wear else "")
 
 
 def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, float, str], ...]:

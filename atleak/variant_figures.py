@@ -39,7 +39,14 @@ def figure(chart: Chart) -> go.Figure:
     drawn.update_layout(
         height=_HEIGHT if rows == 1 else _HEIGHT + 140,
         margin={"l": 10, "r": 10, "t": 30, "b": 10},
-        legend={"orientation": "h", "yanchor": "top", "y": -0.14, "x": 0.0, "groupclick": "togglegroup"},
+        legend={
+            "orientation": "h",
+            "yref": "container",
+            "yanchor": "bottom",
+            "y": 0.0,
+            "x": 0.0,
+            "groupclick": "togglegroup",
+        },
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
         meta={"description": chart.description},

@@ -66,7 +66,7 @@ def _variant(name: str, temperature: float, wear: float, nu: float, rho: float, 
 
 _USED_OIL_NOTE = (
     "Table 2 prints {printed} mm²/s, but the printed leakage follows from 8.40 mm²/s, the used oil of W2: with "
-    "{printed} the study's controller gives {q} dm³/min. `computed` takes 8.40, `as_tabulated` {printed}."
+    "{printed} the study's controller gives {q} dm³/min. Computed here with 8.40, as tabulated with {printed}."
 )
 VARIANTS: tuple[Variant, ...] = (
     _variant("W1", 80.0, 0.0, 10.93, 0.783, "2.16", "8.89"),
@@ -92,6 +92,15 @@ VARIANTS: tuple[Variant, ...] = (
         "to W7 follow from 24.31 to 24.37 dm³/min at the same instant, of which 11.23 are 46.1 to 46.2 %.",
     ),
 )  # fmt: skip
+
+
+def reaches_digits(printed: Decimal, value: float) -> bool:
+    """Whether a value rounds to every printed digit.
+
+    >>> reaches_digits(Decimal("8.56"), 8.5577), reaches_digits(Decimal("8.56"), 8.5549)
+    (True, False)
+    """
+    return abs(value - float(printed)) <= 0.5 * 10.0 ** int(printed.as_tuple().exponent)
 
 
 @dataclass(frozen=True)

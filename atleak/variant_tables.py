@@ -1,0 +1,96 @@
+"""The source study's tables as rows for a page or a sheet: units in the headings, None where unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from decimal import Decimal
+from typing import Any, Literal
+
+from atleak.source_study import ERRATA, ComparedPoint
+from atleak.variants import DM3_MIN, OptionRow, VariantResult, reaches_digits
+
+Quantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
+
+
+def variant_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
+    """Tables 2 and 3: most leakage q and share U at that instant, printed and computed; the largest share of the test.
+
+    ``digits`` is ✓ where q rounds to every printed digit.
+    """
+    rows = []
+    for result in results:
+        variant, run, tabulated = result.variant, result.computed, result.as_tabulated
+        leakage = run.max_leakage.leakage * DM3_MIN
+        share = _percent(run.max_leakage.share)
+        rows.append(
+            {
+                "variant": variant.name,
+                "T [°C]": variant.temperature,
+                "wear [%]": variant.wear * 100.0,
+                "ν, Table 2 [mm²/s]": variant.kinematic_viscosity / 1e-6,
+                "ν used [mm²/s]": result.kinematic_viscosity / 1e-6,
+                "q printed [dm³/min]": float(variant.printed_max_leakage),
+                "q computed [dm³/min]": leakage,
+                "off [%]": (leakage / float(variant.printed_max_leakage) - 1.0) * 100.0,
+                "digits": _digits(variant.printed_max_leakage, leakage),
+                "q, ν of Table 2 [dm³/min]": tabulated.max_leakage.leakage * DM3_MIN,
+                "U printed [%]": float(variant.printed_max_share),
+                "U computed [%]": share,
+                "U largest [%]": _percent(run.max_share.share) if run.max_share else None,
+                "note": variant.note,
+            }
+        )
+    return rows
+
+
+def point_rows(points: Sequence[ComparedPoint]) -> list[dict[str, Any]]:
+    """The points of the test that the article states, beside the computed ones."""
+    return [
+        {
+            "what": f"{found.point.variant or 'pump'}: {found.point.quantity}",
+            "at [s]": found.time,
+            "stated [dm³/min]": float(found.point.printed),
+            "computed [dm³/min]": found.computed,
+            "deviation [%]": found.deviation * 100.0,
+            "stated in": "inferred from Table 3" if found.point.inferred else "section 4",
+        }
+        for found in points
+    ]
+
+
+def option_rows(options: Sequence[OptionRow], quantity: Quantity = "max_leakage") -> list[dict[str, Any]]:
+    """What every set of options gives, by variant: dm³/min, or % for a share."""
+    factor = DM3_MIN if quantity == "max_leakage" else 100.0
+    return [
+        {"options": row.label}
+        | {name: None if value is None else value * factor for name, value in getattr(row, quantity).items()}
+        for row in options
+    ]
+
+
+def option_changes(options: Sequence[OptionRow], quantity: Quantity = "max_leakage") -> list[dict[str, Any]]:
+    """The same as change against the first row (``paper``) [%]; the first row itself is left out."""
+    base = getattr(options[0], quantity)
+    return [
+        {"options": row.label}
+        | {
+            name: None if value is None or not base[name] else (value / base[name] - 1.0) * 100.0
+            for name, value in getattr(row, quantity).items()
+        }
+        for row in options[1:]
+    ]
+
+
+def errata_rows() -> list[dict[str, Any]]:
+    """Where the article contradicts itself, and what is done here."""
+    return [
+        {"no.": item.number, "article": item.article, "finding": item.finding, "here": item.here} for item in ERRATA
+    ]
+
+
+def _digits(printed: Decimal, value: float) -> str:
+    return "✓" if reaches_digits(printed, value) else "≠"
+
+
+def _percent(share: float | None) -> float | None:
+    return None if share is None else share * 100.0

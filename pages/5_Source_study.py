@@ -1,0 +1,88 @@
+"""The source study's tables and figures beside what the engine computes, and where the article contradicts itself."""
+
+import pandas as pd
+import streamlit as st
+
+from atleak import variant_charts as charts
+from atleak import variant_tables as tables
+from atleak.controller import load_controller
+from atleak.errors import AtleakError
+from atleak.intake.road_test import read_road_test
+from atleak.report.record import to_json
+from atleak.report.variants import variants_record
+from atleak.source_study import compare_points
+from atleak.variant_figures import figure
+from atleak.variants import compare_options, run_variants, sample_log, temperature_curves
+from pages.shared import panel, show
+
+STUDY, JOB = "the study's controller and test", "this job's controller and log"
+CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en16227667](https://doi.org/10.3390/en16227667)"
+
+
+@st.cache_resource(max_entries=8, show_spinner="Running W1 to W8 …")
+def computed(key: str, _controller, _road_test):
+    """Results, options and temperature curves of a controller and a road test."""
+    if _controller is None:
+        _controller, _road_test = load_controller("four_speed_2023"), read_road_test(sample_log())
+    results = run_variants(_controller, _road_test)
+    options, curves = compare_options(_controller, _road_test), temperature_curves(_controller, _road_test)
+    return _controller, _road_test, results, options, curves
+
+
+def table(rows, digits: str = "{:.4g}") -> None:
+    frame = pd.DataFrame(rows)
+    numbers = [name for name in frame if pd.api.types.is_numeric_dtype(frame[name])]
+    style = frame.style.format(digits, subset=numbers)
+    pinned = {frame.columns[0]: st.column_config.Column(pinned=True)}
+    options = {"hide_index": True, "width": "stretch", "height": "content", "placeholder": "–"}
+    st.dataframe(style, column_config=pinned, **options)
+
+
+bench, diagnosis = panel.shown()
+st.title("The source study, reproduced")
+st.markdown(f"{CITED}. Its eight variants W1 to W8 run through the same engine as every job, in the `paper` profile.")
+own = diagnosis.road is not None and not bench.sample
+what = st.radio("Run them on", [STUDY, JOB], horizontal=True) if own else STUDY
+try:
+    job = (bench.key, diagnosis.controller, diagnosis.road.road_test) if what == JOB else ("study", None, None)
+    controller, road_test, results, options, curves = computed(*job)
+except AtleakError as error:
+    st.error(show.error_line(error))
+    st.stop()
+if controller.representative:
+    st.info(f"**Representative:** {show.plain(controller.representative)} The road test is representative too.")
+
+names = ["Tables 2 and 3", "Over time (Fig. 13)", "Over temperature (Fig. 14)", "Share", "Workshop or paper", "Errata"]
+variants, over_time, over_temperature, share, physics, errata = st.tabs(names)
+gear = road_test.values("gear")
+with variants:
+    rows = tables.variant_rows(results)
+    table([{name: value for name, value in row.items() if name != "note"} for row in rows])
+    st.caption("q: most leakage of the test. U: its share of the pump flow then; largest: over the whole test.")
+    st.markdown("\n".join(f"- **{row['variant']}** {show.plain(row['note'])}" for row in rows if row["note"]))
+    record = to_json(variants_record(results, controller, road_test))
+    st.download_button("Download as JSON", record, "variants.json", "application/json", on_click="ignore")
+    if what == STUDY:
+        st.subheader("Points of the test that the article states")
+        table(tables.point_rows(compare_points(results)))
+with over_time:
+    st.plotly_chart(figure(charts.leakage_chart(results, gear)), width="stretch", key="time")
+    st.caption("Triangles: least and most leakage of each variant. Click in the legend to hide a variant.")
+with over_temperature:
+    log_y = st.toggle("Logarithmic scale")
+    chart = charts.temperature_chart(curves, results, printed=what == STUDY, log_y=log_y)
+    st.plotly_chart(figure(chart), width="stretch", key="temperature")
+    st.caption("Curves: fresh oil. W4 lies above them: its printed result is that of the used oil.")
+with share:
+    if results[0].computed.share is None:
+        st.info("The log has no engine speed, so there is no pump flow and no share.")
+    else:
+        st.plotly_chart(figure(charts.share_chart(results, gear)), width="stretch", key="share")
+        st.caption("Circles: largest share, at idle, where the pump turns slowest. Triangles: instant of most leakage.")
+with physics:
+    st.markdown("What each option changes in the most leakage [%], one at a time and together; `–`: no data so cold.")
+    table(tables.option_changes(options), "{:+.2f}")
+    st.markdown("Leakage share at that instant [%]")
+    table(tables.option_rows(options, "share_at_max_leakage"))
+with errata:
+    st.table(pd.DataFrame(tables.errata_rows()), hide_index=True)
