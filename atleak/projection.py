@@ -30,8 +30,10 @@ class Projection:
         return self.share_of(self.leakage)
 
     def share_of(self, leakage: float) -> float:
-        """Some leakage [m³/s] as a share of this condition's pump capacity."""
-        return leakage / self.pump_capacity if self.pump_capacity > 0.0 else math.inf
+        """Some leakage [m³/s] as a share of this condition's pump capacity; no leakage has no share of any."""
+        if self.pump_capacity > 0.0:
+            return leakage / self.pump_capacity
+        return math.inf if leakage > 0.0 else 0.0
 
     def gaps_of(self, key: tuple[str, int]) -> tuple[GapLeakage, ...]:
         """The gaps of one land."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -65,8 +65,9 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     """
     main = road_test.values("main_pressure")
     if main is None or not np.isfinite(main).any():
+        found = "no main pressure" if main is None else "no usable sample of main pressure"
         raise RoadTestError(
-            "the log has no main pressure, without which leakage cannot be computed",
+            f"the log has {found}, without which leakage cannot be computed",
             place=Place(file=road_test.file),
             expected="a column p_g [kPa] (or bar, psi)",
         )
@@ -126,7 +127,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         if share is None or not np.isfinite(share).any()
         else _instant(result, int(np.nanargmax(share))),
     }
-    return RoadLeakage(**{**vars(result), **instants})
+    return replace(result, **instants)
 
 
 def _instant(result: RoadLeakage, index: int) -> Instant:

@@ -25,9 +25,16 @@ WORDS = {
 _STYLES = {"watch": "yellow", "replace": "red", "critical": "bold red"}
 
 
+class _Console(Console):
+    """A console that leaves a reader that went away to the command line: rich would end with status 1."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """Totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
-    console = Console(highlight=False)
+    console = _Console(highlight=False)
     controller, readings = diagnosis.controller, diagnosis.readings
     console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
@@ -69,7 +76,7 @@ def print_variants(results: Sequence[VariantResult]) -> None:
             str(variant.printed_max_share),
             "–" if computed.share is None else f"{computed.share * PERCENT:.2f}",
         )
-    console = Console(highlight=False)
+    console = _Console(highlight=False)
     console.print(table)
     console.print(Text("Leakage in dm³/min at its maximum over the log, share in % at that instant."))
     for result in results:
@@ -79,7 +86,7 @@ def print_variants(results: Sequence[VariantResult]) -> None:
 
 def print_log(record: dict[str, Any]) -> None:
     """What was understood of a log, from its record."""
-    console = Console(highlight=False)
+    console = _Console(highlight=False)
     form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
     console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
     segments = record["segments"]
@@ -107,13 +114,15 @@ def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
     table = Table(*(column.replace("_", " ") for column in columns))
     for row in rows:
         table.add_row(*(Text(_cell(row[column])) for column in columns))
-    Console(highlight=False).print(table)
+    _Console(highlight=False).print(table)
 
 
 def _cell(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{found:g} at {name} °C" for name, found in value.items())
-    return {None: "–", True: "yes", False: "no"}.get(value, str(value)) if not isinstance(value, list) else str(value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return "–" if value is None else str(value)
 
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
