@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 DEFAULT_CONTROLLER = "four_speed_2023"
 DEFAULT_FLUID = "hipol_atf_iid"
 DEFAULT_LIMITS = "project_default"
-DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"
-DEFAULT_SLEEVE_INSTRUMENT = "bore_gauge"
 _BROKEN_PIPE = 141  # as a shell reports a program whose reader went away
 
 
@@ -58,7 +56,7 @@ def _diagnose(options: argparse.Namespace) -> int:
     from atleak.controller import load_controller
     from atleak.diagnosis import diagnose
     from atleak.fluid import load_fluid
-    from atleak.instruments import load_instruments
+    from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUMENT, load_instruments
     from atleak.intake.readings import read_readings
     from atleak.limits import VERDICTS, load_limits
     from atleak.profile import find_profile
@@ -82,7 +80,9 @@ def _diagnose(options: argparse.Namespace) -> int:
             gear=options.gear,
         ),
         mileage=options.mileage,
-        instruments=load_instruments(options.spool_instrument, options.sleeve_instrument),
+        instruments=load_instruments(
+            options.spool_instrument or DEFAULT_SPOOL_INSTRUMENT, options.sleeve_instrument or DEFAULT_SLEEVE_INSTRUMENT
+        ),
     )
     written = []
     if options.json is not None:
@@ -311,8 +311,8 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--rpm", metavar="N", type=_number, help="engine speed of the stated condition")
     diagnose.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
     diagnose.add_argument("--mileage", metavar="KM", type=_mileage, help="of the vehicle [km]")
-    diagnose.add_argument("--spool-instrument", metavar="ID|FILE", default=DEFAULT_SPOOL_INSTRUMENT)
-    diagnose.add_argument("--sleeve-instrument", metavar="ID|FILE", default=DEFAULT_SLEEVE_INSTRUMENT)
+    diagnose.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
+    diagnose.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
     diagnose.add_argument("--json", metavar="FILE|-")
     diagnose.add_argument("--xlsx", metavar="FILE")
     diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])

@@ -120,9 +120,11 @@ def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
 def _cell(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{found:g} at {name} °C" for name, found in value.items())
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return "–" if value is None else str(value)
+    if isinstance(value, list):
+        return ", ".join(map(str, value))
+    if isinstance(value, float):
+        return f"{value:g}"
+    return {None: "–", True: "yes", False: "no"}.get(value, str(value))
 
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
