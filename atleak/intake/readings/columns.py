@@ -88,15 +88,16 @@ def _part(sheet: Sheet, header: Header) -> Column | None:
 
 def _component(sheet: Sheet, header: Header, names: Names) -> Column | None:
     """Of the columns that may number or name the components, the one whose cells the controller knows."""
-    best: tuple[float, int, Column] | None = None
+    best: tuple[float, float, int, Column] | None = None
     for column in header.of("component"):
         if not header.of("part") and _names_parts(sheet, header, column):
             continue
         cells = list(_cells(sheet, header, column))
         known = sum(names.component(cell) is not None for cell in cells) / len(cells) if cells else 0.0
-        if best is None or (known, column.rank) > best[:2]:
-            best = (known, column.rank, column)
-    return best[2] if best else None
+        numbered = sum(text_of(cell) in names.with_lands for cell in cells) / len(cells) if cells else 0.0
+        if best is None or (known, numbered, column.rank) > best[:3]:
+            best = (known, numbered, column.rank, column)
+    return best[3] if best else None
 
 
 def _same(sheet: Sheet, header: Header, names: Names, component: Column | None) -> Iterator[Column]:

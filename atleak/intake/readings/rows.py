@@ -12,13 +12,24 @@ from atleak.intake.readings.headings import Column, Header
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.sheet import Cell, Sheet
 from atleak.intake.readings.values import MM, Converted, Key, RawValue, convert
-from atleak.intake.readings.words import at, direction_of, is_blank, number, part_of, part_words, plain, text_of
+from atleak.intake.readings.words import (
+    at,
+    direction_of,
+    is_blank,
+    number,
+    part_of,
+    part_words,
+    plain,
+    repeat_of,
+    text_of,
+)
 from atleak.intake.units import Unit, find_unit, unit_names
 from atleak.readings import Part
 
-_MERGE_HINT = (
-    "the value in every row. Cells left empty under a first one are understood only where the workbook has merged them"
+_EVERY_ROW = (
+    "the value in every row. Empty cells under a first one are understood only where a workbook has merged them"
 )
+_IN_TEXT = "the value in every row, or the workbook itself: a text file does not keep merged cells"
 _DIAMETER = "a diameter such as 9.939"
 
 
@@ -314,9 +325,8 @@ class _Reader:
         cell = self._required(row, column)
         if cell is None:
             return None, True, False
-        digits = "".join(sign for sign in text_of(cell) if sign.isdigit())
-        roman = {"i": 1, "ii": 2, "iii": 3, "iv": 4}.get(plain(cell))
-        if not digits and roman is None:
+        repeat = repeat_of(cell)
+        if repeat is None:
             self._once(
                 ReadingsError(
                     "not the number of a repeat",
@@ -326,7 +336,7 @@ class _Reader:
                 )
             )
             return None, True, False
-        return int(digits) if digits else roman, True, True
+        return repeat, True, True
 
     # --- all rows together ----------------------------------------------------------------------------------------
 
@@ -337,7 +347,7 @@ class _Reader:
             self._say(
                 f"column {' '.join(column.heading.split())!r} is empty in a row that holds a reading{more}",
                 self._place(next(iter(rows)), column),
-                expected=_MERGE_HINT,
+                expected=_IN_TEXT if self.sheet.is_text else _EVERY_ROW,
             )
 
     def _tell_overridden(self) -> None:

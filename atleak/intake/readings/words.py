@@ -192,6 +192,17 @@ def direction_of(cell: Cell) -> float | None:
 _ROMAN = {"i": "1", "ii": "2", "iii": "3", "iv": "4", "v": "5"}
 
 
+def repeat_of(cell: Cell) -> int | None:
+    """The number of a repeat, or None.
+
+    >>> repeat_of(2.0), repeat_of("No. 2"), repeat_of("II"), repeat_of("1.5")
+    (2, 2, 2, None)
+    """
+    text = plain(text_of(cell))
+    found = re.fullmatch(r"[a-z#]*[ .#]*([0-9]{1,4})\.?", text)
+    return int(found[1] if found else _ROMAN.get(text, "0")) or None
+
+
 def plane_names(cell: Cell) -> list[str]:
     """Spellings under which a controller may know the plane that a cell names, the literal one first.
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.readings import clearances
 from atleak.report.template import write_readings
@@ -128,3 +129,59 @@ def test_a_sheet_that_is_written_reads_back(controller, rows, blank_rows):
     assert diameters(again).keys() == diameters(found).keys()
     for key, diameter in diameters(found).items():
         assert math.isclose(diameters(again)[key], diameter, rel_tol=1e-12)
+
+
+JUNK = st.sampled_from(
+    [
+        "",
+        "-1",
+        "0",
+        "1e999",
+        "nan",
+        "12'",
+        "9,9",
+        "9.9.9",
+        "mm",
+        "spool",
+        "sleeve",
+        "x1",
+        "x2 [mm]",
+        "diameter [mm]",
+        "²",
+    ]
+    + [
+        "component",
+        "II",
+        "°",
+        "[mm]",
+        "unit",
+        "9939",
+        "0.391",
+        "99.39",
+        "9'939",
+        "9 939",
+        "½",
+        "No.",
+        "repeat 1",
+        "#REF!",
+    ]
+) | st.text(max_size=5)
+
+
+@settings(max_examples=150, deadline=None)
+@given(rows=sheets(), changes=st.lists(st.tuples(st.integers(0, 20), st.integers(0, 6), JUNK), min_size=1, max_size=4))
+def test_a_sheet_with_anything_in_it_is_read_or_refused_with_a_reason(controller, rows, changes):
+    cells = [line.split(";") for line in as_text(rows).decode().splitlines()]
+    for row, column, value in changes:
+        line = cells[row % len(cells)]
+        line += [""] * (column + 1 - len(line))
+        line[column] = value
+    try:
+        found = read_readings("\n".join(";".join(line) for line in cells).encode("utf-8", "replace"), controller)
+    except ReadingsError as error:
+        assert error.place.file == "readings"
+        assert error.problem
+        assert str(error)
+    else:
+        assert all(0.004 < reading.diameter < 0.03 for reading in found.readings)
+        assert all(state.radial_clearance >= 0.0 for state in clearances(found, controller))
