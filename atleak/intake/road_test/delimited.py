@@ -16,7 +16,6 @@ from atleak.intake.road_test.source import HEAD, Source
 from atleak.intake.road_test.table import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
 from atleak.intake.road_test.text import Text, to_text
 
-
 _LONG_HEAD = 1 << 18
 LOOK = 600
 """Lines among which the table's beginning is sought first."""

@@ -15,9 +15,9 @@ from atleak.intake.road_test import memory
 from atleak.intake.road_test.assign import Assigner, Candidate, candidates, map_columns
 from atleak.intake.road_test.clocks import Clock
 from atleak.intake.road_test.names import split_unit
+from atleak.intake.road_test.protocol import Reading
 from atleak.intake.road_test.source import Source
 from atleak.intake.road_test.table import Heading
-from atleak.intake.road_test.tables import Reading
 from atleak.intake.road_test.timeline import build as build_timeline
 from atleak.road_test import QUANTITIES
 
@@ -184,7 +184,7 @@ def _channels(mdf: Any) -> Iterator[tuple[tuple[str, tuple[str, ...], str | None
         if not group.channel_group.cycles_nr:
             continue
         for index, channel in enumerate(group.channels):
-            if "Frame" in channel.name and "_" in channel.name or channel.name.lower() in ("timestamp", "time", "t"):
+            if ("Frame" in channel.name and "_" in channel.name) or channel.name.lower() in ("timestamp", "time", "t"):
                 continue
             signal = mdf.get(group=number, index=index)
             samples = np.asarray(signal.samples)

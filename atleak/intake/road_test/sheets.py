@@ -137,13 +137,13 @@ def open_sheets(source: Source) -> list[Sheet]:
     try:
         workbook = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(source.data))
         names = workbook.sheet_names
-    except Exception as error:  # noqa: BLE001 - the reader's own errors share no base class
+    except Exception as error:
         raise RoadTestError(f"is a damaged or protected workbook: {error}", place=Place(file=source.file)) from error
     sheets = []
     for name in names:
         try:
             cells = workbook.get_sheet_by_name(name).to_python(skip_empty_area=True)
-        except Exception as error:  # noqa: BLE001
+        except Exception as error:
             raise RoadTestError(f"cannot be read: {error}", place=Place(file=source.file, sheet=name)) from error
         rows = [[None if cell == "" else cell for cell in row] for row in cells]
         while rows and all(cell is None for cell in rows[-1]):

@@ -12,10 +12,11 @@ from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.road_test import build, memory
 from atleak.intake.road_test.assign import Ambiguous, Assigner, stated_units
 from atleak.intake.road_test.delimited import open_delimited
+from atleak.intake.road_test.protocol import Reading, Table
 from atleak.intake.road_test.sheets import Sheet, open_sheets
 from atleak.intake.road_test.source import Source, open_source
 from atleak.intake.road_test.table import Heading
-from atleak.intake.road_test.tables import Reading, Table, read_table
+from atleak.intake.road_test.tables import read_table
 from atleak.intake.road_test.timeline import Timeline
 from atleak.intake.road_test.timeline import build as build_timeline
 from atleak.road_test import RoadTest, Segment

@@ -1,0 +1,388 @@
+"""What happened in a road test: shifts, idle, stall, lock-up, steady driving, the minimum-acceleration test.
+
+Every event is a window of time; `RoadTest.window` gives the samples in it. The thresholds are choices of this project,
+gathered in `Thresholds`, except where the field's source is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+
+from atleak.errors import Message
+from atleak.road_test import Channel, RoadTest, Source
+
+EventKind = Literal["minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving"]
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """When an event is one. Speeds of rotation [1/s], vehicle speeds [m/s], temperatures [°C], durations [s]."""
+
+    standing: float = 1.0 / 3.6
+    idle_low: float = 400 / 60
+    idle_high: float = 1100 / 60
+    hot: float = 70.0
+    idle_seconds: float = 3.0
+    stall_speed: float = 1400 / 60
+    stall_seconds: float = 0.4
+    stall_longest: float = 15.0
+    gentle_speed: float = 2500 / 60
+    gentle_end: float = 30 / 3.6
+    gentle_back: float = 5 / 3.6
+    slip: float = 50 / 60
+    lock_up_seconds: float = 1.0
+    steady_seconds: float = 5.0
+    steady_speed: float = 20 / 3.6
+    steady_vehicle: float = 3 / 3.6
+    steady_engine: float = 100 / 60
+    ratio_tolerance: float = 0.06
+
+
+@dataclass(frozen=True)
+class Event:
+    """One event: ``start`` and ``stop`` [s] on the road test's time; gears only for shifts."""
+
+    kind: EventKind
+    start: float
+    stop: float
+    from_gear: int | None = None
+    to_gear: int | None = None
+    source: Source = "logged"
+    note: str = ""
+
+    @property
+    def duration(self) -> float:
+        """Length [s]."""
+        return self.stop - self.start
+
+
+def events(road_test: RoadTest, thresholds: Thresholds | None = None) -> tuple[Event, ...]:
+    """All events of a road test, by their start. A channel that is missing only takes its own events away."""
+    limits = thresholds or Thresholds()
+    found = [
+        *gear_shifts(road_test, limits),
+        *hot_idle(road_test, limits),
+        *stalls(road_test, limits),
+        *lock_ups(road_test, limits),
+        *steady_driving(road_test, limits),
+        *minimum_acceleration(road_test, limits),
+    ]
+    return tuple(sorted(found, key=lambda event: (event.start, event.kind)))
+
+
+# --- runs of a condition ------------------------------------------------------------------------------------
+
+
+def _segments(road_test: RoadTest) -> Iterator[slice]:
+    if not road_test.segments:
+        yield slice(0, len(road_test.time))
+    for segment in road_test.segments:
+        yield slice(segment.start_row, segment.start_row + segment.rows)
+
+
+def _runs(road_test: RoadTest, mask: np.ndarray, shortest: float) -> Iterator[tuple[int, int]]:
+    """First and last index of every run of True that lasts long enough; never across a segment's end."""
+    for part in _segments(road_test):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], mask[part].astype(np.int8), [0]])))
+        for low, high in zip(edges[::2], edges[1::2], strict=True):
+            first, last = part.start + int(low), part.start + int(high) - 1
+            if road_test.time[last] - road_test.time[first] >= shortest:
+                yield first, last
+
+
+def _standing(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
+    speed = road_test.values("vehicle_speed")
+    if speed is not None:
+        return speed < limits.standing
+    output = road_test.values("output_speed")
+    return output < 0.5 if output is not None else None
+
+
+# --- the events ---------------------------------------------------------------------------------------------
+
+
+def hot_idle(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """Standing, engine at idle speed, fluid at working temperature."""
+    limits = limits or Thresholds()
+    engine, standing, atf = (
+        road_test.values("engine_speed"),
+        _standing(road_test, limits),
+        road_test.values("atf_temperature"),
+    )
+    if engine is None or standing is None or atf is None:
+        return []
+    mask = standing & (engine > limits.idle_low) & (engine < limits.idle_high) & (atf >= limits.hot)
+    time = road_test.time
+    return [
+        Event("hot_idle", float(time[low]), float(time[high]))
+        for low, high in _runs(road_test, mask, limits.idle_seconds)
+    ]
+
+
+def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """Standing with the engine pulling against the converter; with a turbine speed, the turbine stands too.
+
+    A run longer than `Thresholds.stall_longest` is no stall test but an engine revved in neutral or park.
+    """
+    limits = limits or Thresholds()
+    engine, standing = road_test.values("engine_speed"), _standing(road_test, limits)
+    if engine is None or standing is None:
+        return []
+    mask = standing & (engine > limits.stall_speed)
+    turbine, gear = road_test.values("turbine_speed"), road_test.values("gear")
+    if turbine is not None:
+        mask &= ~(turbine > 0.15 * engine)
+    elif gear is not None:
+        mask &= ~(gear == 0)
+    else:
+        return []  # revving in neutral looks the same
+    time = road_test.time
+    return [
+        Event("stall", float(time[low]), float(time[high]))
+        for low, high in _runs(road_test, mask, limits.stall_seconds)
+        if time[high] - time[low] <= limits.stall_longest
+    ]
+
+
+def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """The converter without slip: engine and turbine turn alike; else where the lock-up is commanded."""
+    limits = limits or Thresholds()
+    engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
+    source: Source = "logged"
+    note = ""
+    if engine is not None and turbine is not None:
+        mask = (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high)
+    else:
+        channel = road_test.values("lock_up")
+        if channel is None or not np.isfinite(channel).any() or not np.nanmax(channel) > 0:
+            return []
+        mask = channel >= 0.5 * np.nanmax(channel)
+        note = "commanded: no turbine speed shows whether it held"
+    time = road_test.time
+    return [
+        Event("lock_up", float(time[low]), float(time[high]), source=source, note=note)
+        for low, high in _runs(road_test, mask, limits.lock_up_seconds)
+    ]
+
+
+def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """Vehicle and engine speed that stay within a narrow band for some seconds."""
+    limits = limits or Thresholds()
+    engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
+    if engine is None or vehicle is None:
+        return []
+    mask = np.zeros(len(road_test.time), bool)
+    for part in _segments(road_test):
+        time = road_test.time[part]
+        steps = np.diff(time)
+        steps = steps[steps > 0]
+        if not len(steps):
+            continue
+        count = max(3, int(np.ceil(limits.steady_seconds / np.median(steps))) + 1)
+        if count > len(time):
+            continue
+        calm = (vehicle[part] > limits.steady_speed) & _band(engine[part], count, limits.steady_engine)
+        calm &= _band(vehicle[part], count, limits.steady_vehicle)
+        # every sample of a calm window belongs to it
+        ends = pd.Series(calm[::-1].astype(float)).rolling(count, min_periods=1).max().to_numpy()[::-1] > 0
+        mask[part] = ends
+    time = road_test.time
+    return [
+        Event("steady_driving", float(time[low]), float(time[high]))
+        for low, high in _runs(road_test, mask, limits.steady_seconds)
+    ]
+
+
+def _band(values: np.ndarray, count: int, width: float) -> np.ndarray:
+    """Whether the ``count`` samples up to each one lie within ± width of their middle."""
+    rolling = pd.Series(values).rolling(count, min_periods=count)
+    with np.errstate(invalid="ignore"):
+        return ((rolling.max() - rolling.min()) <= 2 * width).to_numpy()
+
+
+def minimum_acceleration(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """From standstill through the gears with little throttle: engine speed never above 2500 rpm.
+
+    It begins with the last sample at standstill and ends where the car slows down, the engine is revved higher, or the
+    recording breaks off; shorter than 30 km/h, or in first gear alone, it is none.
+    """
+    limits = limits or Thresholds()
+    engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
+    if engine is None or vehicle is None:
+        return []
+    gear = road_test.values("gear")
+    found = []
+    for part in _segments(road_test):
+        speed, turns = vehicle[part], engine[part]
+        standing = speed < limits.standing
+        starts = np.flatnonzero(standing[:-1] & (speed[1:] >= limits.standing))
+        for low in starts:
+            later = np.flatnonzero(standing[low + 1 :])
+            end = low + 1 + int(later[0]) if len(later) else len(speed)
+            run = speed[low:end]
+            top = np.fmax.accumulate(run)
+            over = np.flatnonzero((run < top - limits.gentle_back) | (turns[low:end] > limits.gentle_speed))
+            high = low + int(over[0]) - 1 if len(over) else end - 1
+            if high <= low or not np.nanmax(speed[low : high + 1]) >= limits.gentle_end:
+                continue
+            if gear is not None and not np.nanmax(gear[part][low : high + 1], initial=0) >= 2:
+                continue
+            high = low + int(np.nanargmax(speed[low : high + 1]))
+            time = road_test.time[part]
+            found.append(Event("minimum_acceleration", float(time[low]), float(time[high])))
+    return found
+
+
+def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """Shifts between forward gears: by the ratio of turbine to output speed where both are there, since a logged gear
+    may lag by half a second; else by the gear channel.
+    """
+    limits = limits or Thresholds()
+    gear = road_test.values("gear")
+    ratio = _ratio(road_test, ("turbine_speed",))
+    if gear is None and ratio is None:
+        return []
+    found: list[Event] = []
+    if gear is None:
+        derived = with_derived_gear(road_test)
+        gear = derived.values("gear")
+        if gear is None:
+            return []
+    channel = road_test.channel("gear")
+    source: Source = channel.source if channel else "derived"
+    for part in _segments(road_test):
+        known = np.flatnonzero(gear[part] > 0)
+        if len(known) < 2:
+            continue
+        values = gear[part][known]
+        for step in np.flatnonzero(np.diff(values) != 0):
+            low, high = known[step], known[step + 1]
+            event = Event(
+                "gear_shift", float(road_test.time[part][low]), float(road_test.time[part][high]),
+                int(values[step]), int(values[step + 1]), source,
+            )  # fmt: skip
+            found.append(_by_ratio(event, road_test, ratio, part, int(low), int(high), limits))
+    return found
+
+
+def _by_ratio(
+    event: Event, road_test: RoadTest, ratio: np.ndarray | None, part: slice, low: int, high: int, limits: Thresholds
+) -> Event:
+    """The shift's true beginning and end, from the turbine's speed against the output's."""
+    if ratio is None or event.source != "logged":
+        return event
+    time, values = road_test.time[part], ratio[part]
+    before = (time > time[high] - 4.0) & (time < time[high] - 2.0)
+    after = (time > time[high]) & (time < time[high] + 2.0)
+    if not np.isfinite(values[before]).any() or not np.isfinite(values[after]).any():
+        return event
+    old, new = float(np.nanmedian(values[before])), float(np.nanmedian(values[after]))
+    if abs(new / old - 1) < 0.1:
+        return event
+    near = np.flatnonzero((time >= time[high] - 2.0) & (time <= time[high] + 1.0))
+    left = near[np.abs(values[near] / old - 1) > limits.ratio_tolerance]
+    reached = near[np.abs(values[near] / new - 1) <= limits.ratio_tolerance]
+    if not len(left) or not len(reached):
+        return event
+    start, stop = time[max(left[0] - 1, 0)], time[reached[0]]
+    if stop <= start:
+        return event
+    lag = float(time[high] - stop)
+    return replace(
+        event, start=float(start), stop=float(stop), note=f"the logged gear lags by {lag:.2f} s" if lag > 0 else ""
+    )
+
+
+# --- gear from the speed ratio ------------------------------------------------------------------------------
+
+
+def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:
+    """Speed before the gears over speed behind them; its scale is arbitrary where only the vehicle speed is known."""
+    above = next((road_test.values(name) for name in drivers if road_test.values(name) is not None), None)
+    below = next(
+        (road_test.values(name) for name in ("output_speed", "vehicle_speed") if road_test.values(name) is not None),
+        None,
+    )
+    if above is None or below is None:
+        return None
+    moving = below > (2.0 if road_test.values("output_speed") is None else 1.0)
+    return np.where(moving & (above > 0), above / np.where(moving, below, 1.0), np.nan)
+
+
+def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
+    """The ratios at which a log dwells, highest first: the gears. Levels closer than 12 % are one.
+
+    >>> r = np.repeat([2.8, 1.5, 1.0], 200)
+    >>> [round(level, 2) for level in ratio_levels(r)]
+    [2.8, 1.5, 1.0]
+    """
+    good = np.log(ratio[np.isfinite(ratio) & (ratio > 0)])
+    if len(good) < 50:
+        return []
+    edges = np.arange(good.min() - 0.02, good.max() + 0.04, 0.02)
+    counts, _ = np.histogram(good, edges)
+    wide = np.convolve(counts, np.ones(3), "same")
+    order = np.argsort(wide)[::-1]
+    levels: list[float] = []
+    for index in order:
+        if wide[index] < share * len(good):
+            break
+        middle = 0.5 * (edges[index] + edges[index + 1])
+        near = good[np.abs(good - middle) < 0.03]
+        if not len(near):
+            continue
+        middle = float(np.median(near))
+        if all(abs(middle - level) > 0.12 for level in levels):
+            # a level stands out from what the ratio passes through on its way
+            around = good[(np.abs(good - middle) < 0.12)]
+            if np.mean(np.abs(around - middle) < 0.03) > 0.45:
+                levels.append(middle)
+    return [float(np.exp(level)) for level in sorted(levels, reverse=True)]
+
+
+def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None, tolerance: float = 0.06) -> RoadTest:
+    """The road test with a gear channel derived from the speed ratio, marked ``derived``; unchanged where one is logged.
+
+    Parameters
+    ----------
+    ratios
+        Ratios of the gears from first on, in the scale of turbine (or engine) over output (or vehicle) speed. Without
+        them the levels found in the log are numbered from the highest ratio as first gear.
+    tolerance
+        How far from a gear's ratio a sample may be [1]; between gears, and with a slipping converter, it is unknown.
+    """
+    if road_test.channel("gear") is not None:
+        return road_test
+    ratio = _ratio(road_test)
+    if ratio is None:
+        return road_test
+    levels = list(ratios) if ratios else ratio_levels(ratio)
+    if not levels:
+        return road_test
+    distance = np.abs(ratio[:, None] / np.array(levels)[None, :] - 1)
+    nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
+    close = distance[np.arange(len(ratio)), nearest] <= tolerance
+    gear = np.where(close, nearest + 1.0, np.nan)
+    how = "given ratios" if ratios else f"{len(levels)} ratios found in the log, the highest taken as first gear"
+    channel = Channel(
+        "gear",
+        road_test.time,
+        gear,
+        np.zeros(len(gear), bool),
+        column="",
+        source="derived",
+        independent=int(close.sum()),
+    )
+    note = Message("warning", "gear_derived", f"no gear is logged: it is derived from the speed ratio ({how})")
+    return replace(
+        road_test,
+        channels=MappingProxyType({**road_test.channels, "gear": channel}),
+        messages=(*road_test.messages, note),
+        _held={},
+    )
