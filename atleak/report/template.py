@@ -74,8 +74,8 @@ _HOW_TO = (
     ),
     (
         "More rows",
-        "For a third repeat or another direction insert a row inside the block and number the repeat. Columns may stand "
-        "in any order; their headings must stay.",
+        "For a third repeat or another direction insert a row inside the block and number the repeat. Columns may "
+        "stand in any order; their headings must stay.",
     ),
     (
         "Check",

@@ -34,6 +34,18 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
         land = controller.land_of_plane(reading.component, reading.plane)
         if land is not None:
             by_land[land.key].append(reading)
+    whole = [found for found in clearances(readings, controller) if found.status == "measured"]
+    swapped = [found for found in whole if _looks_swapped(found)]
+    if len(swapped) > 1 and len(swapped) >= _WHOLE_SHEET * len(whole):
+        first = min((by_land[found.land.key][0].place for found in swapped), key=lambda place: place.row or 0)
+        problems.append(
+            ReadingsError(
+                f"in {len(swapped)} of {len(whole)} lands the sleeve measures smaller than the spool, and the other way "
+                "round they would fit: spool and sleeve swapped in the whole sheet?",
+                place=Place(first.file, first.sheet, first.row),
+                expected="in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger",
+            )
+        )
     for found in clearances(readings, controller):
         if found.measured and found.land.key not in doubtful:
             problems += _clearance(found, by_land[found.land.key], readings)
@@ -228,18 +240,22 @@ def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Pl
             expected=f"the readings of the {land.part} too, or the right nominal diameter in the controller's file",
         )
     swapped = -found.radial_clearance
-    plausible = swapped <= max(5.0 * land.mounting_clearance, 0.1e-3)
     return ReadingsError(
         f"{name}: the sleeve ({sleeve}) measures smaller than the {land.part} ({spool})"
         + (
             f": spool and sleeve swapped? The other way round the radial clearance would be {swapped * 1e6:.1f} µm"
-            if plausible
+            if _looks_swapped(found)
             else ""
         ),
         place=place,
         value=sleeve,
         expected=f"a sleeve larger than {spool}",
     )
+
+
+def _looks_swapped(found: LandClearance) -> bool:
+    """Whether the other way round the clearance would be one of a valve, new or worn."""
+    return 0.0 < -found.radial_clearance <= max(5.0 * found.land.mounting_clearance, 0.1e-3)
 
 
 def _unmeasured(found: LandClearance) -> str:

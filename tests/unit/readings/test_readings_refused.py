@@ -283,6 +283,17 @@ def test_spool_and_sleeve_swapped(refused, make_workbook, tidy):
     assert error.value == "9.939 mm"
 
 
+def test_spool_and_sleeve_swapped_in_the_whole_sheet(refused, make_text):
+    rows = [("component", "part", "plane", "diameter_mm")]
+    for component, plane, small, large in (("6", 1, 9.939, 9.99), ("6", 2, 9.942, 9.99), ("12'", 1, 14.0, 14.07)):
+        rows += [(component, "sleeve", plane, small), (component, "spool", plane, large)]
+    error = refused(make_text(rows), name="a.csv")
+    assert "in 3 of 3 lands" in error.problem
+    assert "whole sheet" in error.problem
+    assert where(error) == ("a.csv", None, 2, None)
+    assert [problem.place.row for problem in error.problems] == [2, 2, 4, 6]
+
+
 def test_a_sleeve_smaller_than_the_spool_beyond_any_swap(refused, make_text):
     rows = [("component", "part", "plane", "diameter_mm"), ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 13.0)]
     error = refused(make_text(rows), name="a.csv")
