@@ -40,8 +40,8 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
         first = min((by_land[found.land.key][0].place for found in swapped), key=lambda place: place.row or 0)
         problems.append(
             ReadingsError(
-                f"in {len(swapped)} of {len(whole)} lands the sleeve measures smaller than the spool, and the other way "
-                "round they would fit: spool and sleeve swapped in the whole sheet?",
+                f"in {len(swapped)} of {len(whole)} lands the sleeve measures smaller than the spool, and the other "
+                "way round they would fit: spool and sleeve swapped in the whole sheet?",
                 place=Place(first.file, first.sheet, first.row),
                 expected="in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger",
             )

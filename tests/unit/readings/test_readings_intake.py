@@ -518,11 +518,11 @@ def test_five_thousand_rows_take_well_under_a_second(controller, make_workbook):
         part, diameter = (("spool", 9.939), ("sleeve", 9.995))[index % 2]
         rows.append((6, part, 1 + index // 2 % 2, ("0°", "90°")[index // 4 % 2], diameter + 1e-6 * (index % 7)))
     data = make_workbook(rows)
-    start = time.perf_counter()
+    start = time.process_time()
     found = read_readings(data, controller)
     clearances(found, controller)
     assert len(found.readings) == 5000
-    assert time.perf_counter() - start < 2.0  # about 0.3 s on two shared cores
+    assert time.process_time() - start < 1.0  # of processor time, so that a busy machine does not matter; about 0.2 s
 
 
 def test_reading_a_sheet_needs_no_pandas():
