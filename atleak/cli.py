@@ -70,7 +70,7 @@ def _diagnose(options: argparse.Namespace) -> int:
         controller,
         load_fluid(options.fluid),
         load_limits(options.limits),
-        readings=read_readings(Path(options.readings), controller),
+        readings=read_readings(Path(options.readings), controller, sheet=options.sheet, unit=options.sheet_unit),
         road_test=road_test,
         profile=profile,
         condition=stated_condition(
@@ -293,6 +293,10 @@ def _parser() -> argparse.ArgumentParser:
     add = _adder(commands)
     diagnose = add("diagnose", _diagnose, "a verdict for every land from a measuring sheet and a road test")
     diagnose.add_argument("readings", metavar="READINGS", help="measuring sheet: xlsx, xls, ods or csv")
+    diagnose.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
+    diagnose.add_argument(
+        "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
+    )
     diagnose.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
     _add_columns(diagnose)
     _add_controller(diagnose)
