@@ -37,7 +37,7 @@ class Instrument:
     calibration: float  # [m] standard uncertainty
     common_part: float  # of the variance, 0 … 1
     repeatability: float | None  # [m] standard deviation of one reading
-    separate_heads: bool  # spool and sleeve take different heads or masters, which do not err alike
+    alike_inside_and_outside: bool  # its common error is one and the same in a bore and on a spool
     representative: tuple[str, ...]
     origin: Origin | None = None
 
@@ -65,7 +65,7 @@ class Instruments:
     @property
     def err_alike(self) -> bool:
         """Whether both parts share one common error, which then drops out of D − d."""
-        return self.spool == self.sleeve and not self.spool.separate_heads
+        return self.spool == self.sleeve and self.spool.alike_inside_and_outside
 
 
 def load_instrument(id_or_path: str | Path) -> Instrument:
@@ -88,7 +88,7 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
         calibration=entry.calibration_um * 1e-6,
         common_part=entry.common_part,
         repeatability=None if entry.repeatability_um is None else entry.repeatability_um * 1e-6,
-        separate_heads=entry.separate_heads,
+        alike_inside_and_outside=entry.alike_inside_and_outside,
         representative=tuple(entry.representative),
         origin=origin,
     )
@@ -132,5 +132,5 @@ class InstrumentFile(Entry):
     calibration_um: NonNegative
     common_part: float = Field(ge=0, le=1)
     repeatability_um: NonNegative | None = None
-    separate_heads: bool = False
+    alike_inside_and_outside: bool = True
     representative: list[Literal["resolution_um", "calibration_um", "common_part", "repeatability_um"]] = []

@@ -76,14 +76,15 @@ def advise(rule: RuleDecision, name: str, found: Remedy, land: LandSources, limi
     tools = _tools(land)
     text = f"{name} is {side} the {limit_text}, but within what {tools} can tell ({guard_text})"
     if found.reading_part < 0.5:
+        rest = "the mounting clearance" if rule.rule == "wear" else "fluid, pressure and pump"
         return (
-            f"{text}: the readings carry only {found.reading_part:.0%} of the uncertainty, the rest is fluid, pressure "
-            "and pump. Measuring again will not settle it."
+            f"{text}: the readings carry only {_percent(found.reading_part)} of the uncertainty, the rest is {rest}. "
+            "Measuring again will not settle it."
         )
     if found.first is None:
         return f"{text}: nothing of this pair was measured."
     text += (
-        f": measure again, {_SYMBOL[found.first]} first, it carries {found.fraction:.0%} of the uncertainty "
+        f": measure again, {_SYMBOL[found.first]} first, it carries {_percent(found.fraction)} of the uncertainty "
         "of the clearance."
     )
     return f"{text} {_settles(found)}"
@@ -104,11 +105,15 @@ def _settles(found: Remedy) -> str:
     return f"It would be settled by {', or by '.join(ways)}, if the value stays where it is."
 
 
+def _percent(fraction: float) -> str:
+    return f"{100.0 * fraction:.0f} %"
+
+
 def _tools(land: LandSources) -> str:
     spool, sleeve = land.instruments.spool, land.instruments.sleeve
     names = [land.instruments.of(part).name.lower() for part in PARTS if part in land.plans]
     if len(names) == 2 and spool != sleeve:
-        return f"{names[0]} and {names[1]}"
+        return f"this {names[0]} and this {names[1]}"
     return f"this {names[0]}" if names else "catalogue values"
 
 

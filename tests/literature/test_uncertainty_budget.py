@@ -33,7 +33,7 @@ ASSUMED = Assumptions(
 
 def _instrument(name: str, calibration: float, common_part: float) -> Instrument:
     return Instrument(
-        name, name, "test", "2026-01-01", "", ("spool", "sleeve"), 1e-9, calibration, common_part, 0.4 * UM, False, ()
+        name, name, "test", "2026-01-01", "", ("spool", "sleeve"), 1e-9, calibration, common_part, 0.4 * UM, True, ()
     )
 
 

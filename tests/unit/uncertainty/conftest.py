@@ -32,7 +32,7 @@ def an_instrument(**changed: Any) -> Instrument:
         "calibration": 1.5e-6,
         "common_part": 0.0,
         "repeatability": 0.0,
-        "separate_heads": False,
+        "alike_inside_and_outside": True,
         "representative": (),
     }
     return Instrument(**{**given, **changed})

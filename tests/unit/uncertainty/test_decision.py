@@ -88,7 +88,7 @@ def test_over_the_limit_but_within_what_the_instruments_can_tell(
     assert land.probability_over_limit == pytest.approx(0.863, abs=0.001)  # Φ(1/0.914)
     assert land.advice is not None
     assert land.advice.startswith("radial clearance 31.0 µm is over the replace limit of 30.0 µm, but within what ")
-    assert "measure again, D first, it carries 70% of the uncertainty" in land.advice
+    assert "measure again, D first, it carries 70 % of the uncertainty" in land.advice
     remedy = land.remedy(rule)
     assert remedy.first == "sleeve"
     assert remedy.fraction == pytest.approx(0.7, abs=0.01)

@@ -100,7 +100,7 @@ def test_common_error_of_one_instrument_for_both_parts_drops_out(four_speed: Con
     two, _ = _found(four_speed, sheet, two_instruments(common_part=1.0))
     assert two.own_variance < (0.01 * UM) ** 2
     assert two.standard_uncertainty == pytest.approx(1.0607 * UM, rel=1e-3)
-    heads = an_instrument(common_part=1.0, separate_heads=True)
+    heads = an_instrument(common_part=1.0, alike_inside_and_outside=False)
     apart, _ = _found(four_speed, sheet, Instruments(heads, heads))
     assert apart.standard_uncertainty == pytest.approx(two.standard_uncertainty, rel=1e-9)
 
