@@ -1,0 +1,92 @@
+"""The words and numbers of a report in a reader's language."""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from atleak.errors import InputError, nearest_name
+
+_FOLDER = Path(__file__).parent / "texts"
+_PLACE = re.compile(r"\{(\w+)\}")
+_NARROW = "\u00a0"  # between thousands, and between a number and its unit: no line breaks there
+
+
+@dataclass(frozen=True)
+class Wording:
+    """Texts of one language."""
+
+    language: str
+    texts: Mapping[str, Any]
+
+    def __call__(self, key: str, /, **values: object) -> str:
+        """The text of a dotted key, its ``{places}`` filled in.
+
+        Raises
+        ------
+        KeyError
+            for a key no language has.
+        """
+        table, _, name = key.partition(".")
+        return _PLACE.sub(lambda found: str(values[found[1]]), self.texts[table][name])
+
+    def get(self, table: str, name: str) -> str:
+        """The text for a name that need not be known: itself where it is not."""
+        return self.texts[table].get(name, name)
+
+    def number(self, value: float | None, digits: int) -> str:
+        """A number with the language's decimal sign; a dash where unknown, ∞ where infinite.
+
+        >>> wording("de").number(-1234.5, 1)
+        '−1\u00a0234,5'
+        """
+        if value is None or math.isnan(value):
+            return "–"
+        if math.isinf(value):
+            return "∞"
+        text = f"{value:,.{digits}f}".replace(",", _NARROW).replace(".", self.texts["decimal"])
+        return text.replace("-", "−") if float(f"{value:.{digits}f}") != 0.0 else text.replace("-", "")
+
+    def percent(self, fraction: float | None, digits: int = 1) -> str:
+        """A fraction as a percentage with its sign."""
+        return self.number(None if fraction is None else fraction * 100.0, digits) + f"{_NARROW}%"
+
+    def plain(self, value: float, digits: int = 6) -> str:
+        """A number with no more digits than it has."""
+        return f"{value:.{digits}g}".replace(".", self.texts["decimal"]).replace("-", "−")
+
+    def date(self, value: dt.date) -> str:
+        """ISO 8601, which every language reads the same way."""
+        return value.isoformat()
+
+
+def languages() -> tuple[str, ...]:
+    """The codes of the languages that reports are written in."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+
+
+@cache
+def wording(language: str) -> Wording:
+    """The texts of a language.
+
+    Raises
+    ------
+    InputError
+        a language that no report is written in.
+    """
+    known = languages()
+    if language not in known:
+        raise InputError(
+            "no report in this language",
+            value=language,
+            expected=f"one of {', '.join(known)}",
+            nearest=nearest_name(language, known),
+        )
+    return Wording(language, tomllib.loads((_FOLDER / f"{language}.toml").read_text(encoding="utf-8")))
