@@ -326,7 +326,7 @@ def _land(
     own = state.land.clearance_limit
     steps = limits.clearance if own is None else Steps((("replace", own),), "set by the workshop", "")
     if steps is not None:
-        each = tuple(float(probability_over(c, limit, u)) for _, limit in steps.levels)
+        each = tuple(probability_over(c, [limit for _, limit in steps.levels], u).tolist())
         rules.append(
             decide_rule("radial_clearance", c, steps, "ok", (u,) * len(each), each, guard_factor, skewed=False)
         )
@@ -350,10 +350,9 @@ def _wear(land: LandSources, steps: Steps, guard_factor: float) -> RuleDecision:
     state = land.state
     mounting, u_mounting = state.land.mounting_clearance, land.assumptions.mounting_clearance
     wear = (state.radial_clearance - mounting) / mounting
-    spreads = tuple(
-        math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for _, limit in steps.levels
-    )
-    each = tuple(float(probability_over(wear, limit, u)) for (_, limit), u in zip(steps.levels, spreads, strict=True))
+    limits = [limit for _, limit in steps.levels]
+    spreads = tuple(math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for limit in limits)
+    each = tuple(probability_over(wear, limits, spreads).tolist())
     return decide_rule("wear", wear, steps, "ok", spreads, each, guard_factor, skewed=False)
 
 
@@ -397,14 +396,18 @@ def _shape(state: LandClearance) -> Shape:
         cube = float(axial_cube([float(circumferential_cube(plane)) ** (1.0 / 3.0) for plane in clearances]))
         effective = cube ** (1.0 / 3.0)
         factor = cube / state.radial_clearance**3
-    sleeve_measured = state.status in {"measured", "sleeve_only"}
     return Shape(
         worst_direction=state.worst_direction,
         worst_clearance=state.max_clearance,
         effective_clearance=effective,
         cube_factor=factor,
-        lower_bound=sleeve_measured and state.sleeve_ovality is None,
+        lower_bound=_lower_bound(state),
     )
+
+
+def _lower_bound(state: LandClearance) -> bool:
+    """Whether the sleeve was measured in one direction only: ovality needs two in one plane."""
+    return state.status in {"measured", "sleeve_only"} and state.sleeve_ovality is None
 
 
 # --- the whole
@@ -460,7 +463,7 @@ def _messages(
             )
             text = f"No independent repeats of any {part}: how far readings spread is not known, {taken}."
             found.append(Message("info", "no_independent_repeats", text))
-    single = [land.state for land in sources if "sleeve" in land.plans and _shape(land.state).lower_bound]
+    single = [land.state for land in sources if _lower_bound(land.state)]
     if single:
         names = ", ".join(f"{state.land.component} land {state.land.land}" for state in single)
         text = f"Sleeve measured in one direction only, so the clearance is a lower bound: {names}."

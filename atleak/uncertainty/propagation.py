@@ -20,7 +20,6 @@ from atleak.equations import pump as pump_equations
 from atleak.equations.uncertainty import normal_quantile
 from atleak.leakage import LeakageModel
 from atleak.projection import Projection
-from atleak.readings import LandClearance
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.sources import ROOM, LandSources
 
@@ -138,18 +137,18 @@ class _Drawn:
             self._drops[key] = sum(self.drop(gap) for gap in gaps) / self.viscosity
         return self._drops[key]
 
-    def leakage(self, state: LandClearance, clearance: Any, length: Any) -> tuple[Any, Any]:
+    def leakage(self, land: LandSources, clearance: Any, length: Any) -> tuple[Any, Any]:
         """Flow of one land through all its gaps, and what of it is drawn from the pump [m³/s].
 
         A clearance below zero is physically none: it is taken as zero and leaks nothing.
         """
+        state = land.state
         gaps = self.condition.gaps.get(state.land.key)
         if not gaps:
             nothing = np.zeros_like(self.viscosity)
             return nothing, nothing
         profile = self.condition.model.profile
-        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-        c = rate * self.rise
+        c = land.thermal_rate * self.rise
         c += clearance
         np.maximum(c, 0.0, out=c)
         d = state.spool_diameter + c if profile.diameter == "mean" else state.spool_diameter
@@ -233,7 +232,7 @@ def propagate(
         exact = only_clearance and land.is_normal
         found = []
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
-            every, counted = now.leakage(land.state, clearance, length)
+            every, counted = now.leakage(land, clearance, length)
             totals[index] += counted
             share = _ratio(every, now.capacity)
             slopes = _probe(probe, land, assumptions)
@@ -351,10 +350,9 @@ def _exact(condition: _Condition, land: LandSources, coverage: float) -> Spread 
     nodes = np.concatenate([_NODES, [-z, z]])
     state = land.state
     point = condition.at({name: np.zeros(nodes.size) for name in FACTORS})
-    rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-    if c + rate * float(point.rise[0]) <= float(nodes.max()) * u:
+    if c + land.thermal_rate * float(point.rise[0]) <= float(nodes.max()) * u:
         return None
-    flow, _ = point.leakage(state, c + u * nodes, state.land.contact_length)
+    flow, _ = point.leakage(land, c + u * nodes, state.land.contact_length)
     moments, (low, high) = flow[: _NODES.size], flow[_NODES.size :]
     mean = float(_WEIGHTS @ moments)
     return Spread(math.sqrt(float(_WEIGHTS @ (moments - mean) ** 2)), (float(low), float(high)), ())
@@ -395,7 +393,7 @@ def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slope
     clearance[-4] -= step
     length[-3] += _SMALL * assumptions.contact_length
     length[-2] -= _SMALL * assumptions.contact_length
-    every, counted = probe.leakage(state, clearance, length)
+    every, counted = probe.leakage(land, clearance, length)
     share = _ratio(every, probe.capacity)
 
     def effects(values: np.ndarray) -> dict[str, float]:

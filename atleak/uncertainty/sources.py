@@ -116,6 +116,11 @@ class LandSources:
         return dict(found)
 
     @cached_property
+    def thermal_rate(self) -> float:
+        """Growth of the clearance with temperature [m/K]."""
+        return self.state.land.thermal_rate(self.state.spool_diameter, self.state.sleeve_diameter)
+
+    @cached_property
     def own_variance(self) -> float:
         """Of the errors no other land shares [m²]."""
         return math.fsum(source.standard_uncertainty**2 for source in self.sources if source.group is None)

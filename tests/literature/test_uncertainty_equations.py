@@ -21,10 +21,7 @@ def _expectation(function, mean: float, spread: float) -> float:
         return function(x) * stats.norm.pdf(x, mean, spread)
 
     edges = [mean + k * spread for k in (-14, -6, -2, 0, 2, 6, 14)]
-    parts = [
-        integrate.quad(integrand, low, high, epsabs=0.0, epsrel=1e-13)[0]
-        for low, high in pairwise(edges)
-    ]
+    parts = [integrate.quad(integrand, low, high, epsabs=0.0, epsrel=1e-13)[0] for low, high in pairwise(edges)]
     return math.fsum(parts)
 
 
@@ -43,9 +40,7 @@ def test_moments_of_the_truncated_cube_against_quadrature(c: float, s: float) ->
 
     def moment(power: int) -> float:
         return math.fsum(
-            integrate.quad(lambda x: x**power * stats.norm.pdf(x, c, s), low, high, epsabs=0.0, epsrel=1e-13)[
-                0
-            ]
+            integrate.quad(lambda x: x**power * stats.norm.pdf(x, c, s), low, high, epsabs=0.0, epsrel=1e-13)[0]
             for low, high in pairwise(edges)
             if high > low
         )
@@ -72,12 +67,8 @@ def test_covariance_of_cubes_against_exact_hermite_quadrature(correlation: float
 @pytest.mark.parametrize("probability", [1e-6, 0.025, 0.05, 0.5, 0.95, 0.975, 1 - 1e-6])
 def test_quantiles_of_the_cube_against_scipy(probability: float) -> None:
     c, s = 25.0, 4.0
-    assert equations.normal_quantile(probability) == pytest.approx(
-        special.ndtri(probability), rel=1e-9, abs=1e-12
-    )
-    assert equations.cube_quantile(probability, c, s) == pytest.approx(
-        stats.norm.ppf(probability, c, s) ** 3, rel=1e-9
-    )
+    assert equations.normal_quantile(probability) == pytest.approx(special.ndtri(probability), rel=1e-9, abs=1e-12)
+    assert equations.cube_quantile(probability, c, s) == pytest.approx(stats.norm.ppf(probability, c, s) ** 3, rel=1e-9)
     limit = equations.cube_quantile(probability, c, s)
     assert equations.cube_probability_over(limit, c, s) == pytest.approx(1.0 - probability, rel=1e-9)
 
@@ -129,9 +120,7 @@ def test_two_diameters_of_one_and_a_half_micrometres() -> None:
 def test_pooled_standard_deviation_is_that_of_the_residuals() -> None:
     rng = np.random.default_rng(3)
     groups = [rng.normal(m, 2.0, n) for m, n in ((0.0, 2), (5.0, 4), (9.0, 7))]
-    pooled = equations.pooled_standard_deviation(
-        [g.std(ddof=1) for g in groups], [len(g) - 1 for g in groups]
-    )
+    pooled = equations.pooled_standard_deviation([g.std(ddof=1) for g in groups], [len(g) - 1 for g in groups])
     residuals = np.concatenate([g - g.mean() for g in groups])
     assert pooled == pytest.approx(math.sqrt(np.sum(residuals**2) / (len(residuals) - 3)), rel=1e-12)
     assert math.isnan(equations.pooled_standard_deviation([], []))
@@ -148,9 +137,7 @@ def test_persistent_rounding_against_direct_integration(ratio: float) -> None:
         mass = special.ndtr((k + 0.5 - true) / ratio) - special.ndtr((k - 0.5 - true) / ratio)
         return float(np.sum(k * mass)) - true
 
-    expected = (
-        2.0 * integrate.quad(lambda t: error(t) ** 2, 0.0, 0.5, epsabs=1e-15, epsrel=1e-12, limit=200)[0]
-    )
+    expected = 2.0 * integrate.quad(lambda t: error(t) ** 2, 0.0, 0.5, epsabs=1e-15, epsrel=1e-12, limit=200)[0]
     assert equations.persistent_rounding_variance(1.0, ratio) == pytest.approx(expected, rel=1e-9, abs=1e-14)
     assert equations.persistent_rounding_variance(3.0, 3.0 * ratio) == pytest.approx(
         9.0 * expected, rel=1e-9, abs=1e-13

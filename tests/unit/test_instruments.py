@@ -19,9 +19,7 @@ def test_shipped_instruments_state_their_source_and_what_is_representative() -> 
         assert 0.0 < found.resolution <= 1e-6
         assert found.common**2 + found.own**2 == pytest.approx(found.calibration**2, rel=1e-12)
         assert found.representative, found.id
-    assert (
-        "resolution_um" not in shipped["workshop_microscope"].representative
-    )  # published by the source study
+    assert "resolution_um" not in shipped["workshop_microscope"].representative  # published by the source study
     assert shipped["workshop_microscope"].resolution == pytest.approx(1e-6, rel=1e-12)
 
 
