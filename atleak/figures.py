@@ -6,11 +6,14 @@ Nothing is computed here but what a picture needs. Figures are tested by their t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
+from tsdownsample import MinMaxDownsampler
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.limits import Limits
@@ -18,8 +21,10 @@ from atleak.report.record import DM3_MIN, PERCENT, UM
 from atleak.report.road_series import RoadSeries, road_series
 from atleak.report.text import SYMBOLS, WORDS
 from atleak.road_leakage import RoadLeakage
+from atleak.road_test import QUANTITIES, Channel, RoadTest
 
 POINTS = 3000  # of a log that are drawn, edges of gaps aside
+MARKED = 800  # suspect samples and breaks of a log that are marked at most
 COLOURS = {
     "ok": "#2f9e62",
     "watch": "#e8a317",
@@ -33,6 +38,7 @@ BAND_COLOURS = {
     "red": COLOURS["replace"],
     "critical": COLOURS["critical"],
 }
+BAND_SYMBOLS = {"green": "●", "amber": "▲", "red": "■", "critical": "✖"}
 PATTERNS = {"ok": "", "watch": "/", "replace": "x", "critical": "+", "not_measured": "."}
 _HATCH = {"fillmode": "overlay", "fgcolor": "rgba(255,255,255,0.7)", "size": 7, "solidity": 0.2}
 LEAKAGE, PUMP, SHARE = "#2a86d1", "#8793a0", "#e07b00"
@@ -43,12 +49,12 @@ _INSTANTS = {
 }
 
 
-def _dressed(figure: go.Figure, height: int, **layout: object) -> go.Figure:
+def _dressed(figure: go.Figure, height: int, top: int = 32, **layout: object) -> go.Figure:
     figure.update_layout(
         height=height,
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
-        margin={"l": 8, "r": 8, "t": 32, "b": 8},
+        margin={"l": 8, "r": 8, "t": top, "b": 8},
         legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0.0, "xanchor": "left"},
         **layout,
     )
@@ -108,20 +114,21 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
     points = [(point.condition.label, point.share * PERCENT) for point in diagnosis.projections]
     worst = diagnosis.road.max_share if diagnosis.road else None
     if worst is not None and worst.share is not None:
-        points.append((f"road test, worst, {worst.time:.1f} s", worst.share * PERCENT))
+        points.append((f"worst of the road test, at {worst.time:.1f} s", worst.share * PERCENT))
     finite = [share for _, share in points if math.isfinite(share)]
     edges = [0.0, *(level * PERCENT for _, level in diagnosis.limits.total_share.levels)]
     right = max(1.2 * edges[-1], 1.1 * max(finite, default=0.0))
     figure = go.Figure()
     names = ["green", *(name for name, _ in diagnosis.limits.total_share.levels)]
     for name, low, high in zip(names, edges, [*edges[1:], right], strict=True):
-        figure.add_vrect(
-            x0=low, x1=high, fillcolor=BAND_COLOURS[name], opacity=0.28, line_width=0, layer="below",
-            label={"text": name, "textposition": "top center", "font": {"size": 12}},
+        figure.add_vrect(x0=low, x1=high, fillcolor=BAND_COLOURS[name], opacity=0.28, line_width=0, layer="below")
+        figure.add_annotation(
+            x=(low + high) / 2.0, y=1.0, yref="paper", yanchor="bottom", showarrow=False,
+            text=f"{BAND_SYMBOLS[name]}<br>{name}", font={"size": 11},
         )  # fmt: skip
     figure.add_scatter(
         x=[share if math.isfinite(share) else None for _, share in points],
-        y=[label for label, _ in points],
+        y=[label.replace(", ", ",<br>") for label, _ in points],
         mode="markers+text",
         marker={"symbol": "diamond", "size": 14, "color": LEAKAGE, "line": {"width": 1.5, "color": "white"}},
         text=[f"<b>{share:.1f} %</b>" if math.isfinite(share) else "" for _, share in points],
@@ -131,27 +138,29 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
     )
     figure.update_xaxes(title="leakage as a share of the pump's flow [%]", range=[0.0, right])
     figure.update_yaxes(type="category", autorange="reversed")
-    return _dressed(figure, 90 + 46 * len(points))
+    return _dressed(figure, 100 + 46 * len(points), top=40)
 
 
 def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> go.Figure:
-    """Leakage and pump flow over a log, and below them the share with the edges of its bands.
+    """Leakage, pump flow and share with the edges of its bands over a log, one above the other.
 
     Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
     """
     series = road_series(road, points)
     with_share = "share_percent" in series.columns
-    figure = make_subplots(rows=2 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.08)
+    figure = make_subplots(rows=3 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.06)
     _line(figure, series, "leakage_dm3_min", "leakage", LEAKAGE, 1)
     if with_share:
-        _line(figure, series, "pump_capacity_dm3_min", "pump flow", PUMP, 1, dash="dash")
-        _line(figure, series, "share_percent", "share", SHARE, 2)
+        _line(figure, series, "pump_capacity_dm3_min", "pump flow", PUMP, 2, dash="dash")
+        _line(figure, series, "share_percent", "share", SHARE, 3, dash="dashdot")
         _band_edges(figure, limits, float(np.nanmax(series.columns["share_percent"], initial=0.0)))
-        figure.update_yaxes(title="share [%]", rangemode="tozero", row=2, col=1)
+        figure.update_yaxes(title="pump flow<br>[dm³/min]", row=2, col=1)
+        figure.update_yaxes(title="share [%]", row=3, col=1)
     _instants(figure, series)
-    figure.update_yaxes(title="flow [dm³/min]", rangemode="tozero", row=1, col=1)
-    figure.update_xaxes(title="time [s]", row=2 if with_share else 1, col=1)
-    return _dressed(figure, 520 if with_share else 320, hovermode="x unified")
+    figure.update_yaxes(title="leakage<br>[dm³/min]", row=1, col=1)
+    figure.update_yaxes(rangemode="tozero")
+    figure.update_xaxes(title="time [s]", row=3 if with_share else 1, col=1)
+    return _dressed(figure, 620 if with_share else 320, hovermode="x unified")
 
 
 def _line(
@@ -179,7 +188,7 @@ def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
         if number and edge > 1.5 * top:
             break
         figure.add_hline(
-            y=edge, line={"color": BAND_COLOURS[name], "dash": "dot", "width": 1.5}, row=2, col=1,
+            y=edge, line={"color": BAND_COLOURS[name], "dash": "dot", "width": 1.5}, row=3, col=1,
             annotation={"text": f"{name} from {edge:g} %", "font": {"size": 11}}, annotation_position="top right",
         )  # fmt: skip
 
@@ -200,7 +209,7 @@ def _instants(figure: go.Figure, series: RoadSeries) -> None:
                 marker={"symbol": symbol, "size": 12, "color": SHARE if share else LEAKAGE, "line": {"width": 1.5}},
                 hovertemplate="%{y:.2f}",
             ),
-            row=2 if share else 1,
+            row=3 if share else 1,
             col=1,
         )
 
@@ -230,6 +239,81 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
     figure.update_xaxes(title="wear against the mounting clearance [%]")
     figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
     return _dressed(figure, 120 + 18 * max(len(found), 3))
+
+
+def road_channels(
+    test: RoadTest, scales: Mapping[str, tuple[str, Callable[[Any], Any]]], points: int = 2000
+) -> go.Figure:
+    """The channels of a log one above the other over a common time axis, suspect samples crossed, breaks dotted.
+
+    Parameters
+    ----------
+    scales
+        quantity → unit's name and the function from SI to that unit, for quantities shown in another unit than SI.
+    points
+        of a channel that are drawn; every stretch keeps its lowest and highest sample.
+    """
+    channels = [channel for channel in test.channels.values() if channel.samples]
+    figure = make_subplots(rows=max(len(channels), 1), cols=1, shared_xaxes=True, vertical_spacing=0.02)
+    for row, channel in enumerate(channels, start=1):
+        unit, convert = scales.get(channel.quantity, (channel.unit, lambda value: value))
+        _channel(figure, channel, test, convert, row, points)
+        label = QUANTITIES[channel.quantity].label
+        figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row, col=1)
+    for before, after in pairwise(test.segments[:MARKED]):
+        figure.add_vline(x=(before.stop + after.start) / 2.0, line={"dash": "dot", "width": 1, "color": PUMP})
+    figure.update_xaxes(title="time [s]", row=max(len(channels), 1), col=1)
+    return _dressed(figure, 90 + 130 * max(len(channels), 1), hovermode="x unified", showlegend=False)
+
+
+def _channel(
+    figure: go.Figure, channel: Channel, test: RoadTest, convert: Callable[[Any], Any], row: int, points: int
+) -> None:
+    constant = channel.source == "constant"
+    time = test.time[[0, -1]] if constant else channel.time
+    good = np.full(2, channel.values[0]) if constant else channel.good
+    keep = _kept(good, points)
+    steps = channel.quantity in {"gear", "selector", "lock_up"}
+    figure.add_trace(
+        go.Scatter(
+            x=time[keep],
+            y=convert(good[keep]),
+            name=QUANTITIES[channel.quantity].label,
+            mode="lines",
+            line={"width": 1.6, "color": LEAKAGE, "shape": "hv" if steps else "linear"},
+            connectgaps=False,
+            hovertemplate="%{y:.5g}",
+        ),
+        row=row,
+        col=1,
+    )
+    doubtful = np.flatnonzero(channel.suspect & np.isfinite(channel.values))
+    if len(doubtful) and not constant:
+        shown = doubtful[:: len(doubtful) // MARKED + 1]
+        figure.add_trace(
+            go.Scatter(
+                x=channel.time[shown],
+                y=convert(channel.values[shown]),
+                name="suspect",
+                mode="markers",
+                marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": COLOURS["replace"]}},
+                hovertemplate="suspect: %{y:.5g}",
+            ),
+            row=row,
+            col=1,
+        )
+
+
+def _kept(values: np.ndarray, points: int) -> np.ndarray:
+    """Indices of about ``points`` samples: ends, extremes of every stretch, edges of what is missing."""
+    size = len(values)
+    if size <= points:
+        return np.arange(size)
+    chosen = MinMaxDownsampler().downsample(np.ascontiguousarray(values, dtype=float), n_out=points // 2 * 2)
+    known = np.isfinite(values)
+    edges = np.flatnonzero(known[1:] != known[:-1])
+    edges = np.concatenate([edges, edges + 1])[:MARKED]
+    return np.unique(np.concatenate([[0, size - 1], np.asarray(chosen, dtype=int), edges]))
 
 
 _MARKERS = {"ok": "circle", "watch": "triangle-up", "replace": "square", "critical": "x", "not_measured": "circle-open"}

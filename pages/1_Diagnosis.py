@@ -15,7 +15,7 @@ st.subheader("Flagged pairs")
 by_key = {(land["component"], land["land"]): land for land in record["lands"]}
 flagged = [by_key[land.key] for land in diagnosis.flagged]
 if flagged:
-    show.verdict_table(words.land_rows(diagnosis, flagged), words.FORMATS)
+    show.verdict_table(words.land_rows(diagnosis, flagged), words.DIGITS)
 else:
     st.write("No measured land has reached a limit.")
 show.sheet_messages(diagnosis)
@@ -36,7 +36,7 @@ st.subheader("Lands by leakage")
 st.plotly_chart(figures.leakage_ranking(diagnosis), key="ranking")
 with st.expander(f"All {len(diagnosis.lands)} lands"):
     ranked = [by_key[land.key] for land in diagnosis.ranked]
-    show.verdict_table(words.land_rows(diagnosis, ranked), words.FORMATS)
+    show.verdict_table(words.land_rows(diagnosis, ranked), words.DIGITS)
 
 st.subheader("Take it along")
 with st.container(horizontal=True):

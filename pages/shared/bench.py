@@ -16,9 +16,10 @@ import streamlit as st
 
 from atleak.controller import Controller, load_controller
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.errors import Place, RoadTestError
 from atleak.fluid import load_fluid
 from atleak.intake.readings import read_readings
-from atleak.intake.road_test import Understood, understand
+from atleak.intake.road_test import Understood, default_path, remember, understand
 from atleak.intake.units import unit
 from atleak.limits import load_limits
 from atleak.profile import find_profile
@@ -103,12 +104,18 @@ def controller_of(bench: Bench) -> Controller:
 
 @st.cache_resource(max_entries=8, show_spinner="Reading the road-test log …")
 def _understood(key: str, _log: File, _columns: dict[str, str], _units: dict[str, str]) -> Understood:
-    return understand(_log.data, name=_log.name, mapping=_columns, units=_units)
+    return understand(_log.data, name=_log.name, mapping=_columns, units=_units, remembered=default_path())
 
 
 def understood(log: File, columns: tuple = (), units: tuple = ()) -> Understood:
     """What a log holds, open questions included."""
     return _understood(repr((log, columns, units)), log, dict(columns), dict(units))
+
+
+def remember_columns(log: File, columns: dict[str, str], units: dict[str, str]) -> None:
+    """Keep how this log's columns were settled, for every log with the same header."""
+    remember(default_path(), understood(log).signature, columns, units)
+    _understood.clear()
 
 
 @st.cache_resource(max_entries=16, show_spinner="Computing …")
@@ -126,7 +133,7 @@ def _diagnosis(key: str, _bench: Bench) -> Diagnosis:
     if log is not None:
         found = understood(log, _bench.columns, _bench.units)
         if found.road_test is None:
-            raise found.problem
+            raise found.problem or RoadTestError("cannot be read", place=Place(file=log.name))
         road_test = found.road_test
     return diagnose(
         controller,

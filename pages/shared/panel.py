@@ -22,6 +22,7 @@ FILES = {
     ),
     "log": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
 }
+NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
 KINDS = {"controller": "Controller", "fluid": "Fluid", "limits": "Limits"}
 OPTIONS = {
     "diameter": "Diameter in the gap law",
@@ -33,10 +34,12 @@ OPTIONS = {
 
 def draw() -> None:
     """The panel, the job's results brought up to date, and what was refused at the head of the page."""
+    st.session_state["framed"] = True
+    st.html(NARROW_MARGINS)
     with st.sidebar:
         places = {slot: _uploader(slot) for slot in FILES}
-        if not session().bench.sample:
-            st.button("Take the sample job", on_click=take_sample, width="stretch")
+        sample = session().bench.sample
+        st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch")
         for kind in KINDS:
             _choice(kind)
         _condition()
@@ -50,6 +53,8 @@ def draw() -> None:
 
 def shown() -> tuple[Bench, Diagnosis]:
     """The job that is shown and its diagnosis."""
+    if "framed" not in st.session_state:  # a fresh server asked for a page's own address runs it without app.py
+        st.switch_page("app.py")
     bench = session().good
     return bench, diagnosis_of(bench)
 

@@ -11,15 +11,15 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, Message
-from atleak.figures import COLOURS
+from atleak.figures import BAND_SYMBOLS, COLOURS
 from atleak.limits import VERDICTS
 from atleak.report.text import SYMBOLS, WORDS
 from pages.shared.state import Refusal
 
-BAND_SYMBOLS = {"green": "●", "amber": "▲", "red": "■", "critical": "✖"}
 _BOX = {"green": st.success, "amber": st.warning, "red": st.error, "critical": st.error}
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
 SHOWN = 12
+HAIR_SPACE = "\u200a"
 
 
 def plain(text: object) -> str:
@@ -69,17 +69,28 @@ def _with_place(message: Message) -> str:
     return plain(message.text) + (f" — *{plain(place)}*" if place else "")
 
 
-def verdict_table(rows: list[dict[str, Any]], formats: dict[str, str], **options: Any) -> None:
-    """Rows with a ``Verdict`` column: shown as sign, word and colour, sorted by severity."""
-    table = pd.DataFrame(rows)
-    ranks = {rank: name for rank, name in enumerate(VERDICTS)}
-    table["Verdict"] = table["Verdict"].map(VERDICTS.index)
-    shown = {name: form for name, form in formats.items() if name in table}
-    style = table.style.map(lambda rank: _colours(ranks[rank]), subset=["Verdict"]).format(
-        {"Verdict": lambda rank: verdict(ranks[rank])} | shown, na_rep="–"
+def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
+    """Rows with a ``Verdict`` column, shown as sign, word and colour; sorting the column puts the worst first.
+
+    A table's text column is sorted by collation, in which a space comes before any sign: the worse a verdict, the
+    more hair spaces stand before it.
+    """
+    frame = pd.DataFrame(rows).round(digits)
+    names = frame["Verdict"]
+    frame["Verdict"] = [HAIR_SPACE * VERDICTS.index(name) + verdict(name) for name in names]
+    style = frame.style.apply(lambda column: [_colours(name) for name in names], subset=["Verdict"]).format(
+        {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
     )
-    config = {"Verdict": st.column_config.Column(width=112, help="sorted by severity")}
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config | options.pop("config", {}), **options)
+    config = {"Verdict": st.column_config.TextColumn(width=105, pinned=True, help="sort: the worst first")}
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+
+
+def table(rows: list[dict[str, Any]], **options: Any) -> None:
+    """Plain rows; numbers with up to six digits."""
+    frame = pd.DataFrame(rows)
+    numbers = [name for name in frame if pd.api.types.is_numeric_dtype(frame[name])]
+    style = frame.style.format("{:.6g}", subset=numbers, na_rep="–")
+    st.dataframe(style, hide_index=True, width="stretch", **options)
 
 
 def _colours(name: str) -> str:
@@ -146,7 +157,7 @@ def repair_plan(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         }
         for number, step in enumerate(steps, start=1)
     ]
-    verdict_table(rows, dict.fromkeys(("Total before [%]", "Total after [%]"), "{:.1f}"))
+    verdict_table(rows, dict.fromkeys(("Total before [%]", "Total after [%]"), 1))
     label = diagnosis.repair_plan[0].condition.label
     st.caption(
         f"Total share at {plain(label)} when each land is brought back to its mounting clearance, one after another."

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 from typing import Any
 
+from atleak.controller import Controller
 from atleak.diagnosis import Diagnosis
+from atleak.figures import BAND_SYMBOLS
 from atleak.limits import Verdict
-from pages.shared.show import BAND_SYMBOLS, plain, verdict
+from pages.shared.show import plain, verdict
 
 FLAGGED: tuple[Verdict, ...] = ("critical", "replace", "watch")
-FORMATS = {
-    "Clearance [µm]": "{:.1f}",
-    "± [µm]": "{:.1f}",
-    "Mounting [µm]": "{:.1f}",
-    "Wear [%]": "{:.0f}",
-    "Share [%]": "{:.2f}",
-    "Leakage [dm³/min]": "{:.3f}",
-    "Value": "{:.1f}",
-    "Limit": "{:g}",
-    "Limit reached at [km]": "{:.0f}",
+DIGITS = {
+    "Clearance [µm]": 1,
+    "± [µm]": 1,
+    "Mounting [µm]": 1,
+    "Wear [%]": 1,
+    "Share [%]": 2,
+    "Leakage [dm³/min]": 3,
+    "Spool [mm]": 4,
+    "Sleeve [mm]": 4,
+    "Least [µm]": 1,
+    "Largest [µm]": 1,
+    "At [°]": 0,
+    **dict.fromkeys(
+        (f"{part} {what} [µm]" for what in ("ovality", "taper", "spread") for part in ("Spool", "Sleeve")), 1
+    ),
+    "Limit reached at [km]": 0,
 }
 
 
@@ -96,3 +104,36 @@ def rule_text(rule: dict[str, Any]) -> str:
     )
     value = "beyond the pump" if rule["value"] is None else f"{rule['value']:.3g} {unit}"
     return f"{name.replace('_', ' ')} {value}, limit {rule['limit']:g} {unit}"
+
+
+def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of the clearances as measured."""
+    names = {
+        "radial_clearance_um": "Clearance [µm]",
+        "mounting_clearance_um": "Mounting [µm]",
+        "wear_percent": "Wear [%]",
+        "spool_diameter_mm": "Spool [mm]",
+        "sleeve_diameter_mm": "Sleeve [mm]",
+        "status": "Status",
+        "min_clearance_um": "Least [µm]",
+        "max_clearance_um": "Largest [µm]",
+        "worst_direction_deg": "At [°]",
+        "spool_ovality_um": "Spool ovality [µm]",
+        "sleeve_ovality_um": "Sleeve ovality [µm]",
+        "spool_taper_um": "Spool taper [µm]",
+        "sleeve_taper_um": "Sleeve taper [µm]",
+        "spool_spread_um": "Spool spread [µm]",
+        "sleeve_spread_um": "Sleeve spread [µm]",
+        "planes": "Planes",
+        "readings": "Readings",
+        "representative": "Representative",
+    }
+    return [
+        {
+            "Verdict": row["verdict"],
+            "Component": f"{row['component']} · {controller.components[row['component']]}",
+            "Land": row["land"],
+            **{heading: row[name] for name, heading in names.items()},
+        }
+        for row in rows
+    ]

@@ -1,0 +1,39 @@
+"""Controllers, fluids and limits: what they say, where it comes from, and what of it is representative."""
+
+import streamlit as st
+
+from atleak import catalogue
+from atleak.report import catalogue_rows as rows
+from pages.shared import panel, show
+from pages.shared.bench import catalogue_object
+
+bench, diagnosis = panel.shown()
+st.title("Catalogue")
+st.write("Everything shipped names its source. A workshop's own TOML file is taken by the choices at the side.")
+
+
+def entries(kind: str) -> dict:
+    """The shipped entries of a kind and the one on the bench, by name."""
+    found = [catalogue_object(kind, name) for name in catalogue.catalogue_files(rows.FOLDERS[kind])]
+    own = getattr(diagnosis, kind)
+    return {entry.name: entry for entry in ([] if own in found else [own]) + found}
+
+
+for tab, kind in zip(st.tabs(["Controllers", "Fluids", "Limits"]), rows.FOLDERS, strict=True):
+    with tab:
+        known = entries(kind)
+        names = list(known)
+        name = st.selectbox("Show", names, names.index(getattr(diagnosis, kind).name), key=f"catalogue-{kind}")
+        entry = known[name]
+        st.markdown(f"**Source:** {show.plain(entry.source)} ({entry.date})")
+        if entry.note:
+            st.markdown(show.plain(entry.note))
+        if getattr(entry, "representative", None):
+            st.info(f"**Representative:** {show.plain(rows.representative(entry))}")
+        for title, table in rows.TABLES[kind](entry).items():
+            st.subheader(title)
+            show.table(table)
+        st.download_button(
+            "This file (TOML)", entry.origin.path.read_bytes, entry.origin.file, key=f"file-{kind}", on_click="ignore",
+            disabled=not entry.origin.path.is_file(),
+        )  # fmt: skip

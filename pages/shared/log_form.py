@@ -1,0 +1,86 @@
+"""How a log was understood, and the form that settles what its file leaves open."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import streamlit as st
+
+from atleak.errors import AtleakError
+from atleak.intake.road_test import Understood, describe
+from atleak.intake.road_test.describe import workshop_unit
+from atleak.intake.units import unit_names
+from atleak.road_test import QUANTITIES, RoadTest
+from pages.shared import show
+from pages.shared.bench import Bench, File, remember_columns, understood
+from pages.shared.state import choose, put_file, session
+
+ASK = "choose …"
+NONE = "not in this log"
+
+
+def pending(bench: Bench) -> tuple[File | None, Understood | None]:
+    """The log to talk about: the one refused for an open question, else the one on the bench."""
+    refused = session().refused.get("log")
+    if refused is not None and refused.file is not None:
+        try:
+            return refused.file, understood(refused.file)
+        except AtleakError:
+            pass  # no log at all: nothing to ask about it
+    return (None, None) if bench.log is None else (bench.log, understood(bench.log, bench.columns, bench.units))
+
+
+def scales(test: RoadTest) -> dict[str, tuple[str, Any]]:
+    """Quantity → unit's name and conversion from SI, as people are shown them."""
+    units = {name: workshop_unit(name, channel) for name, channel in test.channels.items()}
+    return {name: (found.name, found.from_si) for name, found in units.items() if found is not None}
+
+
+def column_rows(found: Understood) -> list[dict[str, Any]]:
+    """What was understood of every column."""
+    return [
+        {
+            "quantity": QUANTITIES[row["quantity"]].label,
+            "column": row["column"] or row["source"],
+            "unit in the file": (row["unit"] or "–") + (" (assumed)" if row["unit_assumed"] else ""),
+            "kind": row["kind"] if row["quantity"].endswith("pressure") else None,
+            "least": row["min"],
+            "largest": row["max"],
+            "in": row["value_unit"],
+            "samples": row["samples"],
+            "suspect": row["suspect_samples"],
+            "per second": row["sampling_hz"],
+        }
+        for row in describe(found)["columns"]
+    ]
+
+
+def form(file: File, found: Understood, bench: Bench) -> None:
+    """Columns and units to choose, where the file leaves them open or the user knows better."""
+    asked = {one.quantity: one for one in found.ambiguous}
+    for one in found.ambiguous:
+        st.warning(f"**{QUANTITIES[one.quantity].label}:** {show.plain(one.why)}. Which column is it?")
+    settled, assumed = dict(bench.columns if file == bench.log else ()), dict(bench.units)
+    with st.expander("Columns and units", expanded=bool(asked)), st.form("columns", border=False):
+        labels = [heading.label for heading in found.headings]
+        columns, units = {}, {}
+        for name, quantity in QUANTITIES.items():
+            taken = None if found.road_test is None else found.road_test.channels.get(name)
+            now = settled.get(name) or (taken.column if taken is not None else None)
+            options = [ASK if name in asked else NONE, *labels]
+            index = options.index(now) if now in options else 0
+            left, right = st.columns([3, 1])
+            picked = left.selectbox(quantity.label, options, index, key=f"column-{file.sha256}-{name}")
+            if picked not in (ASK, NONE) and (picked != now or name in settled):
+                columns[name] = picked
+            if quantity.unit_kind is not None:
+                names = ["as stated", *unit_names(quantity.unit_kind)]
+                at = names.index(assumed[name]) if assumed.get(name) in names else 0
+                said = right.selectbox("unit", names, at, key=f"unit-{file.sha256}-{name}")
+                if said != names[0]:
+                    units[name] = said
+        if st.form_submit_button("Use and remember for logs with this header"):
+            remember_columns(file, columns, units)
+            put_file("log", file)
+            choose(columns=tuple(columns.items()), units=tuple(units.items()))
+            st.rerun()

@@ -1,0 +1,180 @@
+"""What a technician does, in a browser."""
+
+from __future__ import annotations
+
+import io
+import re
+import time
+from pathlib import Path
+
+import openpyxl
+import pytest
+
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from playwright.sync_api import Page, expect
+
+SHEET, LOG = "Measuring sheet", "Road-test log"
+SOON = 15_000  # [ms]
+
+
+def upload(page: Page, label: str, name: str, data: bytes) -> None:
+    place = page.get_by_test_id("stSidebar").get_by_test_id("stFileUploader").filter(has_text=label)
+    place.locator("input[type=file]").set_input_files({"name": name, "mimeType": "", "buffer": data})
+
+
+def status(page: Page, text: str | re.Pattern[str]) -> None:
+    expect(page.get_by_test_id("stSidebar").get_by_text(text).first).to_be_visible(timeout=SOON)
+
+
+def cells(page: Page, table: int = 0) -> list[str]:
+    """The texts of a table's cells that are drawn."""
+    found = page.get_by_test_id("stDataFrame").nth(table).locator("[data-testid^=glide-cell]")
+    found.first.wait_for(state="attached", timeout=SOON)
+    return [text.strip() for text in found.all_inner_texts()]
+
+
+def settled(page: Page) -> None:
+    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for(timeout=SOON)
+
+
+def banner(page: Page) -> str:
+    return page.get_by_test_id("stMain").get_by_test_id("stAlert").first.inner_text()
+
+
+def changed(sample: Path, change) -> bytes:
+    """The sample sheet with something changed in it."""
+    book = openpyxl.load_workbook(sample)
+    change(book["Measurements"])
+    target = io.BytesIO()
+    book.save(target)
+    return target.getvalue()
+
+
+def swap(sheet) -> None:
+    """Component 25: its spool's rows say sleeve and the other way round, so every sleeve is smaller than its spool."""
+    inside, names = False, {"spool": "sleeve", "sleeve": "spool"}
+    for row in sheet.iter_rows(min_row=7):
+        if row[0].value is not None:
+            inside = str(row[0].value) == "25"
+        if inside and str(row[2].value).lower() in names:
+            row[2].value = names[str(row[2].value).lower()]
+
+
+def test_a_fresh_start_shows_the_sample_jobs_flagged_pairs(page: Page) -> None:
+    texts = cells(page)
+    assert "■ replace" in texts
+    assert "▲ watch" in texts
+    assert any("25" in text for text in texts)
+    assert "replace" in banner(page)
+
+
+def test_sorting_by_verdict_goes_by_severity(page: Page) -> None:
+    order = page.evaluate(
+        "texts => texts.sort((one, other) => one.localeCompare(other))",
+        ["● ok", "\u200a" * 3 + "✖ critical", "\u200a▲ watch", "\u200a\u200a■ replace"],
+    )
+    assert [text.strip() for text in order] == ["✖ critical", "■ replace", "▲ watch", "● ok"]
+
+
+def test_both_files_give_the_flagged_table_within_five_seconds(
+    page: Page, sample_readings: Path, sample_log: Path
+) -> None:
+    begin = time.monotonic()
+    upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
+    status(page, "mine.xlsx")
+    upload(page, LOG, "drive.csv", sample_log.read_bytes())
+    status(page, re.compile("1201 rows"))
+    assert "■ replace" in cells(page)
+    page.get_by_test_id("stPlotlyChart").nth(1).wait_for(timeout=SOON)
+    took = time.monotonic() - begin
+    assert took < 5.0
+    expect(page.get_by_text("Sample job: representative data")).to_have_count(0)
+
+
+def test_an_own_sheet_does_not_keep_the_samples_log(page: Page, sample_readings: Path) -> None:
+    upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
+    status(page, "mine.xlsx")
+    expect(page.get_by_text("Over the road test")).to_have_count(0)
+
+
+def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Page, sample_readings: Path) -> None:
+    upload(page, SHEET, "swapped.xlsx", changed(sample_readings, swap))
+    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
+    expect(message).to_contain_text("swapped.xlsx was not taken", timeout=SOON)
+    expect(message).to_contain_text(re.compile(r"swapped\.xlsx, sheet 'Measurements', row \d+"))
+    expect(message).to_contain_text(re.compile("sleeve|swapped"))
+    assert "■ replace" in cells(page)
+    assert page.get_by_test_id("stException").count() == 0
+
+
+def test_an_empty_workbook_says_so(page: Page) -> None:
+    target = io.BytesIO()
+    openpyxl.Workbook().save(target)
+    upload(page, SHEET, "empty.xlsx", target.getvalue())
+    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
+    expect(message).to_contain_text("empty.xlsx: the workbook is empty", timeout=SOON)
+    assert "■ replace" in cells(page)
+
+
+def test_decimal_commas_are_read(page: Page, sample_log: Path) -> None:
+    lines = sample_log.read_text(encoding="utf-8").replace(".", ",").encode("utf-8")
+    upload(page, LOG, "komma.csv", lines)
+    status(page, re.compile("1201 rows, 12 s"))
+
+
+def test_a_log_that_is_none_is_refused(page: Page) -> None:
+    upload(page, LOG, "photo.csv", b"\x89PNG\r\n\x1a\n" + bytes(200))
+    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
+    expect(message).to_contain_text("photo.csv was not taken", timeout=SOON)
+
+
+def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_readings: Path) -> None:
+    upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
+    status(page, "mine.xlsx")
+    side = page.get_by_test_id("stSidebar")
+    side.get_by_text("Stated condition and mileage").click()
+    box = side.get_by_label("Temperature [°C]")
+    box.fill("92.715")
+    box.press("Enter")
+    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible(timeout=SOON)
+    settled(page)
+    before = banner(page), cells(page)
+    page.get_by_role("link", name="Readings").click()
+    expect(page.get_by_text("376 readings in mm")).to_be_visible(timeout=SOON)
+    page.get_by_role("link", name="Diagnosis").click()
+    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible(timeout=SOON)
+    settled(page)
+    assert (banner(page), cells(page)) == before
+    status(page, "mine.xlsx")
+
+
+def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
+    table = page.get_by_test_id("stDataFrame").first
+    table.wait_for(timeout=SOON)
+    main = page.get_by_test_id("stMain")
+    assert main.evaluate("element => element.scrollWidth <= element.clientWidth")
+    box = table.bounding_box()
+    assert box is not None
+    assert box["x"] >= 0.0
+    assert box["x"] + box["width"] <= 390.0
+    assert {"■ replace", "25 · main pressure valve"} <= set(cells(page))
+
+
+@pytest.mark.parametrize("address", ["Readings", "Road_test", "Catalogue"])
+def test_every_page_opens(page: Page, server: str, address: str) -> None:
+    page.get_by_role("link", name=address.replace("_", " ")).click()
+    expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible(timeout=SOON)
+    assert page.get_by_test_id("stException").count() == 0
+    assert page.url == f"{server}/{address}"
+
+
+def test_nothing_is_asked_of_another_host(browser, server: str) -> None:
+    opened = browser.new_page()
+    asked: list[str] = []
+    opened.on("request", lambda request: asked.append(request.url))
+    opened.goto(server)
+    opened.get_by_text("Sample job: representative data").wait_for(timeout=30_000)
+    opened.get_by_test_id("stPlotlyChart").first.wait_for(timeout=SOON)
+    opened.close()
+    assert not [url for url in asked if not url.startswith((server, "data:", "blob:", server.replace("http", "ws")))]
