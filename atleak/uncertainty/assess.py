@@ -481,8 +481,9 @@ def _in_words(rule: RuleDecision, land: LandUncertainty) -> tuple[str, str, str]
         name = f"radial clearance {rule.value * 1e6:.1f} µm"
         return name, f"{rule.about} limit of {rule.limit * 1e6:.1f} µm", f"± {guard * 1e6:.1f} µm"
     if rule.rule == "wear":
-        name = f"wear {100 * rule.value:.0f} %"
+        name = f"wear {100.0 * rule.value:.1f} %"
     else:
         label = next(at.label for at in land.conditions if f"share_{at.condition}" == rule.rule)
-        name = f"share of pump flow {100 * rule.value:.2g} % ({label})"
-    return name, f"{rule.about} limit of {100 * rule.limit:.3g} %", f"± {100 * guard:.2g} %"
+        name = f"share of pump flow {100.0 * rule.value:.3g} % ({label})"
+    band = f"± {100.0 * guard:.2g} %" if math.isfinite(guard) else "the pump may deliver nothing"
+    return name, f"{rule.about} limit of {100.0 * rule.limit:.3g} %", band
