@@ -1,0 +1,305 @@
+"""From readings to verdicts: which rule, which land first, and what its repair brings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from atleak.controller import Controller, load_controller
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.errors import DomainError
+from atleak.fluid import Fluid
+from atleak.leakage import LeakageModel
+from atleak.limits import VERDICTS, Limits, load_limits
+from atleak.profile import PAPER
+from atleak.projection import project, repaired, stated_condition
+from atleak.readings import Readings
+
+Edited = Callable[..., Path]
+Build = Callable[..., Readings]
+REGULATOR, SECOND, TCC, PISTON = (
+    ("pressure_regulator", 1),
+    ("pressure_regulator", 2),
+    ("tcc_regulator", 1),
+    ("accumulator", 1),
+)
+
+
+def at_wear(controller: Controller, **wear: float) -> dict[tuple[str, int], tuple[float, float]]:
+    """Diameters of the first land of some components at a given wear."""
+    found = {}
+    for component, fraction in wear.items():
+        land = controller.land(component, 1)
+        clearance = land.mounting_clearance * (1.0 + fraction)
+        found[component, 1] = (land.nominal_diameter, land.nominal_diameter + 2.0 * clearance)
+    return found
+
+
+def codes(found: Diagnosis) -> set[str]:
+    return {message.code for message in found.messages}
+
+
+# --- verdicts
+
+
+def test_wear_of_exactly_a_tenth_through_floating_point_is_watch(
+    edited: Edited, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    path = edited(
+        "controllers",
+        "minimal_example",
+        (
+            "nominal_diameter_mm = 11.0, mounting_clearance_um = 16.0",
+            "nominal_diameter_mm = 12, mounting_clearance_um = 30",
+        ),
+    )
+    controller = load_controller(path)
+    found = diagnose(controller, hipol, limits, readings=readings_of(controller, {TCC: (12.000e-3, 12.066e-3)}))
+    land = next(land for land in found.lands if land.key == TCC)
+    assert land.wear == pytest.approx(0.10, rel=1e-9)
+    assert land.rules[0].verdict == "watch"
+    assert land.verdict in {"watch", "replace", "critical"}
+
+
+@pytest.mark.parametrize(
+    ("wear", "verdict"), [(0.0999, "ok"), (0.1001, "watch"), (0.4999, "watch"), (0.5001, "replace")]
+)
+def test_verdicts_of_wear_begin_at_the_published_limits(
+    wear: float, verdict: str, minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    readings = readings_of(minimal, at_wear(minimal, solenoid_modulator=wear))
+    found = diagnose(minimal, hipol, replace(limits, pair_share=None), readings=readings)
+    assert [land.verdict for land in found.lands if land.state.measured] == [verdict]
+    assert found.verdict == verdict
+    assert found.measured == 1
+
+
+def test_the_worst_rule_gives_the_verdict_and_is_named(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    readings = readings_of(minimal, at_wear(minimal, pressure_regulator=0.2))
+    assert limits.pair_share is not None
+    strict = replace(limits, pair_share=replace(limits.pair_share, levels=(("critical", 1e-6),)))
+    land = diagnose(minimal, hipol, strict, readings=readings).lands[0]
+    assert [rule.rule for rule in land.rules] == ["wear", "share_driving_second", "share_hot_idle"]
+    assert [rule.verdict for rule in land.rules] == ["watch", "critical", "critical"]
+    assert land.verdict == "critical"
+    assert land.deciding is land.rules[1]
+    assert land.deciding.origin == "choice of this project"
+    assert land.deciding.limit == 1e-6
+    relaxed = diagnose(minimal, hipol, replace(limits, pair_share=None), readings=readings).lands[0]
+    assert relaxed.deciding is not None
+    assert (relaxed.verdict, relaxed.deciding.rule, relaxed.deciding.origin) == ("watch", "wear", "published")
+
+
+def test_a_clearance_limit_of_the_workshop_s_own_limits(
+    edited: Edited, minimal: Controller, hipol: Fluid, readings_of: Build
+) -> None:
+    path = edited(
+        "limits",
+        "project_default",
+        (
+            "# Total leakage",
+            '[clearance_um]\nwatch = 15.0\ncritical = 17.6\norigin = "set by the workshop"\nsource = "own"\n# Total',
+        ),
+    )
+    readings = readings_of(minimal, at_wear(minimal, tcc_regulator=0.05, solenoid_modulator=0.0, accumulator=0.0))
+    found = diagnose(minimal, hipol, replace(load_limits(path), pair_share=None), readings=readings)
+    verdicts = {land.key[0]: land.verdict for land in found.lands if land.state.measured}
+    assert verdicts == {"tcc_regulator": "watch", "solenoid_modulator": "ok", "accumulator": "critical"}
+    deciding = next(land.deciding for land in found.lands if land.key == PISTON)
+    assert deciding is not None
+    assert (deciding.rule, deciding.unit, deciding.origin) == ("radial_clearance", "µm", "set by the workshop")
+    assert deciding.value == pytest.approx(20e-6, rel=1e-9)
+
+
+def test_a_clearance_limit_of_one_land_goes_before_that_of_all(
+    edited: Edited, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    path = edited(
+        "controllers",
+        "minimal_example",
+        ("mounting_clearance_um = 16.0", "mounting_clearance_um = 16.0, clearance_limit_um = 16.5"),
+    )
+    controller = load_controller(path)
+    assert limits.wear is not None
+    everywhere = replace(limits.wear, levels=(("critical", 5e-6),), origin="set by the workshop")
+    readings = readings_of(controller, at_wear(controller, tcc_regulator=0.05))
+    found = diagnose(controller, hipol, replace(limits, clearance=everywhere, pair_share=None), readings=readings)
+    land = next(land for land in found.lands if land.key == TCC)
+    assert land.deciding is not None
+    assert (land.verdict, land.deciding.rule) == ("replace", "radial_clearance")
+    assert land.deciding.limit == pytest.approx(16.5e-6, rel=1e-12, abs=0.0)
+    assert land.deciding.source == "the controller's file"
+    assert land.uncertainty is not None
+    decided = land.uncertainty.rule("radial_clearance")
+    assert decided is not None
+    assert decided.probability_over_limit > 0.5  # 16.8 µm against 16.5
+
+
+def test_lands_that_were_not_measured_are_at_mounting_clearance_and_get_no_verdict(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    found = diagnose(minimal, hipol, limits, readings=readings_of(minimal, at_wear(minimal, accumulator=0.3)))
+    for land in found.lands:
+        if land.key == PISTON:
+            assert land.verdict != "not_measured"
+            continue
+        assert (land.verdict, land.wear, land.rules, land.deciding) == ("not_measured", None, (), None)
+        assert land.state.radial_clearance == land.state.land.mounting_clearance
+        assert land.leakage > 0.0
+        assert land.excess_share == pytest.approx(0.0, abs=1e-15)
+    assert all(land.verdict != "not_measured" for land in found.flagged)
+
+
+def test_half_a_measurement_is_judged_and_flagged(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    nominal = minimal.land(*TCC).nominal_diameter
+    found = diagnose(minimal, hipol, limits, readings=readings_of(minimal, {TCC: (nominal - 20e-6, None)}))
+    land = next(land for land in found.lands if land.key == TCC)
+    assert land.state.status == "spool_only"
+    assert land.wear == pytest.approx(10.0 / 16.0, rel=1e-6)
+    assert land.verdict in {"replace", "critical"}
+    assert "sleeve_missing" in codes(found)
+
+
+def test_without_readings_nothing_is_judged(minimal: Controller, hipol: Fluid, limits: Limits) -> None:
+    found = diagnose(minimal, hipol, limits)
+    assert found.verdict == "not_measured"
+    assert found.measured == 0
+    assert found.flagged == found.repair_plan == ()
+    assert found.uncertainty is None
+    assert found.projection.leakage > 0.0
+    assert "no_readings" in codes(found)
+
+
+# --- order
+
+
+def test_flagged_lands_come_worst_first_then_costliest(sample: Diagnosis) -> None:
+    flagged = sample.flagged
+    assert {land.verdict for land in flagged} == {"watch", "replace"}
+    order = [(-VERDICTS.index(land.verdict), -land.excess_share) for land in flagged]
+    assert order == sorted(order)
+    assert sample.verdict == flagged[0].verdict == "replace"
+
+
+def test_ranked_lands_are_all_lands_by_leakage(sample: Diagnosis) -> None:
+    flows = [land.leakage for land in sample.ranked]
+    assert flows == sorted(flows, reverse=True)
+    assert {land.key for land in sample.ranked} == {land.key for land in sample.lands}
+
+
+def test_excess_is_the_share_above_new_where_it_costs_most(sample: Diagnosis) -> None:
+    states = [land.state for land in sample.lands]
+    everything_new = repaired(states, [state.land.key for state in states])
+    new = LeakageModel(sample.controller, everything_new, sample.fluid, sample.profile)
+    for land in sample.lands:
+        by_hand = [
+            (now.leakage_of(land.key) - project(new, now.condition).leakage_of(land.key)) / now.pump_capacity
+            for now in sample.projections
+        ]
+        assert land.excess_share == pytest.approx(max(by_hand), rel=1e-12, abs=1e-15)
+
+
+def test_repair_plan_telescopes_to_the_unit_with_those_lands_repaired(sample: Diagnosis) -> None:
+    plan = sample.repair_plan
+    assert [step.land.key for step in plan] == [land.key for land in sample.flagged]
+    assert sample.hot_idle is not None
+    assert plan[0].share_before == pytest.approx(sample.hot_idle.share, rel=1e-12, abs=0.0)
+    for step, following in pairwise(plan):
+        assert step.share_after == following.share_before
+    states = [land.state for land in sample.lands]
+    for count in range(1, len(plan) + 1):
+        mended = repaired(states, [step.land.key for step in plan[:count]])
+        model = LeakageModel(sample.controller, mended, sample.fluid, sample.profile)
+        share = project(model, plan[0].condition).share
+        assert plan[count - 1].share_after == pytest.approx(share, rel=1e-9, abs=0.0)
+
+
+def test_without_hot_idle_the_plan_is_at_the_stated_condition(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    only = replace(minimal, operating_points=minimal.operating_points[:1])
+    found = diagnose(only, hipol, limits, readings=readings_of(only, at_wear(only, accumulator=0.7)))
+    assert found.hot_idle is None
+    assert found.projections == (found.projection,)
+    assert {step.condition.name for step in found.repair_plan} == {"driving_second"}
+    assert "no_hot_idle" in codes(found)
+
+
+# --- conditions
+
+
+def test_a_stated_condition_is_judged_beside_the_controller_s_own(
+    four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    condition = stated_condition(four_speed, temperature=60.0, gear=3)
+    readings = readings_of(four_speed, {("25", 1): (16e-3, 16.12e-3)})
+    found = diagnose(four_speed, hipol, limits, readings=readings, condition=condition)
+    land = found.flagged[0]
+    names = [rule.rule for rule in land.rules]
+    assert names == ["wear", "share_stated", "share_driving_second", "share_hot_idle"]
+    assert found.projection.condition is condition
+    assert found.hot_idle is not None
+    assert found.hot_idle.condition.name == "hot_idle"
+
+
+def test_hot_idle_may_be_the_stated_condition(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
+    point = four_speed.operating_point("hot_idle")
+    found = diagnose(four_speed, hipol, limits, condition=point)
+    assert found.projection is found.hot_idle
+
+
+def test_a_pump_that_delivers_nothing_is_said_and_only_leaking_lands_suffer(
+    four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    condition = stated_condition(four_speed, engine_speed=1.0 / 60.0)
+    diameters = {key: (four_speed.land(*key).nominal_diameter,) * 2 for key in [("6", 1), ("26", 1)]}
+    new = {
+        key: (spool, sleeve + 2.0 * four_speed.land(*key).mounting_clearance)
+        for key, (spool, sleeve) in diameters.items()
+    }
+    found = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, new), condition=condition)
+    verdicts = {land.key: land.verdict for land in found.lands if land.state.measured}
+    assert verdicts == {("6", 1): "ok", ("26", 1): "critical"}  # land 6/1 sees no pressure drop in second gear
+    assert "pump_delivers_nothing" in codes(found)
+    assert all(math.isfinite(land.excess_share) for land in found.lands)
+
+
+def test_temperature_outside_the_fluid_is_refused(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
+    with pytest.raises(DomainError, match=r"500 °C"):
+        diagnose(four_speed, hipol, limits, condition=stated_condition(four_speed, temperature=500.0))
+    condition = stated_condition(four_speed, temperature=120.0)
+    with pytest.raises(DomainError, match=r"\(tabulated\)"):
+        diagnose(four_speed, hipol, limits, profile=PAPER, condition=condition)
+
+
+# --- mileage
+
+
+def test_mileage_at_which_a_land_reaches_its_limit(sample: Diagnosis) -> None:
+    assert sample.mileage == 106_315.0
+    for land in sample.lands:
+        assert land.wear is not None
+        if land.wear > 1e-6:
+            assert land.replace_mileage == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9)
+        if land.verdict == "replace":
+            assert land.replace_mileage is not None
+            assert land.replace_mileage < 106_315.0
+
+
+def test_without_mileage_none_is_projected(sample: Diagnosis, limits: Limits, hipol: Fluid) -> None:
+    found = diagnose(sample.controller, hipol, limits, readings=sample.readings)
+    assert {land.replace_mileage for land in found.lands} == {None}
+
+
+def test_messages_are_not_repeated(sample: Diagnosis) -> None:
+    assert len(set(sample.messages)) == len(sample.messages)
+    assert {"controller_representative", "mirrored_repeats", "fluid_note"} <= codes(sample)
