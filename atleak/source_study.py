@@ -159,12 +159,12 @@ ERRATA: tuple[Erratum, ...] = (
     ),
     Erratum(
         13, "viscosity at -40 °C: 1923 mm²/s",
-        "The regression's 1921; ASTM D341 gives 35 155 and real fluids of this kind have some 35 000.",
+        "The regression's 1921; ASTM D341 gives 35 155, and a real Dexron IID has some 33 000 mPa·s (38 000 mm²/s).",
         "paper: 1923; ASTM D341 is not used below -20 °C for a fluid without a stated pour point",
     ),
     Erratum(
         14, "density falls by 0.0007 g/cm³ per K",
-        "Table 2 follows 0.00073; 0.830 g/cm³ at 15 °C is some 4 % below real fluids.",
+        "Table 2 follows 0.00073. The line gives 0.830 g/cm³ at 15 °C; a Dexron IID fluid's data sheet has 0.870.",
         "paper: Table 2",
     ),
     Erratum(

@@ -229,7 +229,8 @@ def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, 
     """Stretches in one gear as (from, to, text); empty without a gear channel or where it changes without end."""
     if gear is None or not len(time):
         return ()
-    edges = np.flatnonzero(gear[1:] != gear[:-1]) + 1
+    known = np.nan_to_num(gear, nan=np.inf)  # one stretch without a gear is one stretch
+    edges = np.flatnonzero(known[1:] != known[:-1]) + 1
     starts, stops = [0, *edges.tolist()], [*edges.tolist(), len(time) - 1]
     if len(starts) > 40:
         return ()

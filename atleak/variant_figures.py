@@ -74,6 +74,7 @@ def _trace(line: Line) -> go.Scatter:
         legendgroup=line.group or None,
         showlegend=line.in_legend,
         connectgaps=False,
+        cliponaxis=line.dash is not None,
         hovertemplate=f"{line.name}<br>%{{x:.4g}}: %{{y:.4g}}<extra></extra>",
     )
 

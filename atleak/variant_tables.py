@@ -6,41 +6,56 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any, Literal
 
+from atleak.road_leakage import Instant
 from atleak.source_study import ERRATA, ComparedPoint
 from atleak.variants import DM3_MIN, OptionRow, VariantResult, reaches_digits
 
 Quantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
 
 
-def variant_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
-    """Tables 2 and 3: most leakage q and share U at that instant, printed and computed; the largest share of the test.
+def table_2_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
+    """Table 2: what a variant is, with the viscosity its printed results follow from."""
+    return [
+        {
+            "variant": result.variant.name,
+            "T [°C]": result.variant.temperature,
+            "wear [%]": result.variant.wear * 100.0,
+            "ν printed [mm²/s]": result.variant.kinematic_viscosity / 1e-6,
+            "ν used [mm²/s]": result.kinematic_viscosity / 1e-6,
+            "ρ [g/cm³]": result.density * 1e-3,
+        }
+        for result in results
+    ]
 
-    ``digits`` is ✓ where q rounds to every printed digit.
+
+def table_3_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
+    """Table 3: most leakage q and share U at that instant, printed and computed; the largest share of the test.
+
+    ``digits`` is ✓ where the computed value rounds to every printed digit.
     """
     rows = []
     for result in results:
-        variant, run, tabulated = result.variant, result.computed, result.as_tabulated
-        leakage = run.max_leakage.leakage * DM3_MIN
-        share = _percent(run.max_leakage.share)
+        variant, run = result.variant, result.computed
+        leakage, share = run.max_leakage.leakage * DM3_MIN, _percent(run.max_leakage)
         rows.append(
             {
                 "variant": variant.name,
-                "T [°C]": variant.temperature,
-                "wear [%]": variant.wear * 100.0,
-                "ν, Table 2 [mm²/s]": variant.kinematic_viscosity / 1e-6,
-                "ν used [mm²/s]": result.kinematic_viscosity / 1e-6,
                 "q printed [dm³/min]": float(variant.printed_max_leakage),
-                "q computed [dm³/min]": leakage,
-                "off [%]": (leakage / float(variant.printed_max_leakage) - 1.0) * 100.0,
-                "digits": _digits(variant.printed_max_leakage, leakage),
-                "q, ν of Table 2 [dm³/min]": tabulated.max_leakage.leakage * DM3_MIN,
+                "q computed": leakage,
+                "q digits": _digits(variant.printed_max_leakage, leakage),
+                "q, ν printed": result.as_tabulated.max_leakage.leakage * DM3_MIN,
                 "U printed [%]": float(variant.printed_max_share),
-                "U computed [%]": share,
-                "U largest [%]": _percent(run.max_share.share) if run.max_share else None,
-                "note": variant.note,
+                "U computed": share,
+                "U digits": _digits(variant.printed_max_share, share),
+                "U largest": _percent(run.max_share),
             }
         )
     return rows
+
+
+def notes(results: Sequence[VariantResult]) -> dict[str, str]:
+    """What must be said of a variant, by its name."""
+    return {result.variant.name: result.variant.note for result in results if result.variant.note}
 
 
 def point_rows(points: Sequence[ComparedPoint]) -> list[dict[str, Any]]:
@@ -88,9 +103,11 @@ def errata_rows() -> list[dict[str, Any]]:
     ]
 
 
-def _digits(printed: Decimal, value: float) -> str:
+def _digits(printed: Decimal, value: float | None) -> str | None:
+    if value is None:
+        return None
     return "✓" if reaches_digits(printed, value) else "≠"
 
 
-def _percent(share: float | None) -> float | None:
-    return None if share is None else share * 100.0
+def _percent(instant: Instant | None) -> float | None:
+    return None if instant is None or instant.share is None else instant.share * 100.0

@@ -82,7 +82,7 @@ VARIANTS: tuple[Variant, ...] = (
     _variant(
         "W5", -40.0, 0.5, 1923.0, 0.870, "0.021", "0.086",
         note="1923 mm²/s is what the article's regression gives; ASTM D341 through the data sheet's points gives "
-        "35 155 and real fluids have some 35 000. That hardly anything leaks in the cold stands either way.",
+        "35 155 and a real Dexron IID has some 38 000. That hardly anything leaks in the cold stands either way.",
     ),
     _variant("W6", 20.0, 0.5, 145.0, 0.826, "0.38", "1.56"),
     _variant("W7", 40.0, 0.5, 42.0, 0.812, "1.43", "5.89", note="The article's text prints 1.41, its Table 3 1.43."),

@@ -21,18 +21,16 @@ CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en162276
 
 @st.cache_resource(max_entries=8, show_spinner="Running W1 to W8 …")
 def computed(key: str, _controller, _road_test):
-    """Results, options and temperature curves of a controller and a road test."""
+    """A controller and a road test, without them the study's, with results, options and temperature curves."""
     if _controller is None:
         _controller, _road_test = load_controller("four_speed_2023"), read_road_test(sample_log())
-    results = run_variants(_controller, _road_test)
-    options, curves = compare_options(_controller, _road_test), temperature_curves(_controller, _road_test)
-    return _controller, _road_test, results, options, curves
+    job = _controller, _road_test
+    return *job, run_variants(*job), compare_options(*job), temperature_curves(*job)
 
 
 def table(rows, digits: str = "{:.4g}") -> None:
     frame = pd.DataFrame(rows)
-    numbers = [name for name in frame if pd.api.types.is_numeric_dtype(frame[name])]
-    style = frame.style.format(digits, subset=numbers)
+    style = frame.style.format(digits, subset=frame.select_dtypes("number").columns)
     pinned = {frame.columns[0]: st.column_config.Column(pinned=True)}
     options = {"hide_index": True, "width": "stretch", "height": "content", "placeholder": "–"}
     st.dataframe(style, column_config=pinned, **options)
@@ -56,10 +54,14 @@ names = ["Tables 2 and 3", "Over time (Fig. 13)", "Over temperature (Fig. 14)", 
 variants, over_time, over_temperature, share, physics, errata = st.tabs(names)
 gear = road_test.values("gear")
 with variants:
-    rows = tables.variant_rows(results)
-    table([{name: value for name, value in row.items() if name != "note"} for row in rows])
-    st.caption("q: most leakage of the test. U: its share of the pump flow then; largest: over the whole test.")
-    st.markdown("\n".join(f"- **{row['variant']}** {show.plain(row['note'])}" for row in rows if row["note"]))
+    st.markdown("**Table 2**: the variants")
+    table(tables.table_2_rows(results))
+    st.markdown("**Table 3**: most leakage q of the test and its share U of the pump flow then")
+    table(tables.table_3_rows(results))
+    st.caption(
+        "✓ every printed digit, ≠ not. *q, ν printed*: with Table 2's viscosity. *U largest*: of the whole test."
+    )
+    st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in tables.notes(results).items()))
     record = to_json(variants_record(results, controller, road_test))
     st.download_button("Download as JSON", record, "variants.json", "application/json", on_click="ignore")
     if what == STUDY:
@@ -70,8 +72,8 @@ with over_time:
     st.caption("Triangles: least and most leakage of each variant. Click in the legend to hide a variant.")
 with over_temperature:
     log_y = st.toggle("Logarithmic scale")
-    chart = charts.temperature_chart(curves, results, printed=what == STUDY, log_y=log_y)
-    st.plotly_chart(figure(chart), width="stretch", key="temperature")
+    chart = figure(charts.temperature_chart(curves, results, printed=what == STUDY, log_y=log_y))
+    st.plotly_chart(chart, width="stretch", key="temperature")
     st.caption("Curves: fresh oil. W4 lies above them: its printed result is that of the used oil.")
 with share:
     if results[0].computed.share is None:

@@ -1,0 +1,72 @@
+"""``docs/source-study.md`` says what the engine gives today, and names functions and tests that exist."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+from atleak.controller import Controller
+from atleak.intake.road_test import read_road_test
+from atleak.variant_tables import option_changes, option_rows
+from atleak.variants import compare_options, run_variants
+
+DM3_MIN = 6e4
+
+
+@pytest.fixture(scope="module")
+def text(root: Path) -> str:
+    return (root / "docs" / "source-study.md").read_text(encoding="utf-8")
+
+
+def rows(text: str, first: str) -> list[list[str]]:
+    """Table rows whose first cell matches."""
+    found = re.findall(rf"^\| ({first}) \| (.+) \|$", text, flags=re.MULTILINE)
+    return [[head, *rest.split(" | ")] for head, rest in found]
+
+
+def test_table_3_of_the_document(text: str, four_speed: Controller, sample_log: Path) -> None:
+    results = run_variants(four_speed, read_road_test(sample_log))
+    written = rows(text, r"W\d")
+    assert [row[0] for row in written] == [result.variant.name for result in results]
+    for row, result in zip(written, results, strict=True):
+        variant, run = result.variant, result.computed
+        assert (row[1], row[4]) == (str(variant.printed_max_leakage), str(variant.printed_max_share))
+        shown = [float(row[column]) for column in (2, 3, 5, 6)]
+        computed = [
+            run.max_leakage.leakage * DM3_MIN,
+            result.as_tabulated.max_leakage.leakage * DM3_MIN,
+            run.max_leakage.share * 100,
+            run.max_share.share * 100,
+        ]
+        assert shown == pytest.approx(computed, rel=6e-4)
+
+
+def test_options_of_the_document(text: str, four_speed: Controller, sample_log: Path) -> None:
+    options = compare_options(four_speed, read_road_test(sample_log))
+    changes = {row.pop("options"): row for row in option_changes(options)}
+    shares = {row.pop("options"): row for row in option_rows(options, "share_at_max_leakage")}
+    for label in shares:
+        written = rows(text, re.escape(label))
+        expected = [shares[label]] if label not in changes else [changes[label], shares[label]]
+        assert len(written) == len(expected)
+        for line, values, tolerance in zip(
+            written, expected, [{"abs": 0.0051}, {"rel": 6e-3}][-len(expected) :], strict=True
+        ):
+            assert [None if cell == "–" else float(cell) for cell in line[1:]] == [
+                None if value is None else pytest.approx(value, **tolerance) for value in values.values()
+            ]
+
+
+def test_named_functions_and_tests_exist(text: str, root: Path) -> None:
+    table = text.split("## From equation to function to test")[1].split("All tests named")[0]
+    module = ""
+    for name in re.findall(r"`([a-z_0-9.A-Z/]+)`", table):
+        if name.endswith((".py", ".toml")):
+            place = root / "atleak" / name if name.startswith("catalogue") else root / "tests" / "literature" / name
+            assert place.is_file(), name
+            continue
+        module, _, function = name.rpartition(".") if "." in name else (module, "", name)
+        assert hasattr(importlib.import_module(f"atleak.{module}"), function), name
