@@ -23,7 +23,7 @@ from atleak.report.wording import Wording
 FONTS = Path(__file__).parent / "fonts"
 _INK = "#1B2733"
 _LEAKAGE, _PUMP, _GRID = "#A3211B", "#1F4E79", "#D5DBE1"
-_HATCHES = {"ok": "", "watch": "///", "replace": "xxx", "critical": "", "not_measured": "..."}
+_HATCHES = {"ok": "", "watch": "///", "replace": "", "critical": "", "not_measured": "..."}
 _LOCK = threading.Lock()  # matplotlib's settings are the process's own
 _SETTINGS = {
     "svg.hashsalt": "atleak",

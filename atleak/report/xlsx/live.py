@@ -368,7 +368,7 @@ class _Columns:
         yield "spool", "spool diameter d [mm]", 12
         yield "c_r", "radial clearance c_r [µm]", 12
         if self.uncertain:
-            yield "U", "expanded uncertainty U [µm]", 12
+            yield "U", "standard uncertainty u(c_r) [µm]", 12
         yield "c_m", "mounting clearance c_m [µm]", 12
         yield "wear", "wear Z [%]", 10
         yield "beta_k", "expansion of body β_k [1e-6/K]", 12

@@ -6,36 +6,34 @@ The same job gives the same bytes: nothing of the clock goes in but the job's ow
 from __future__ import annotations
 
 import datetime as dt
-import io
 import json
 import shutil
 import tempfile
-import warnings
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import typst
-from PIL import Image, ImageOps
 
 from atleak import __version__
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.drawing import controller_svg
 from atleak.errors import InputError, nearest_name
 from atleak.job import Job, clean_text
-from atleak.report.charts import FONTS, Bar, road_chart, shares_chart
-from atleak.report.pdf_content import BARS, Content, chosen_sections
+from atleak.report.charts import FONTS, Bar, glyphs, road_chart, shares_chart
+from atleak.report.pdf.body import BARS, Body, chosen_sections
+from atleak.report.pdf.front import Front
+from atleak.report.pdf.names import Names
+from atleak.report.pdf.pictures import write_pictures
 from atleak.report.record import DM3_MIN, PERCENT, diagnosis_record
 from atleak.report.road_series import RoadSeries, road_series
 from atleak.report.wording import Wording, wording
 
 PAPERS = {"a4": "a4", "letter": "us-letter"}
 STANDARDS = ("a-2a", "ua-1")
-_TEMPLATE = Path(__file__).parent / "templates" / "report.typ"
+_TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
 _ROAD_POINTS = 1200
-_PHOTO_PIXELS = 1400  # of the longer side: sharp at the size it is printed
-_PICTURE_LIMIT = 80_000_000  # pixels of a picture that is opened at all
 _MISSING = "\U0010fffd"  # a character no font has: shows the box that stands for a missing one
 _MISSING_NAMED = 8
 
@@ -61,7 +59,7 @@ def write_pdf(
     paper
         ``"a4"`` or ``"letter"``.
     sections
-        names of `atleak.report.pdf_content.SECTIONS`; all of them unless given.
+        names of `atleak.report.pdf.body.SECTIONS`; all of them unless given.
 
     Raises
     ------
@@ -70,8 +68,8 @@ def write_pdf(
 
     Notes
     -----
-    Where a text holds characters that the bundled fonts lack (an emoji, say), the file is a plain PDF and says so on top
-    of its first page.
+    Where a text holds characters that the bundled fonts lack (an emoji, say), the file is a plain PDF and
+    says so on top of its first page.
     """
     job, say = job or Job(), wording(language)
     chosen = chosen_sections(sections)
@@ -80,7 +78,7 @@ def write_pdf(
             "no such paper", value=paper, expected=f"one of {', '.join(PAPERS)}", nearest=nearest_name(paper, PAPERS)
         )
     with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
-        pictures = _write_pictures(job, Path(folder))
+        pictures = write_pictures(job, Path(folder))
         data = _data(diagnosis, job, say, paper, chosen, pictures)
         shutil.copy(_TEMPLATE, folder)
         return _compile(Path(folder), data, job.date, say)
@@ -90,8 +88,9 @@ def _data(
     diagnosis: Diagnosis, job: Job, say: Wording, paper: str, chosen: tuple[str, ...], pictures: dict[str, str]
 ) -> dict[str, Any]:
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
-    content = Content(diagnosis, diagnosis_record(diagnosis), job, say, series, pictures)
-    charts = _charts(diagnosis, content, series, say, chosen)
+    names = Names(diagnosis, diagnosis_record(diagnosis), job, say)
+    front, body = Front(names, pictures), Body(names, series, pictures)
+    charts = _charts(names, series, chosen)
     title = say("title.report")
     return {
         "lang": say.language,
@@ -106,25 +105,24 @@ def _data(
         "made": f"atleak {__version__}",
         "page": say("title.page", page="{page}", pages="{pages}"),
         "note": None,
-        "head": content.head(),
-        "facts": content.facts(),
-        "verdict": content.verdict(),
-        "sections": content.sections(chosen, {name: name for name in charts}),
+        "head": front.head(),
+        "facts": front.facts(),
+        "verdict": front.verdict(),
+        "sections": body.sections(chosen, {name: name for name in charts}),
         "charts": charts,
     }
 
 
-def _charts(
-    diagnosis: Diagnosis, content: Content, series: RoadSeries | None, say: Wording, chosen: tuple[str, ...]
-) -> dict[str, str]:
+def _charts(names: Names, series: RoadSeries | None, chosen: tuple[str, ...]) -> dict[str, str]:
     """Every drawing as SVG, by name."""
-    found = {}
+    diagnosis, say = names.diagnosis, names.say
+    at, found = diagnosis.projection, {}
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
         found["picture"] = controller_svg(diagnosis.controller, verdicts)
-    if "shares" in chosen and diagnosis.projection.leakage > 0.0 and diagnosis.projection.pump_capacity > 0.0:
-        label = say("charts.share_of_pump", condition=content.condition(diagnosis.projection.condition))
-        found["shares"] = shares_chart([_bar(diagnosis, content, land) for land in diagnosis.ranked[:BARS]], label, say)
+    if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
+        label = say("charts.share_of_pump", condition=names.condition(at.condition))
+        found["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
     if series is not None:
         marks = [
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
@@ -135,57 +133,15 @@ def _charts(
     return found
 
 
-def _bar(diagnosis: Diagnosis, content: Content, land: Any) -> Bar:
-    row, capacity = content.rows[land.key], diagnosis.projection.pump_capacity * DM3_MIN
-    low, high = row["leakage_low_dm3_min"], row["leakage_high_dm3_min"]
-    known = low is not None and high is not None
+def _bar(names: Names, land: LandDiagnosis) -> Bar:
+    low, high = (land.uncertainty.share_interval if land.uncertainty else None) or (None, None)
     return Bar(
-        label=content.land_name(land),
+        label=names.land_name(land),
         share=land.share * PERCENT,
         verdict=land.verdict,
-        low=low / capacity * PERCENT if known else None,
-        high=high / capacity * PERCENT if known else None,
+        low=None if low is None else low * PERCENT,
+        high=None if high is None else high * PERCENT,
     )
-
-
-# --- pictures
-
-
-def _write_pictures(job: Job, folder: Path) -> dict[str, str]:
-    """The job's pictures beside the template, turned upright and no larger than they are printed."""
-    found = {}
-    for number, (name, content) in enumerate(job.pictures.items()):
-        suffix, content = printable_picture(name, content)
-        found[name] = f"picture{number}.{suffix}"
-        (folder / found[name]).write_bytes(content)
-    return found
-
-
-def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
-    """A picture as PNG or JPEG without its metadata (a phone writes the place into it), upright and scaled down.
-
-    Raises
-    ------
-    InputError
-        what is no PNG, JPEG or WebP, or is damaged or too large.
-    """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", Image.DecompressionBombWarning)
-            picture = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
-            if picture.width * picture.height > _PICTURE_LIMIT:
-                raise InputError("picture too large", value=name, expected=f"at most {_PICTURE_LIMIT} pixels")
-            picture = ImageOps.exif_transpose(picture)
-            picture.thumbnail((_PHOTO_PIXELS, _PHOTO_PIXELS))
-            transparent = picture.mode in ("RGBA", "LA", "PA") or "transparency" in picture.info
-            target = io.BytesIO()
-            if transparent:
-                picture.convert("RGBA").save(target, "PNG")
-                return "png", target.getvalue()
-            picture.convert("RGB").save(target, "JPEG", quality=85)
-            return "jpg", target.getvalue()
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
-        raise InputError("picture cannot be read", value=name, expected="a sound PNG, JPEG or WebP file") from error
 
 
 # --- typst
@@ -227,8 +183,6 @@ def _note(data: dict[str, Any], problem: str, say: Wording) -> dict[str, str | N
 
 def _missing_characters(data: Any) -> list[str]:
     """Characters of the report that none of the bundled fonts has, in the order they come."""
-    from atleak.report.charts import glyphs
-
     seen = dict.fromkeys(json.dumps(data, ensure_ascii=False))
     return [sign for sign in seen if ord(sign) not in glyphs() and sign.isprintable()]
 

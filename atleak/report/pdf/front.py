@@ -1,0 +1,131 @@
+"""The first page: letterhead, whose car it is, the verdict and the totals."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.report.pdf.blocks import Block, joined, table
+from atleak.report.pdf.names import Names, distinct
+from atleak.report.record import DM3_MIN, KPA, PERCENT, RPM
+
+_BAND_SIGNS = {"green": "ok", "amber": "watch", "red": "replace", "critical": "critical"}
+
+
+class Front:
+    """What stands on the first page; ``pictures`` holds the printable pictures by the job's names."""
+
+    def __init__(self, names: Names, pictures: dict[str, str]) -> None:
+        self.names, self.pictures = names, pictures
+        self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
+
+    def head(self) -> dict[str, Any]:
+        """Letterhead."""
+        shop, say = self.job.workshop, self.say
+        lines = [
+            *shop.address.splitlines(),
+            f"{say('facts.phone')} {shop.phone}" if shop.phone else "",
+            shop.email,
+            shop.website,
+            f"{say('facts.register')} {shop.registration}" if shop.registration else "",
+        ]
+        return {
+            "workshop": shop.name,
+            "lines": [line for line in lines if line],
+            "logo": self.pictures.get(shop.logo or ""),
+        }
+
+    def facts(self) -> list[list[str]]:
+        """Whose car and which box; nothing that was not filled in."""
+        job, say = self.job, self.say
+        customer, vehicle, box = job.customer, job.vehicle, job.transmission
+        mileage = self.record["mileage_km"] if self.record["mileage_km"] is not None else vehicle.mileage_km
+        contact = [customer.name, customer.number, *customer.address.splitlines(), customer.phone, customer.email]
+        rows = [
+            ("number", job.number),
+            ("date", say.date(job.date) if job.date else ""),
+            ("customer", joined(contact)),
+            ("vehicle", joined((vehicle.make, vehicle.model, vehicle.year), " ")),
+            ("engine", vehicle.engine),
+            ("registration", vehicle.registration),
+            ("vin", vehicle.vin),
+            ("mileage", "" if mileage is None else say("texts.mileage", value=say.number(mileage, 0))),
+            ("transmission", joined((box.maker, box.code), " ")),
+            ("serial", box.serial),
+            ("note", box.note),
+            ("technician", job.technician),
+            ("complaint", job.complaint),
+            ("fault_codes", joined(job.fault_codes)),
+            ("controller", self.diagnosis.controller.name),
+        ]
+        return [[say(f"facts.{name}"), value] for name, value in rows if value]
+
+    def verdict(self) -> dict[str, Any]:
+        """The verdict in one sentence, and the totals under it."""
+        diagnosis, say = self.diagnosis, self.say
+        at = diagnosis.hot_idle or diagnosis.projection
+        condition = self.names.condition(at.condition)
+        if at.pump_capacity > 0.0:
+            band = say.get("bands", diagnosis.band(at))
+            total = say("sentences.total", condition=condition, share=say.percent(at.share), band=band)
+        else:
+            total = say("sentences.no_delivery", condition=condition)
+        sentence = say(
+            f"sentences.{diagnosis.verdict}",
+            total=total,
+            flagged=len(diagnosis.flagged),
+            measured=diagnosis.measured,
+        )
+        more = [say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0))] if at.pump_capacity > 0.0 else []
+        missing = len(diagnosis.lands) - diagnosis.measured
+        if missing and diagnosis.measured:
+            more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))
+        return {
+            "key": diagnosis.verdict,
+            "word": say.get("verdicts", diagnosis.verdict),
+            "sentence": sentence,
+            "more": " ".join(more),
+            "totals": self._totals(),
+        }
+
+    def _totals(self) -> Block:
+        say, diagnosis = self.say, self.diagnosis
+        units = {
+            "condition": "",
+            "temperature": "°C",
+            "speed": "1/min",
+            "gear": "",
+            "pressure": "kPa",
+            "leakage": "dm³/min",
+            "capacity": "dm³/min",
+            "share": "%",
+            "band": "",
+            "holds": "1/min",
+        }
+        rows = []
+        for found in distinct(diagnosis.projections):
+            at, band = found.condition, diagnosis.band(found)
+            total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
+            low, high = total.share_interval if total else (None, None)
+            interval = self.names.interval(_percent(low), _percent(high), 1)
+            rows.append(
+                [
+                    self.names.condition(at),
+                    say.plain(at.temperature),
+                    say.number(at.engine_speed * RPM, 0),
+                    str(at.gear),
+                    say.number(at.main_pressure * KPA, 0),
+                    say.number(found.leakage * DM3_MIN, 2),
+                    say.number(found.pump_capacity * DM3_MIN, 2),
+                    say.number(found.share * PERCENT, 1) + interval,
+                    {"sign": _BAND_SIGNS[band], "text": say.get("bands", band)},
+                    say.number(found.minimum_speed * RPM, 0),
+                ]
+            )
+        names = [
+            f"{say(f'columns.{name}')}, {unit}" if unit else say(f"columns.{name}") for name, unit in units.items()
+        ]
+        return table(names, rows, "5442333403", "l" + "r" * 7 + "lr")
+
+
+def _percent(fraction: float | None) -> float | None:
+    return None if fraction is None else fraction * PERCENT

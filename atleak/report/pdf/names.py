@@ -1,0 +1,124 @@
+"""Words for the things of a report: conditions, lands, numbers with their uncertainty, reasons."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from atleak.controller import OperatingPoint
+from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
+from atleak.job import Job
+from atleak.projection import Projection
+from atleak.report.record import DM3_MIN, PERCENT, RPM, UM
+from atleak.report.wording import Wording
+
+FLAGGED = ("watch", "replace", "critical")
+
+
+class Names:
+    """One diagnosis and its job, spoken of in one language."""
+
+    def __init__(self, diagnosis: Diagnosis, record: dict[str, Any], job: Job, say: Wording) -> None:
+        self.diagnosis, self.record, self.job, self.say = diagnosis, record, job, say
+        self.rows = {(row["component"], row["land"]): row for row in record["lands"]}
+
+    def condition(self, point: OperatingPoint) -> str:
+        """A condition's name in the reader's language."""
+        say = self.say
+        if point.name in say.texts["conditions"] and point.name != "stated":
+            name = say(f"conditions.{point.name}")
+            return say("conditions.at", name=name, temperature=say.plain(point.temperature))
+        if point.name == "stated":
+            temperature, speed = say.plain(point.temperature), say.number(point.engine_speed * RPM, 0)
+            return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
+        return point.label
+
+    def land_number(self, found: LandDiagnosis) -> str:
+        """``8/2``: component and land."""
+        return f"{found.state.land.component}/{found.state.land.land}"
+
+    def land_name(self, found: LandDiagnosis) -> str:
+        """Component, its name and the land."""
+        land = found.state.land
+        return f"{self.pair(found)}, {self.column('land')} {land.land}"
+
+    def pair(self, found: LandDiagnosis) -> str:
+        """Component and its name."""
+        component = found.state.land.component
+        return f"{component} {self.diagnosis.controller.components[component]}"
+
+    def column(self, name: str) -> str:
+        """The heading of a column."""
+        return self.say(f"columns.{name}")
+
+    @property
+    def idle(self) -> Projection | None:
+        """Hot idle where it is not the stated condition itself."""
+        idle = self.diagnosis.hot_idle
+        return None if idle is None or idle is self.diagnosis.projection else idle
+
+    def clearance(self, found: LandDiagnosis) -> str:
+        """Radial clearance [µm] with half its interval where the uncertainty is known."""
+        value = self.say.number(found.state.radial_clearance * UM, 1)
+        interval = found.uncertainty.clearance_interval if found.uncertainty else None
+        if interval is None:
+            return value
+        return f"{value} ± {self.say.number((interval[1] - interval[0]) / 2.0 * UM, 1)}"
+
+    def interval(self, low: float | None, high: float | None, digits: int) -> str:
+        """An interval on a line of its own; nothing where it is not known."""
+        if low is None or high is None:
+            return ""
+        return f"\n({self.say.number(low, digits)}–{self.say.number(high, digits)})"
+
+    def flow(self, value: float, digits: int = 2) -> str:
+        """A flow [m³/s] in dm³/min, without the unit."""
+        return self.say.number(value * DM3_MIN, digits)
+
+    def decision(self, found: LandDiagnosis) -> str:
+        """How sure the verdict is."""
+        if found.decision is None:
+            return "–"
+        said = self.say.get("decisions", found.decision)
+        probability = found.probability_over_limit
+        return said if probability is None else f"{said}\n({self.say.percent(probability, 0)})"
+
+    def reason(self, found: LandDiagnosis) -> str:
+        """The rule that gave the verdict with its limit's origin, then every other rule that reached a limit."""
+        deciding = found.deciding
+        if deciding is None:
+            return ""
+        others = [rule for rule in found.rules if rule.verdict in FLAGGED and rule is not deciding]
+        also = "; ".join(self._reached("rules.reached_short", rule) for rule in others)
+        said = self._reached("rules.reached", deciding)
+        return f"{said}\n{self.say('rules.also', others=also)}" if also else said
+
+    def _reached(self, key: str, rule: RuleResult) -> str:
+        say = self.say
+        factor, unit = (UM, "µm") if rule.unit == "µm" else (PERCENT, "%")
+        return say(
+            key,
+            rule=self._rule(rule),
+            value=f"{say.number(rule.value * factor, 1)}\u00a0{unit}",
+            limit=f"{say.plain(rule.limit * factor)}\u00a0{unit}",
+            origin=say.get("origins", rule.origin),
+        )
+
+    def _rule(self, rule: RuleResult) -> str:
+        if not rule.rule.startswith("share_"):
+            return self.say(f"rules.{rule.rule}")
+        name = rule.rule.removeprefix("share_")
+        points = (
+            *(found.condition for found in self.diagnosis.projections),
+            *self.diagnosis.controller.operating_points,
+        )
+        point = next((each for each in points if each.name == name), None)
+        return self.say("rules.share_at", condition=name if point is None else self.condition(point))
+
+
+def distinct(projections: Iterable[Projection]) -> list[Projection]:
+    found: list[Projection] = []
+    for projection in projections:
+        if not any(projection is other for other in found):
+            found.append(projection)
+    return found
