@@ -119,7 +119,7 @@ def _charts(names: Names, series: RoadSeries | None, chosen: tuple[str, ...]) ->
     at, found = diagnosis.projection, {}
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
-        found["picture"] = controller_svg(diagnosis.controller, verdicts)
+        found["picture"] = controller_svg(diagnosis.controller, verdicts, columns=6)
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
         found["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)

@@ -135,7 +135,7 @@ class Body:
             if decided:
                 cells.append(names.decision(found))
             rows.append([*cells, names.reason(found)])
-        widths = "7004322" + "2" * (idle is not None) + "5" * decided + "9"
+        widths = "4000000" + "0" * (idle is not None) + "3" * decided + "7"
         aligned = "lcl" + "r" * (4 + (idle is not None)) + "l" * decided + "l"
         yield table(_with_units(names, columns), rows, widths, aligned)
         notes = [say("texts.both_rules")]
@@ -212,7 +212,7 @@ class Body:
                     {"sign": found.verdict, "text": say.get("verdicts", found.verdict)},
                 ]
             )
-        yield table(_with_units(names, columns), rows, "60334223520", "lcrrrrrrrrl")
+        yield table(_with_units(names, columns), rows, "10000000000", "lcrrrrrrrrl")
         at = self.names.condition(self.diagnosis.projection.condition)
         yield text(say("texts.all_at", condition=at), small=True)
 
@@ -293,7 +293,7 @@ class Body:
         rows = []
         for each in decisions:
             name = self.diagnosis.controller.components.get(each.component, "")
-            land = f"{say('columns.land')} {each.land}" if each.land else ""
+            land = f"{say('columns.land')}\u00a0{each.land}" if each.land else ""
             decision = say.get("job_decisions", each.decision) if each.decision else "–"
             date = say.date(each.date) if each.date else ""
             rows.append([joined((f"{each.component}  {name}".strip(), land)), each.work, decision, each.reason, date])
@@ -508,7 +508,7 @@ def _worth_saying(mileage: float | None) -> bool:
 
 
 def _with_units(names: Names, columns: dict[str, str]) -> list[str]:
-    return [f"{names.column(name)}, {unit}" if unit else names.column(name) for name, unit in columns.items()]
+    return [f"{names.column(name)}\n{unit}" if unit else names.column(name) for name, unit in columns.items()]
 
 
 def _option(value: Any) -> str:

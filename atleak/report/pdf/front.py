@@ -122,9 +122,9 @@ class Front:
                 ]
             )
         names = [
-            f"{say(f'columns.{name}')}, {unit}" if unit else say(f"columns.{name}") for name, unit in units.items()
+            f"{say(f'columns.{name}')}\n{unit}" if unit else say(f"columns.{name}") for name, unit in units.items()
         ]
-        return table(names, rows, "5442333403", "l" + "r" * 7 + "lr")
+        return table(names, rows, "1000000000", "l" + "r" * 7 + "lr")
 
 
 def _percent(fraction: float | None) -> float | None:

@@ -40,7 +40,7 @@ class Names:
     def land_name(self, found: LandDiagnosis) -> str:
         """Component, its name and the land."""
         land = found.state.land
-        return f"{self.pair(found)}, {self.column('land')} {land.land}"
+        return f"{self.pair(found)}, {self.column('land')}\u00a0{land.land}"
 
     def pair(self, found: LandDiagnosis) -> str:
         """Component and its name."""
