@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from atleak.controller import Controller
@@ -162,3 +163,9 @@ def test_a_verdict_that_may_be_worse_says_so(judge: Callable, four_speed: Contro
 def test_assumptions_refuse_what_they_do_not_know(setting: dict, said: str) -> None:
     with pytest.raises(InputError, match=said):
         Assumptions().with_settings(setting)
+
+
+def test_a_pair_exactly_at_its_limit_passes_in_five_cases_of_a_hundred() -> None:
+    readings = np.random.default_rng(4).normal(30.0, 1.0, 20_000)
+    passed = np.mean([decide(float(value), 30.0, 1.0) == "pass" for value in readings])
+    assert passed == pytest.approx(0.05, abs=3.0 * (0.05 * 0.95 / 20_000) ** 0.5)
