@@ -174,13 +174,13 @@ class Assigner:
         self._comment(taken)
 
     def _fit(self, candidate: Candidate, values: np.ndarray, time: np.ndarray | None) -> Signal | None:
-        finite = np.isfinite(values)
         kind = QUANTITIES[candidate.quantity].unit_kind
-        if not finite.any():
+        part = values[:: max(1, len(values) // 10_000)]
+        if not np.isfinite(part).any() and not np.isfinite(values).any():
             self.say("column_empty", f"{candidate.label!r} holds no values", "info", candidate.label)
             return None
-        never_zero = kind == "temperature" or (kind == "pressure" and candidate.quantity != "lock_up")
-        if never_zero and not values[finite].any() and not candidate.mapped:
+        never_zero = kind in ("temperature", "pressure") and not candidate.mapped
+        if never_zero and not np.nan_to_num(part).any() and not np.nan_to_num(values).any():
             text = f"{candidate.label!r} is zero throughout: the car or logger does not deliver it"
             self.say("column_empty", text, "warning", candidate.label)
             return None
@@ -225,9 +225,11 @@ class Assigner:
         first = tied[0]
         base = first.fit.to_si(first.values)
         for other in tied[1:]:
-            if other.time is not first.time or len(other.values) != len(base):
-                return None
             values = other.fit.to_si(other.values)
+            if other.time is not first.time or len(values) != len(base):
+                if not self._same_name_elsewhere(first, other):
+                    return None
+                continue
             both = np.isfinite(values) & np.isfinite(base)
             if both.sum() < max(1, 0.9 * np.isfinite(base).sum()):
                 return None
@@ -237,6 +239,21 @@ class Assigner:
             labels = f"{first.candidate.label!r} and {other.candidate.label!r}"
             self.say("same_twice", f"{labels} hold the same; the first is used", "info", first.candidate.label)
         return first
+
+    def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
+        """The same channel in two groups with clocks of their own: it must run alike."""
+        if first.candidate.label != other.candidate.label or first.time is None or other.time is None:
+            return False
+        base, values = first.fit.to_si(first.values), other.fit.to_si(other.values)
+        if len(base) < 3 or len(values) < 3 or not np.all(np.diff(other.time) >= 0):
+            return False
+        apart = np.abs(np.interp(first.time, other.time, values) - base)
+        if np.median(apart) > 0.03 * max(float(np.ptp(base)), 1e-9):
+            return False
+        self.say(
+            "same_twice", f"{first.candidate.label!r} stands twice; the first is used", "info", first.candidate.label
+        )
+        return True
 
     def _comment(self, signal: Signal) -> None:
         candidate, found = signal.candidate, signal.fit

@@ -38,16 +38,17 @@ def _channel(assigner: Assigner, signal: Signal, timeline: Timeline, speed: Sign
         time = timeline.time
         if timeline.order is not None:
             raw = raw[timeline.order]
-        blank = np.isnan(raw)
-        if blank.any():
-            raw, time = raw[~blank], time[~blank]
+        if np.isnan(raw.sum()):
+            there = ~np.isnan(raw)
+            raw, time = raw[there], time[there]
     si = signal.fit.to_si(raw)
-    moving = None
-    if speed is not None and speed.time is None and signal.time is None:
+
+    def moving() -> np.ndarray | None:
+        if speed is None or speed.time is not None or signal.time is not None or len(raw) != len(timeline.time):
+            return None
         beside = speed.values if timeline.order is None else speed.values[timeline.order]
-        moving = np.concatenate([[False], np.diff(beside) != 0])
-        if len(moving) != len(raw):
-            moving = None
+        return np.concatenate([[False], np.diff(beside) != 0])
+
     found = checks.suspect(candidate.quantity, raw, si, time, moving)
     doubt = np.zeros(len(raw), bool)
     for name, mask in found.items():

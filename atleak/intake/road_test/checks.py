@@ -5,7 +5,7 @@ Nothing is removed: what is doubted stays in the channel and is counted.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pandas as pd
@@ -41,6 +41,11 @@ _STEP = {  # what a channel can change between two samples at most, per kind, in
 _FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 600.0}
 
 
+def _ends(values: np.ndarray) -> tuple[float, float]:
+    """Least and greatest value, NaN left out."""
+    return float(np.fmin.reduce(values, initial=np.inf)), float(np.fmax.reduce(values, initial=-np.inf))
+
+
 def sentinel(series: pd.Series) -> pd.Series:
     """Error codes in the file's own unit: 65535, −2147483617 and the like.
 
@@ -50,8 +55,7 @@ def sentinel(series: pd.Series) -> pd.Series:
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
     # an error code lies at an end of a channel's values
-    ends = (np.nanmax(values, initial=-np.inf), np.nanmin(values, initial=np.inf))
-    if len(values) and np.isin(ends, _SENTINELS).any():
+    if len(values) and np.isin(_ends(values), _SENTINELS).any():
         result = np.isin(values, _SENTINELS)
         if np.mean(result) > 0.5:  # then it is an ordinary value of this channel
             result[:] = False
@@ -61,7 +65,8 @@ def sentinel(series: pd.Series) -> pd.Series:
 def out_of_range(series: pd.Series, low: float, high: float) -> pd.Series:
     """Values outside what the quantity can be."""
     values = series.to_numpy()
-    if not len(values) or (np.nanmin(values, initial=np.inf) >= low and np.nanmax(values, initial=-np.inf) <= high):
+    least, most = _ends(values)
+    if least >= low and most <= high:
         return pd.Series(np.zeros(len(values), bool), series.index)
     return pd.Series((values < low) | (values > high), series.index)
 
@@ -89,9 +94,11 @@ def spikes(series: pd.Series, step: float) -> pd.Series:
     """Single samples that leave their neighbours by more than ``step`` and come straight back."""
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
-    if len(values) >= 3 and np.nanmax(values, initial=-np.inf) - np.nanmin(values, initial=np.inf) > step:
+    least, most = _ends(values)
+    if len(values) >= 3 and most - least > step:
         change = np.diff(values)
-        big = np.flatnonzero(np.abs(change) > step)
+        high, low = np.flatnonzero(change > step), np.flatnonzero(change < -step)
+        big = np.sort(np.concatenate([high, low]))
         alone = big[:-1][np.diff(big) == 1] + 1
         back = change[alone - 1] * change[alone] < 0
         level = np.abs(values[alone + 1] - values[alone - 1]) < 0.25 * np.abs(change[alone - 1])
@@ -99,10 +106,10 @@ def spikes(series: pd.Series, step: float) -> pd.Series:
     return pd.Series(result, series.index)
 
 
-def frozen(series: pd.Series, seconds: float, moving: np.ndarray | None = None) -> pd.Series:
+def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | None] | None = None) -> pd.Series:
     """A channel that repeats one value other than zero for longer than ``seconds`` (index: stamps in s).
 
-    ``moving`` tells at which samples the car's other channels change; a run counts only where they do.
+    ``moving`` gives the samples at which the car's other channels change; a run counts only where they do.
     """
     values, time = series.to_numpy(), series.index.to_numpy()
     result = np.zeros(len(values), bool)
@@ -118,8 +125,9 @@ def frozen(series: pd.Series, seconds: float, moving: np.ndarray | None = None) 
     edges = np.flatnonzero(np.concatenate([[True], values[1:] != values[:-1], [True]]))
     starts, stops = edges[:-1], edges[1:] - 1
     long = (time[stops] - time[starts] > seconds) & (stops - starts >= 20) & (values[starts] != 0)
+    beside = moving() if moving is not None and long.any() else None
     for start, stop in zip(starts[long], stops[long], strict=True):
-        if moving is None or np.count_nonzero(moving[start : stop + 1]) > 10:
+        if beside is None or np.count_nonzero(beside[start : stop + 1]) > 10:
             result[start : stop + 1] = True
     return pd.Series(result, series.index)
 
@@ -128,7 +136,8 @@ def failed_sensor(series: pd.Series) -> pd.Series:
     """Temperatures in °C that are the end of a sensor's scale, −40 or 215, beside ordinary ones."""
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
-    if len(values) and (np.nanmin(values, initial=0) <= -39.9 or np.nanmax(values, initial=0) >= 214.9):
+    least, most = _ends(values)
+    if least <= -39.9 or most >= 214.9:
         ends = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
         rest = values[~ends & np.isfinite(values)]
         if len(rest) and np.median(rest) > -15:
@@ -137,7 +146,11 @@ def failed_sensor(series: pd.Series) -> pd.Series:
 
 
 def suspect(
-    quantity: str, raw: np.ndarray, si: np.ndarray, time: np.ndarray, moving: np.ndarray | None = None
+    quantity: str,
+    raw: np.ndarray,
+    si: np.ndarray,
+    time: np.ndarray,
+    moving: Callable[[], np.ndarray | None] | None = None,
 ) -> dict[str, np.ndarray]:
     """Every check of a quantity: name of the check → boolean array, only those that found something.
 

@@ -50,12 +50,13 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
     With a unit, that unit. Without: epochs in s, ms, µs or ns and Excel days by their size; otherwise s, or ms
     where whole numbers step by 5 and more and the channels beside it could not move that fast in seconds.
     """
-    finite = values[np.isfinite(values)]
+    values = values.astype(float, copy=False)
+    finite = values if np.isfinite(values.sum()) else values[np.isfinite(values)]
     if not len(finite):
-        return Clock(values.astype(float), unit or "s", unit is None)
+        return Clock(values, unit or "s", unit is None)
     first = float(finite[0])
     known = find_unit(unit, "time") if unit else None
-    middle = float(np.median(finite))
+    middle = float(np.median(finite[:: max(1, len(finite) // 10_000)]))
     if known is not None and known.name in ("s", "ms") and _epoch(middle) not in (None, known.name):
         known = find_unit(str(_epoch(middle)), "time")
     epoch = _epoch(middle)
@@ -247,6 +248,8 @@ def _packed(column: pd.Series) -> np.ndarray:
         import pyarrow as pa
 
         strings = pa.array(column, type=pa.large_string())
+        if isinstance(strings, pa.ChunkedArray):
+            strings = strings.combine_chunks()
     except (ImportError, TypeError, ValueError):
         strings = None
     if strings is not None and not strings.null_count and len(strings):

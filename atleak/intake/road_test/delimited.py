@@ -7,25 +7,32 @@ import io
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from atleak.intake.road_test.cells import MISSING, Decimal
-from atleak.intake.road_test.source import HEAD, Source
+from atleak.intake.road_test.source import HEAD, LARGE, Source
 from atleak.intake.road_test.table import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
 from atleak.intake.road_test.text import Text, to_text
 
 _LONG_HEAD = 1 << 18
-LOOK = 600
+LOOK = 150
 """Lines among which the table's beginning is sought first."""
 
 
 @dataclass(frozen=True)
 class Delimited:
-    """Delimited text whose table is found but not read yet."""
+    """Delimited text whose table is found but not read yet.
 
-    text: Text
+    ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
+    """
+
+    source: Source
+    text: Text | None
+    codec: str
+    encoding: str
     delimiter: str
     decimal: Decimal
     layout: Layout
@@ -51,33 +58,63 @@ class Delimited:
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """These columns of every line from the first data row on: numbers as floats, anything else as text."""
-        frame = self._read(columns, None)
+        if self.text is None:
+            frame = self._read_file(columns)
+            if frame is not None:
+                return frame
+        text = self.text or prepared(self.source)
+        frame = self._read(text, columns, None)
         mixed = [index for index in columns if frame[index].dtype == object]
         if mixed:  # numbers in one part of the file, text in another: one spelling for all
-            frame[mixed] = self._read(mixed, "str")
+            frame[mixed] = self._read(text, mixed, "str")
         return frame
 
-    def _read(self, columns: Sequence[int], dtype: str | None) -> pd.DataFrame:
-        stream = io.BytesIO(self.text.data)
+    def _read_file(self, columns: Sequence[int]) -> pd.DataFrame | None:
+        """Lets pandas read the file itself, on several cores where it can; None where the text needs mending."""
+        whole = 2 * len(columns) >= self.layout.width
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", pd.errors.ParserWarning)
+                warnings.simplefilter("ignore", pd.errors.DtypeWarning)
+                frame = pd.read_csv(
+                    str(self.source.path),
+                    skiprows=self.layout.start,
+                    usecols=None if whole else sorted(columns),
+                    encoding="utf-8",
+                    **self._options(),
+                )
+        except (ValueError, UnicodeDecodeError):  # pandas' parser errors are ValueErrors
+            return None
+        if self.source.digest.has_nul or any(frame[index].dtype == object for index in columns):
+            return None
+        return frame[list(columns)] if whole and len(columns) < self.layout.width else frame
+
+    def _read(self, text: Text, columns: Sequence[int], dtype: str | None) -> pd.DataFrame:
+        stream = io.BytesIO(text.data)
         stream.seek(self.offset)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pd.errors.ParserWarning)
             warnings.simplefilter("ignore", pd.errors.DtypeWarning)
             return pd.read_csv(
                 stream,
-                sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
-                decimal=self.decimal,
-                header=None,
-                names=list(range(self.layout.width)),
-                index_col=False,
                 usecols=sorted(columns),
                 dtype=dtype,  # type: ignore[arg-type]
-                engine="c",
-                skipinitialspace=self.spaced,
-                quoting=csv.QUOTE_MINIMAL if self.quoted else csv.QUOTE_NONE,
-                encoding=self.text.codec,
+                encoding=text.codec,
                 encoding_errors="replace",
+                **self._options(),
             )
+
+    def _options(self) -> dict[str, Any]:
+        return {
+            "sep": r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
+            "decimal": self.decimal,
+            "header": None,
+            "names": list(range(self.layout.width)),
+            "index_col": False,
+            "engine": "c",
+            "skipinitialspace": self.spaced,
+            "quoting": csv.QUOTE_MINIMAL if self.quoted else csv.QUOTE_NONE,
+        }
 
 
 def _lines(data: bytes) -> list[bytes]:
@@ -86,33 +123,41 @@ def _lines(data: bytes) -> list[bytes]:
     return data.split(b"\n")
 
 
-def _sample_lines(text: Text, head: list[bytes]) -> list[str]:
-    """Lines from the head's end and from four places further on in the file."""
-    chosen = head[-200:]
-    size = len(text.data)
-    if size > _LONG_HEAD:
-        for part in (0.3, 0.5, 0.75, 1.0):
-            at = min(int(size * part), size - 1) - (1 << 14)
-            chosen += _lines(text.data[at : at + (1 << 14)])[1:-1][:60]
-    return [text.decode(line) for line in chosen]
+def prepared(source: Source) -> Text:
+    """The whole text of a log, mended: no zero bytes, line feeds at the ends of lines, no half-written cell."""
+    text = to_text(source.data)
+    if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
+        text = Text(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
+    return without_cut_cell(text)
+
+
+def _plain_head(source: Source) -> Text | None:
+    """The head of a large file that the fast reader can take as it is, else None."""
+    if source.in_memory or source.size <= LARGE:
+        return None
+    head = to_text(source.head)
+    tail = source.part(source.size - HEAD, source.size)
+    if head.codec != "utf-8" or not head.encoding.startswith("utf-8") or b"\n" not in source.head[:HEAD]:
+        return None
+    if b"\x00" in source.head or not tail.endswith(b"\n"):
+        return None
+    return head
 
 
 def open_delimited(source: Source) -> Delimited | None:
     """Finds the table in a delimited text, or None when there is none."""
-    text = to_text(source.data)
-    if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
-        text = Text(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
-    text = without_cut_cell(text)
+    plain = _plain_head(source)
+    text = plain or prepared(source)
     head = _lines(text.data[:_LONG_HEAD])
-    if len(text.data) > _LONG_HEAD:
+    if source.size > _LONG_HEAD:
         head = head[:-1]
-    dialect = find_dialect(_sample_lines(text, head))
+    dialect = find_dialect(_sample_lines(source, text, head, plain is not None))
     if dialect is None:
         return None
     delimiter, decimal = dialect.delimiter, dialect.decimal
     rows: list[Row] = []
     layout = None
-    for count in (LOOK, 4 * LOOK, len(head)):
+    for count in (LOOK, 4 * LOOK, 16 * LOOK, len(head)):
         rows += [split_line(text.decode(line), delimiter) for line in head[len(rows) : count]]
         layout = find_table(rows, decimal, dialect.width)
         if (layout is not None and layout.start < 0.8 * len(rows)) or count >= len(head):
@@ -120,11 +165,36 @@ def open_delimited(source: Source) -> Delimited | None:
     if layout is None:
         return None
     offset = sum(len(line) + 1 for line in head[: layout.start])
-    body = (text.data[offset : offset + HEAD], text.data[-HEAD:])
+    end = source.part(source.size - HEAD, source.size) if plain else text.data[-HEAD:]
+    body = (text.data[offset : offset + HEAD], end)
     quoted = any(b'"' in part for part in body)
     spaced = any(delimiter.encode() + b" " in part for part in body)
     sample = tuple(rows[layout.start :][:400])
-    return Delimited(text, delimiter, decimal, layout, offset, sample, quoted, spaced)
+    return Delimited(
+        source,
+        None if plain else text,
+        text.codec,
+        text.encoding,
+        delimiter,
+        decimal,
+        layout,
+        offset,
+        sample,
+        quoted,
+        spaced,
+    )
+
+
+def _sample_lines(source: Source, text: Text, head: list[bytes], plain: bool) -> list[str]:
+    """Lines from the head's end and from four places further on in the file."""
+    chosen = head[-80:]
+    size = source.size if plain else len(text.data)
+    if size > _LONG_HEAD:
+        for share in (0.3, 0.5, 0.75, 1.0):
+            at = min(int(size * share), size - 1) - (1 << 14)
+            part = source.part(at, at + (1 << 14)) if plain else text.data[at : at + (1 << 14)]
+            chosen += _lines(part)[1:-1][:20]
+    return [text.decode(line) for line in chosen]
 
 
 def without_cut_cell(text: Text) -> Text:
@@ -147,7 +217,7 @@ def numbers(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, int]:
     """A column as floats and how many of its cells held something that is neither number nor a word for missing."""
     if column.dtype.kind in "fiub":
         values = column.to_numpy(dtype=float)
-        if column.dtype.kind == "f" and not np.isfinite(values.sum()):
+        if column.dtype.kind == "f" and not np.isfinite(values.sum()) and np.isinf(values).any():
             values = np.where(np.isinf(values), np.nan, values)
         return values, 0
     text = column.astype("str").str.strip().str.strip('"').str.strip()

@@ -124,7 +124,7 @@ def understand_mdf(
     if frames:
         assigner.say("obd2_decoded", f"{form}: OBD2 answers were decoded from {frames} CAN frames")
     blank = Understood(
-        source.file, source.sha256, form, None, None, None, headings, (), memory.signature(h.label for h in headings)
+        source.file, "", form, None, None, None, headings, (), memory.signature(h.label for h in headings)
     )
     wanted = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
     found = [one for one in candidates(headings) if one.quantity != "time"]

@@ -125,6 +125,7 @@ _OTHER_UNITS = frozenset(
     ]
 )
 _GROUP = re.compile(r"^(.*?)[\s_]*[(\[{]([^()\[\]{}]*(?:\([^()]*\))?[^()\[\]{}]*)[)\]}]\s*$", re.DOTALL)
+_FOOTNOTE = re.compile(r"(?<=[)\]])\s*\*\s*\w*$")
 _TRANSLATE = str.maketrans(
     {"ß": "ss", "ä": "ae", "ö": "oe", "ü": "ue", "ł": "l", "ø": "o", "æ": "ae", "№": "no", "đ": "d"}
 )
@@ -171,6 +172,7 @@ def split_unit(name: str) -> Name:
     if text.count("|") >= 2:  # "Name"|"unit"|min|max|rate
         parts = [part.strip().strip('"').strip() for part in text.split("|")]
         return Name(parts[0], parts[1] or None)
+    text = _FOOTNOTE.sub("", text)  # "Engine Speed (rpm) *OBD"
     unit: str | None = None
     while match := _GROUP.match(text):
         inside = match[2].strip().strip('"').strip()

@@ -48,7 +48,7 @@ def without_other_lines(
         number = number.to_numpy(dtype=bool) & known
         telling[unclear] |= number
         wordy[unclear] |= ~number & known
-    text_only = wordy & ~telling
+    text_only = (wordy & ~telling) | _words_for_time(frame, times, table)
     if text_only.any():
         _refuse_another_header(frame[text_only], times + channels, assigner)
         # rows that hold nothing but words where the table has numbers are markers
@@ -58,6 +58,20 @@ def without_other_lines(
     if blank.any():
         frame = frame[~blank]
     return frame, len(frame)
+
+
+def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: Table) -> np.ndarray:
+    """Lines that have a word where the time should be: keys and values of a header in the middle, remarks."""
+    result = np.zeros(len(frame), bool)
+    for one in times[:1]:
+        column = frame[one.heading.index]
+        if column.dtype.kind in "fiubM" or column.dtype == object or holds_clocks(table, one.heading):
+            continue
+        values, strange = numbers(column, table.decimal)
+        if strange and strange < 0.3 * len(values):
+            text = column.astype("str").str.strip().str.lower()
+            result |= np.isnan(values) & column.notna().to_numpy() & ~text.isin(MISSING).to_numpy()
+    return result
 
 
 def holds_clocks(table: Table, heading: Heading) -> bool:

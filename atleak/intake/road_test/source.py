@@ -5,10 +5,12 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
+import mmap
 import threading
 import zipfile
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, Literal
 
@@ -16,6 +18,8 @@ from atleak.errors import Place, RoadTestError
 
 HEAD = 1 << 16
 """Bytes looked at to find out what a file is."""
+LARGE = 1 << 18
+"""Text files beyond this size are not read into memory as a whole unless they must be."""
 SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
 GROWTH = 4
@@ -48,36 +52,83 @@ _PICTURES = {
 
 
 class Digest:
-    """SHA-256 of a file's bytes; a large one is computed beside the reading."""
+    """SHA-256 of a file, computed beside the reading; notes on its way whether there are zero bytes."""
 
-    def __init__(self, data: bytes) -> None:
-        self._hash = hashlib.sha256()
-        self._thread = threading.Thread(target=self._hash.update, args=(data,), daemon=True)
+    def __init__(self, source: bytes | Path) -> None:
+        self._hash, self._source = hashlib.sha256(), source
+        self._nul, self._error = False, ""
+        self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
+
+    def _run(self) -> None:
+        if isinstance(self._source, bytes):
+            self._hash.update(self._source)
+            return
+        try:
+            with (
+                self._source.open("rb") as stream,
+                mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped,
+            ):
+                self._hash.update(mapped)
+                self._nul = mapped.find(b"\x00") >= 0
+        except OSError as error:
+            self._error = str(error.strerror)
 
     def __str__(self) -> str:
         self._thread.join()
+        if self._error:
+            raise RoadTestError(f"cannot be read: {self._error}")
         return self._hash.hexdigest()
+
+    @property
+    def has_nul(self) -> bool:
+        """Whether the file on disk holds zero bytes."""
+        self._thread.join()
+        return self._nul
 
 
 @dataclass(frozen=True)
 class Source:
-    """A log before anything is understood: ``data`` are its bytes, unpacked when it came packed."""
+    """A log before anything is understood.
+
+    ``head`` are its first bytes, ``data`` all of them (unpacked when it came packed), read from ``path`` only when
+    asked for: a large clean file is read by the fast reader itself.
+    """
 
     file: str
     digest: Digest
-    data: bytes
+    head: bytes
     form: Form
+    size: int
+    path: Path | None = None
     packed: bool = False
+    content: bytes | None = field(default=None, repr=False)
+
+    @cached_property
+    def data(self) -> bytes:
+        """All bytes of the log."""
+        if self.content is not None:
+            return self.content
+        assert self.path is not None
+        return self.path.read_bytes()
+
+    @property
+    def in_memory(self) -> bool:
+        """Whether the bytes have been read already."""
+        return self.content is not None
 
     @property
     def sha256(self) -> str:
         """SHA-256 of the file as it was given."""
         return str(self.digest)
 
-    def place(self, **where: object) -> Place:
-        """A place in this file."""
-        return Place(file=self.file, **where)  # type: ignore[arg-type]
+    def part(self, start: int, stop: int) -> bytes:
+        """Some bytes of the log."""
+        if self.content is not None or self.path is None:
+            return self.data[start:stop]
+        with self.path.open("rb") as stream:
+            stream.seek(start)
+            return stream.read(stop - start)
 
 
 def open_source(source: str | Path | bytes, name: str | None = None) -> Source:
@@ -90,36 +141,44 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> Source:
         tightly that unpacking it would fill the memory.
     """
     if isinstance(source, bytes):
-        file, head = name or "log", source[:HEAD]
-        _refuse_what_is_no_log(head, file)
-        data = source
-    else:
-        path = Path(source)
-        file = name or path.name
-        try:
-            with path.open("rb") as stream:
-                head = stream.read(HEAD)
-                _refuse_what_is_no_log(head, file)
-                stream.seek(0)
-                data = stream.read() if len(head) == HEAD else head
-        except OSError as error:
-            raise RoadTestError(f"cannot be opened: {error.strerror}", place=Place(file=file)) from error
-    digest = Digest(data)
-    if data[:2] == b"\x1f\x8b":
+        file = name or "log"
+        _refuse_what_is_no_log(source[:HEAD], file)
+        return _packed_or_not(source, file, Digest(source), None)
+    path = Path(source)
+    file = name or path.name
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(LARGE)
+            _refuse_what_is_no_log(head[:HEAD], file)
+            size = path.stat().st_size
+            if size > LARGE and _form_of(head) == "text" and head[:2] != b"\x1f\x8b":
+                return Source(file, Digest(path), head, "text", size, path)
+            data = head + stream.read()
+    except OSError as error:
+        raise RoadTestError(f"cannot be opened: {error.strerror}", place=Place(file=file)) from error
+    return _packed_or_not(data, file, Digest(data), path)
+
+
+def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) -> Source:
+    packed = data[:2] == b"\x1f\x8b"
+    if packed:
         data = _unpack(data, file)
-        return Source(file, digest, data, _form(data, file), packed=True)
-    return Source(file, digest, data, _form(data, file))
+    return Source(file, digest, data[:LARGE], _form(data, file), len(data), path, packed, data)
 
 
-def _form(data: bytes, file: str) -> Form:
-    if data[:4] == b"PK\x03\x04":
-        _refuse_bomb(data, file)
-        return "workbook"
-    if data[:8] == b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1":
+def _form_of(data: bytes) -> Form:
+    if data[:4] == b"PK\x03\x04" or data[:8] == b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1":
         return "workbook"
     if data[:3] == b"MDF" or data[:8] == b"UnFinMF ":
         return "mdf"
     return "text"
+
+
+def _form(data: bytes, file: str) -> Form:
+    form = _form_of(data)
+    if form == "workbook" and data[:2] == b"PK":
+        _refuse_bomb(data, file)
+    return form
 
 
 def _refuse_what_is_no_log(head: bytes, file: str) -> None:

@@ -17,12 +17,13 @@ from atleak.intake.road_test.assign import (
 from atleak.intake.road_test.cells import is_clock
 from atleak.intake.road_test.clocks import Clock, Motion
 from atleak.intake.road_test.long import long_shape, read_long
-from atleak.intake.road_test.names import words
+from atleak.intake.road_test.names import clean_unit, words
 from atleak.intake.road_test.protocol import Reading, Table, reach
 from atleak.intake.road_test.rows import column_numbers, without_other_lines
 from atleak.intake.road_test.table import Heading, named_by_a_date
 from atleak.intake.road_test.timeline import build as build_timeline
 from atleak.intake.road_test.timing import best_clock, clock_of, motions_beside, no_time, runs
+from atleak.intake.units import kinds_of
 from atleak.road_test import QUANTITIES
 
 
@@ -55,7 +56,8 @@ def read_table(table: Table, assigner: Assigner, mapping: Mapping[str, str]) -> 
 def _read_wide(table: Table, found: list[Candidate], assigner: Assigner) -> Reading:
     width = len(table.sample[0]) if table.sample else len(table.headings)
     found = [one for one in found if one.heading.index < max(width, reach(table.sample))]
-    times = _time_candidates(table, found, assigner)
+    _refuse_split_decimals(table, assigner)
+    times = _time_candidates(table, found)
     channels = [one for one in found if one.quantity != "time"]
     chosen = [one.heading.index for one in (*times, *channels)]
     frame = table.read(sorted(set(chosen))) if chosen else pd.DataFrame()
@@ -76,8 +78,27 @@ def _read_wide(table: Table, found: list[Candidate], assigner: Assigner) -> Read
     return Reading(rows, timeline, label, clock, used=frozenset([label]))
 
 
-def _time_candidates(table: Table, found: list[Candidate], assigner: Assigner) -> list[Candidate]:
-    times = [one for one in found if one.quantity == "time"]
+def _may_be_time(one: Candidate) -> bool:
+    """Whether the unit does not forbid it: a column T in °C is no time."""
+    kinds = kinds_of(clean_unit(one.unit or ""))
+    return not kinds or "time" in kinds or kinds == ["ratio"]
+
+
+def _refuse_split_decimals(table: Table, assigner: Assigner) -> None:
+    """Refuses rows in which a decimal comma has become a delimiter: nearly two cells for every name."""
+    named = reach([[heading.label for heading in table.headings if heading.names]])
+    filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
+    if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
+        raise RoadTestError(
+            "its rows have about twice as many cells as there are names: the decimal comma was used as delimiter too",
+            place=Place(file=assigner.file),
+            value=",".join(table.sample[-1][:8]),
+            expected="the log exported with ';' between cells or with a decimal point",
+        )
+
+
+def _time_candidates(table: Table, found: list[Candidate]) -> list[Candidate]:
+    times = [one for one in found if one.quantity == "time" and (one.mapped or _may_be_time(one))]
     if not any(one.mapped for one in times):
         for heading in table.headings:
             if named_by_a_date(heading) and not any(one.heading is heading for one in times):

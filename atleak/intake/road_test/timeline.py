@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,11 +31,11 @@ def gap_limit(steps: np.ndarray) -> float:
     An evenly sampled log breaks at 3.5 usual steps, an irregular one (answers in turn) at 10 medians or 5 times the
     step that 19 of 20 stay under.
     """
-    steps = steps[steps > 0]
+    part = steps[:: max(1, len(steps) // 100_000)]
+    part = part[part > 0]
+    steps = part if len(part) else steps[steps > 0]
     if not len(steps):
         return np.inf
-    if len(steps) > 200_000:
-        steps = steps[:: len(steps) // 100_000]
     median = float(np.median(steps))
     usual = float(np.percentile(steps, 95, method="lower"))
     if usual <= 1.5 * median:
@@ -99,7 +100,7 @@ def _in_order(
     order = np.arange(len(stamps))
     reordered, end = 0, None
     edges = [0, *starts, len(stamps)]
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         part = shifted[low:high]
         if (np.diff(part) < 0).any():
             ranks = np.argsort(part, kind="stable")
@@ -130,8 +131,7 @@ def _finish(
     lengths = tuple(float(steps[index - 1]) for index in gaps if index not in restarted)
     edges = sorted({0, len(time), *(int(index) for index in gaps), *restarted})
     segments = tuple(
-        Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low]))
-        for low, high in zip(edges[:-1], edges[1:], strict=True)
+        Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low])) for low, high in pairwise(edges)
     )
     lost = sum(float(steps[index - 1]) for index in breaks)
     duration = float(time[-1] - time[0]) - lost

@@ -49,10 +49,10 @@ def clock_of(
             )
             return None
     values, strange = numbers(column, table.decimal)
-    good = np.isfinite(values)
-    if good.sum() < 0.5 * len(values) or strange > 0.05 * len(values):
+    whole = bool(np.isfinite(values.sum()))
+    if strange > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
         return None
-    if _cut_short(one, table, values[good]):
+    if _cut_short(one, table):
         assigner.say(
             "column_refused",
             f"{one.label!r}: a spreadsheet has cut its numbers short ({_cell(table, one)})",
@@ -60,7 +60,7 @@ def clock_of(
             one.label,
         )
         return None
-    return clocks.numeric_clock(values, unit, [] if not good.all() else motions)
+    return clocks.numeric_clock(values, unit, motions if whole else [])
 
 
 def _typed(column: pd.Series) -> bool:
@@ -75,7 +75,7 @@ def _cell(table: Table, one: Candidate) -> str:
     return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
 
 
-def _cut_short(one: Candidate, table: Table, values: np.ndarray) -> bool:
+def _cut_short(one: Candidate, table: Table) -> bool:
     """1,51E+12 in row after row: three digits are left of a long number."""
     index = one.heading.index
     cells = [row[index] for row in table.sample if index < len(row) and row[index]]
@@ -100,7 +100,9 @@ def best_clock(
             "time_counted", f"no time column: time is counted from the interval in the file's head ({counted[1]:g} s)"
         )
         return "", Clock(np.arange(rows) * counted[1], "s", False, "counted")
-    best = max(read, key=lambda pair: (pair[0].mapped, -pair[0].tier, _stamps(pair[1].seconds)))
+    best = read[0]
+    if len(read) > 1:
+        best = max(read, key=lambda pair: (pair[0].mapped, -pair[0].tier, _stamps(pair[1].seconds)))
     _compare_clocks(best, read, assigner)
     for note in best[1].notes:
         assigner.say("clock", note, "warning", best[0].label)
@@ -111,8 +113,13 @@ def best_clock(
 
 
 def runs(seconds: np.ndarray) -> bool:
-    finite = seconds[np.isfinite(seconds)]
-    return len(finite) > 0 and (len(seconds) == 1 or bool(finite.max() > finite.min()))
+    """Whether a clock runs on: it gets anywhere, and seldom falls back."""
+    if len(seconds) < 2:
+        return bool(np.isfinite(seconds).all()) and len(seconds) == 1
+    if not np.fmax.reduce(seconds) > np.fmin.reduce(seconds):
+        return False
+    steps = np.diff(seconds)
+    return bool(np.count_nonzero(steps < 0) <= 0.3 * len(steps))
 
 
 def _stamps(seconds: np.ndarray) -> int:

@@ -88,20 +88,29 @@ def understand(
     opened = open_source(source, name)
     job = _Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered)
     try:
-        if opened.form == "workbook":
-            return _workbook(job)
-        if opened.form == "mdf":
-            from atleak.intake.road_test.mdf import understand_mdf
-
-            return understand_mdf(opened, job.mapping, job.units, job.constants)
-        return _delimited(job)
+        understood = _understand(job)
     except InputError as error:
-        if not isinstance(error, RoadTestError):
-            raise RoadTestError(
-                error.problem, place=error.place if str(error.place) else Place(file=opened.file), value=error.value,
-                expected=error.expected, nearest=error.nearest,
-            ) from error  # fmt: skip
-        raise
+        if isinstance(error, RoadTestError):
+            raise
+        raise RoadTestError(
+            error.problem, place=error.place if str(error.place) else Place(file=opened.file), value=error.value,
+            expected=error.expected, nearest=error.nearest,
+        ) from error  # fmt: skip
+    # the sum is computed beside all this; only now is it waited for
+    digest = opened.sha256
+    test = understood.road_test
+    return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
+
+
+def _understand(job: _Job) -> Understood:
+    opened = job.source
+    if opened.form == "workbook":
+        return _workbook(job)
+    if opened.form == "mdf":
+        from atleak.intake.road_test.mdf import understand_mdf
+
+        return understand_mdf(opened, job.mapping, job.units, job.constants)
+    return _delimited(job)
 
 
 def _delimited(job: _Job) -> Understood:
@@ -113,7 +122,7 @@ def _delimited(job: _Job) -> Understood:
             expected="a log with a header and rows of numbers, as the logger exports it",
         )
     blank = Understood(
-        job.source.file, job.source.sha256, "delimited text", table.text.encoding, table.delimiter, table.decimal,
+        job.source.file, "", "delimited text", table.encoding, table.delimiter, table.decimal,
         table.headings, tuple(tuple(row) for row in table.sample[:8]), memory.signature(_labels(table.headings)),
     )  # fmt: skip
     return _one_table(table, blank, job)
@@ -208,7 +217,7 @@ def _workbook(job: _Job) -> Understood:
 
 def _blank(job: _Job, sheet: Sheet, labels: list[str]) -> Understood:
     return Understood(
-        job.source.file, job.source.sha256, "workbook", None, None, None, sheet.headings,
+        job.source.file, "", "workbook", None, None, None, sheet.headings,
         tuple(tuple(row) for row in sheet.sample[:8]), memory.signature(labels),
     )  # fmt: skip
 
