@@ -61,8 +61,12 @@ def _diagnose(options: argparse.Namespace) -> int:
     from atleak.limits import VERDICTS, load_limits
     from atleak.profile import find_profile
     from atleak.projection import stated_condition
+    from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 
-    _check_targets(options)
+    if options.xlsx == "-":
+        raise InputError("a workbook cannot be written to standard output", value="--xlsx -", expected="a file name")
+    inputs = (options.readings, options.road_test, options.controller, options.fluid, options.limits)
+    _check_targets(inputs, (options.json, options.xlsx))
     controller = load_controller(options.controller)
     profile = find_profile(options.profile, dict(options.set))
     road_test = None if options.road_test is None else _road_test(options)
@@ -83,6 +87,8 @@ def _diagnose(options: argparse.Namespace) -> int:
         instruments=load_instruments(
             options.spool_instrument or DEFAULT_SPOOL_INSTRUMENT, options.sleeve_instrument or DEFAULT_SLEEVE_INSTRUMENT
         ),
+        assumptions=DEFAULTS.with_settings(dict(options.assume)),
+        guard_factor=GUARD_FACTOR if options.guard is None else options.guard,
     )
     written = []
     if options.json is not None:
@@ -108,16 +114,17 @@ def _road_test(options: argparse.Namespace) -> RoadTest:
     )
 
 
-def _check_targets(options: argparse.Namespace) -> None:
-    if options.xlsx == "-":
-        raise InputError("a workbook cannot be written to standard output", value="--xlsx -", expected="a file name")
-    taken = {Path(name).resolve() for name in (options.readings, options.road_test) if name is not None}
-    for target in (options.json, options.xlsx):
-        if target is None or target == "-":
+def _check_targets(inputs: Sequence[str | None], targets: Sequence[str | None]) -> None:
+    """Nothing is written over what is read, nor two things to one place."""
+    taken = {Path(name).resolve() for name in inputs if name is not None}
+    for target in targets:
+        if target is None:
             continue
-        if Path(target).resolve() in taken:
-            raise InputError("would be written over another file of this command", place=Place(file=target))
-        taken.add(Path(target).resolve())
+        place = Path(target) if target == "-" else Path(target).resolve()
+        if place in taken:
+            where = "standard output" if target == "-" else target
+            raise InputError("would be written over another file of this command", place=Place(file=where))
+        taken.add(place)
 
 
 def _summary(diagnosis: Diagnosis, written: list[str]) -> None:
@@ -135,6 +142,7 @@ def _variants(options: argparse.Namespace) -> int:
     from atleak.report.text import print_variants
     from atleak.variants import run_variants
 
+    _check_targets((options.road_test, options.controller), [options.json])
     options.road_test = options.road_test or shipped("sample_data/minimum_acceleration_test.csv")
     controller, road_test = load_controller(options.controller), _road_test(options)
     results = run_variants(controller, road_test)
@@ -152,21 +160,27 @@ def _import_log(options: argparse.Namespace) -> int:
     from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
     from atleak.report.text import print_log
 
+    _check_targets([options.road_test], (options.json, options.csv))
     mapping, units = dict(options.map), dict(options.unit)
     understood = understand(Path(options.road_test), mapping=mapping, units=units, remembered=default_path())
     record = describe(understood)
+    written = []
     if options.json is not None:
         from atleak.report.record import to_json
 
-        _say(_write(options.json, to_json(record).encode()))
+        written += _write(options.json, to_json(record).encode())
     if understood.road_test is None:
         raise understood.problem or InputError("the log's columns cannot be told", place=Place(file=understood.file))
     if options.csv is not None:
-        _say(_write(options.csv, tidy_csv(understood.road_test).encode()))
+        written += _write(options.csv, tidy_csv(understood.road_test).encode())
     if (mapping or units) and not options.forget:
-        remember(default_path(), understood.signature, mapping, units)
+        try:
+            remember(default_path(), understood.signature, mapping, units)
+        except OSError as error:
+            print(f"atleak: {default_path()}: columns are not remembered: {error.strerror}", file=sys.stderr)
     if "-" not in (options.json, options.csv):
         print_log(record)
+        _say(written)
     return 0
 
 
@@ -315,6 +329,12 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--rpm", metavar="N", type=_number, help="engine speed of the stated condition")
     diagnose.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
     diagnose.add_argument("--mileage", metavar="KM", type=_mileage, help="of the vehicle [km]")
+    diagnose.add_argument(
+        "--assume", metavar="NAME=VALUE", type=_pair, action="append", default=[], help="one assumed uncertainty"
+    )
+    diagnose.add_argument(
+        "--guard", metavar="K", type=_number, help="guard band of every limit in standard uncertainties"
+    )
     diagnose.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
     diagnose.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
     diagnose.add_argument("--json", metavar="FILE|-")
