@@ -18,7 +18,16 @@ from atleak.projection import Projection, mileage_at_wear, project, repaired
 from atleak.readings import LandClearance, Readings, clearances
 from atleak.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.road_test import RoadTest
-from atleak.uncertainty import DEFAULTS, Assumptions, Decision, LandUncertainty, RuleDecision, UnitUncertainty, assess
+from atleak.uncertainty import (
+    DEFAULTS,
+    GUARD_FACTOR,
+    Assumptions,
+    Decision,
+    LandUncertainty,
+    RuleDecision,
+    UnitUncertainty,
+    assess,
+)
 
 
 @dataclass(frozen=True)
@@ -154,6 +163,7 @@ def diagnose(
     mileage: float | None = None,
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
+    guard_factor: float = GUARD_FACTOR,
 ) -> Diagnosis:
     """The main job: readings and a road test in, a verdict for every land out.
 
@@ -171,6 +181,8 @@ def diagnose(
         of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
     instruments, assumptions
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
+    guard_factor
+        k of the guard band k·u around every limit; 1.645 leaves a risk of 5 %.
 
     Raises
     ------
@@ -192,7 +204,14 @@ def diagnose(
     sure = None
     if readings is not None:
         sure = assess(
-            model, states, projections, limits, readings=readings, instruments=instruments, assumptions=assumptions
+            model,
+            states,
+            projections,
+            limits,
+            readings=readings,
+            instruments=instruments,
+            assumptions=assumptions,
+            guard_factor=guard_factor,
         )
     lands = tuple(_land(state, projections, when_new, limits, mileage, sure) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)

@@ -13,7 +13,7 @@ from atleak.leakage import GapLeakage
 from atleak.limits import Limits, Steps
 from atleak.projection import Projection
 from atleak.road_leakage import Instant, RoadLeakage
-from atleak.uncertainty import LandUncertainty
+from atleak.uncertainty import LandUncertainty, UnitUncertainty
 
 FORMAT = 1
 DM3_MIN = 6.0e4  # m³/s → dm³/min
@@ -62,6 +62,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "lands_measured": diagnosis.measured,
             "lands_total": len(diagnosis.lands),
         },
+        "uncertainty": _uncertainty(diagnosis.uncertainty),
         "verdict": diagnosis.verdict,
         "lands": [_land(land) for land in diagnosis.lands],
         "gaps": [_gap(gap) for gap in projection.gaps],
@@ -80,6 +81,21 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         ],
         "road_test": None if diagnosis.road is None else _road(diagnosis.road),
         "messages": [message_record(message) for message in diagnosis.messages],
+    }
+
+
+def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
+    """What the intervals and decisions rest on."""
+    if unit is None:
+        return None
+    return {
+        "spool_instrument": unit.instruments.spool.id,
+        "sleeve_instrument": unit.instruments.sleeve.id,
+        "assumptions": dict(unit.assumptions.settings),
+        "coverage": unit.coverage,
+        "guard_factor": unit.guard_factor,
+        "draws": unit.draws,
+        "seed": unit.seed,
     }
 
 

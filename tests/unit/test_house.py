@@ -39,6 +39,7 @@ BEFORE = {
     "leakage.py": ("intake", "diagnosis", "report", "cli", "road_test", "readings", "projection"),
     "readings.py": ("intake", "leakage", "diagnosis", "report", "cli"),
     "road_test.py": ("intake", "leakage", "diagnosis", "report", "cli"),
+    "uncertainty/": ("intake", "diagnosis", "report", "cli", "road_test"),
     "projection.py": ("intake", "diagnosis", "report", "cli"),
     "road_leakage.py": ("intake", "diagnosis", "report", "cli"),
     "diagnosis.py": ("intake", "report", "cli"),
