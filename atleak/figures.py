@@ -41,7 +41,7 @@ BAND_COLOURS = {
 BAND_SYMBOLS = {"green": "●", "amber": "▲", "red": "■", "critical": "✖"}
 PATTERNS = {"ok": "", "watch": "/", "replace": "x", "critical": "+", "not_measured": "."}
 _HATCH = {"fillmode": "overlay", "fgcolor": "rgba(255,255,255,0.7)", "size": 7, "solidity": 0.2}
-LEAKAGE, PUMP, SHARE = "#2a86d1", "#8793a0", "#e07b00"
+LEAKAGE, PUMP, SHARE, ERROR = "#2a86d1", "#8793a0", "#e07b00", "#7b8794"
 _INSTANTS = {
     "max_leakage": ("largest leakage", "diamond", "leakage_dm3_min"),
     "min_leakage": ("smallest leakage", "diamond-open", "leakage_dm3_min"),
@@ -69,7 +69,7 @@ def land_name(found: LandDiagnosis) -> str:
 
 
 def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
-    """Lands by leakage at the stated condition, the largest on top, coloured and hatched by verdict.
+    """Lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
 
     Parameters
     ----------
@@ -88,9 +88,7 @@ def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
             orientation="h",
             name=f"{SYMBOLS[verdict]} {WORDS[verdict]}",
             marker={"color": COLOURS[verdict], "pattern": _HATCH | {"shape": PATTERNS[verdict]}},
-            text=[f"{SYMBOLS[verdict]} {land.share * PERCENT:.2f} %" for land in found],
-            textposition="outside",
-            cliponaxis=False,
+            error_x=_errors([(land.leakage, _interval(land)) for land in found], DM3_MIN),
             customdata=[
                 (
                     diagnosis.controller.components[land.state.land.component],
@@ -102,19 +100,55 @@ def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
             hovertemplate="%{y} %{customdata[0]}<br>%{x:.3f} dm³/min, %{customdata[2]:.2f} % of pump flow"
             "<br>radial clearance %{customdata[1]:.1f} µm<extra></extra>",
         )
+    figure.add_scatter(
+        x=[max(land.leakage, *(_interval(land) or (0.0,))) * DM3_MIN for land in ranked],
+        y=[land_name(land) for land in ranked],
+        mode="text",
+        text=[f"  {SYMBOLS[land.verdict]} {land.share * PERCENT:.2f} %" for land in ranked],
+        textposition="middle right",
+        cliponaxis=False,
+        showlegend=False,
+        hoverinfo="skip",
+    )
     order = [land_name(land) for land in reversed(ranked)]
-    largest = max((land.leakage * DM3_MIN for land in ranked), default=0.0)
+    largest = max((max(land.leakage, *(_interval(land) or (0.0,))) * DM3_MIN for land in ranked), default=0.0)
     figure.update_xaxes(title="leakage [dm³/min]", range=[0.0, 1.25 * largest or 1.0])
     figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
     return _dressed(figure, 110 + 22 * max(len(ranked), 3), bargap=0.25)
 
 
+def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
+    return land.uncertainty.leakage_interval if land.uncertainty else None
+
+
+def _errors(values: list[tuple[float, tuple[float, float] | None]], factor: float) -> dict[str, Any] | None:
+    """Asymmetric error bars from values and their intervals; None where nothing has an interval."""
+    if all(interval is None for _, interval in values):
+        return None
+    ends = [(value, value) if interval is None else interval for value, interval in values]
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": [(high - value) * factor for (value, _), (_, high) in zip(values, ends, strict=True)],
+        "arrayminus": [(value - low) * factor for (value, _), (low, _) in zip(values, ends, strict=True)],
+        "color": ERROR,
+        "thickness": 1.5,
+        "width": 4,
+    }
+
+
 def total_share(diagnosis: Diagnosis) -> go.Figure:
-    """Total share at each condition and the worst of the road test, over the bands of the limit set."""
+    """Total share at each condition and the worst of the road test, over the bands of the limit set.
+
+    Bars are the 95 % intervals of the measurement, where readings are there.
+    """
     points = [(point.condition.label, point.share * PERCENT) for point in diagnosis.projections]
     worst = diagnosis.road.max_share if diagnosis.road else None
     if worst is not None and worst.share is not None:
         points.append((f"worst of the road test, at {worst.time:.1f} s", worst.share * PERCENT))
+    intervals = [total.share_interval for total in diagnosis.uncertainty.totals] if diagnosis.uncertainty else []
+    intervals += [None] * (len(points) - len(intervals))
+    spread = [(share / PERCENT, interval) for (_, share), interval in zip(points, intervals, strict=True)]
     finite = [share for _, share in points if math.isfinite(share)]
     edges = [0.0, *(level * PERCENT for _, level in diagnosis.limits.total_share.levels)]
     right = max(1.2 * edges[-1], 1.1 * max(finite, default=0.0))
@@ -132,13 +166,14 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
         mode="markers+text",
         marker={"symbol": "diamond", "size": 14, "color": LEAKAGE, "line": {"width": 1.5, "color": "white"}},
         text=[f"<b>{share:.1f} %</b>" if math.isfinite(share) else "" for _, share in points],
-        textposition="middle right",
+        textposition="top center",
+        error_x=_errors(spread, PERCENT) if all(math.isfinite(share) for share, _ in spread) else None,
         hovertemplate="%{y}: %{x:.2f} %<extra></extra>",
         showlegend=False,
     )
     figure.update_xaxes(title="leakage as a share of the pump's flow [%]", range=[0.0, right])
-    figure.update_yaxes(type="category", autorange="reversed")
-    return _dressed(figure, 100 + 46 * len(points), top=40)
+    figure.update_yaxes(type="category", range=[len(points) - 0.4, -0.8])
+    return _dressed(figure, 100 + 56 * len(points), top=40)
 
 
 def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> go.Figure:

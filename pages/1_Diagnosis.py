@@ -12,12 +12,11 @@ record = diagnosis_record(diagnosis)
 show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
 
 st.subheader("Flagged pairs")
-by_key = {(land["component"], land["land"]): land for land in record["lands"]}
-flagged = [by_key[land.key] for land in diagnosis.flagged]
-if flagged:
-    show.verdict_table(words.land_rows(diagnosis, flagged), words.DIGITS)
+if diagnosis.flagged:
+    show.verdict_table(words.land_rows(diagnosis, record, diagnosis.flagged), words.DIGITS)
 else:
     st.write("No measured land has reached a limit.")
+show.unsettled(words.advice(diagnosis))
 show.sheet_messages(diagnosis)
 
 st.subheader("Total share of the pump's flow")
@@ -35,8 +34,7 @@ if diagnosis.road is not None:
 st.subheader("Lands by leakage")
 st.plotly_chart(figures.leakage_ranking(diagnosis), key="ranking")
 with st.expander(f"All {len(diagnosis.lands)} lands"):
-    ranked = [by_key[land.key] for land in diagnosis.ranked]
-    show.verdict_table(words.land_rows(diagnosis, ranked), words.DIGITS)
+    show.verdict_table(words.land_rows(diagnosis, record, diagnosis.ranked), words.DIGITS)
 
 st.subheader("Take it along")
 with st.container(horizontal=True):

@@ -18,6 +18,7 @@ from atleak.controller import Controller, load_controller
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import Place, RoadTestError
 from atleak.fluid import load_fluid
+from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUMENT, Instruments, load_instrument
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, remember, understand
 from atleak.intake.units import unit
@@ -26,7 +27,13 @@ from atleak.profile import find_profile
 from atleak.projection import stated_condition
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
-LOADERS = {"controller": load_controller, "fluid": load_fluid, "limits": load_limits}
+LOADERS = {
+    "controller": load_controller,
+    "fluid": load_fluid,
+    "limits": load_limits,
+    "spool_instrument": load_instrument,
+    "sleeve_instrument": load_instrument,
+}
 
 
 @dataclass(frozen=True)
@@ -51,6 +58,8 @@ class Bench:
     controller: str | File = "four_speed_2023"
     fluid: str | File = "hipol_atf_iid"
     limits: str | File = "project_default"
+    spool_instrument: str | File = DEFAULT_SPOOL_INSTRUMENT
+    sleeve_instrument: str | File = DEFAULT_SLEEVE_INSTRUMENT
     profile: str = "workshop"
     options: tuple[tuple[str, Any], ...] = ()
     temperature: float | None = None  # [°C], None: the controller's first operating point
@@ -121,7 +130,10 @@ def remember_columns(log: File, columns: dict[str, str], units: dict[str, str]) 
 @st.cache_resource(max_entries=16, show_spinner="Computing …")
 def _diagnosis(key: str, _bench: Bench) -> Diagnosis:
     controller = controller_of(_bench)
-    fluid, limits = (catalogue_object(kind, getattr(_bench, kind)) for kind in ("fluid", "limits"))
+    fluid, limits, spool, sleeve = (
+        catalogue_object(kind, getattr(_bench, kind))
+        for kind in ("fluid", "limits", "spool_instrument", "sleeve_instrument")
+    )
     condition = stated_condition(
         controller,
         temperature=_bench.temperature,
@@ -144,6 +156,7 @@ def _diagnosis(key: str, _bench: Bench) -> Diagnosis:
         profile=find_profile(_bench.profile, dict(_bench.options)),
         condition=condition,
         mileage=_bench.mileage,
+        instruments=Instruments(spool, sleeve),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import glob
+from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import streamlit as st
@@ -14,6 +16,7 @@ from pages.shared import show
 from pages.shared.bench import Bench, File, catalogue_object, controller_of, diagnosis_of
 from pages.shared.state import choose, put_file, session, settle, take_sample
 
+PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
 FILES = {
     "sheet": (
@@ -23,7 +26,13 @@ FILES = {
     "log": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
 }
 NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
-KINDS = {"controller": "Controller", "fluid": "Fluid", "limits": "Limits"}
+KINDS = {
+    "controller": ("Controller", "controllers"),
+    "fluid": ("Fluid", "fluids"),
+    "limits": ("Limits", "limits"),
+    "spool_instrument": ("Spools measured with", "instruments"),
+    "sleeve_instrument": ("Sleeves measured with", "instruments"),
+}
 OPTIONS = {
     "diameter": "Diameter in the gap law",
     "viscosity": "Viscosity",
@@ -35,13 +44,18 @@ OPTIONS = {
 def draw() -> None:
     """The panel, the job's results brought up to date, and what was refused at the head of the page."""
     st.session_state["framed"] = True
+    for path in PAGES.glob(f"[0-9]_{st.session_state.pop('wanted', '?')}.py"):
+        st.switch_page(path)
     st.html(NARROW_MARGINS)
     with st.sidebar:
         places = {slot: _uploader(slot) for slot in FILES}
         sample = session().bench.sample
         st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch")
-        for kind in KINDS:
+        for kind in ("controller", "fluid", "limits"):
             _choice(kind)
+        with st.expander("Instruments"):
+            for kind in ("spool_instrument", "sleeve_instrument"):
+                _choice(kind)
         _condition()
         _profile()
     result = settle()
@@ -53,7 +67,9 @@ def draw() -> None:
 
 def shown() -> tuple[Bench, Diagnosis]:
     """The job that is shown and its diagnosis."""
-    if "framed" not in st.session_state:  # a fresh server asked for a page's own address runs it without app.py
+    if "framed" not in st.session_state:
+        # a fresh server that is asked for a page's own address first runs that page without app.py around it
+        st.session_state["wanted"] = glob.escape(str(st.context.url or "?").rsplit("/", 1)[-1])
         st.switch_page("app.py")
     bench = session().good
     return bench, diagnosis_of(bench)
@@ -93,11 +109,14 @@ def _status(slot: str, result: Diagnosis) -> None:
 
 
 def _choice(kind: str) -> None:
-    bench = session().bench
-    current = getattr(bench, kind)
-    options = [*catalogue.catalogue_files({"limits": "limits"}.get(kind, f"{kind}s")), OWN]
+    label, folder = KINDS[kind]
+    current = getattr(session().bench, kind)
+    ids = list(catalogue.catalogue_files(folder))
+    if kind.endswith("instrument"):
+        ids = [name for name in ids if kind.split("_")[0] in catalogue_object(kind, name).measures]
+    options = [*ids, OWN]
     picked = st.selectbox(
-        KINDS[kind],
+        label,
         options,
         index=options.index(current if isinstance(current, str) else OWN),
         key=_key(kind),
@@ -106,7 +125,7 @@ def _choice(kind: str) -> None:
     if picked != OWN:
         choose(**{kind: picked})
         return
-    own = st.file_uploader(f"Your own {kind} file", key=_key(f"own-{kind}"))
+    own = st.file_uploader(f"Your own file: {label.lower()}", key=_key(f"own-{kind}"))
     if own is not None:
         choose(**{kind: File(own.name, own.getvalue())})
 

@@ -81,7 +81,7 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     style = frame.style.apply(lambda column: [_colours(name) for name in names], subset=["Verdict"]).format(
         {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
     )
-    config = {"Verdict": st.column_config.TextColumn(width=105, pinned=True, help="sort: the worst first")}
+    config = {"Verdict": st.column_config.TextColumn(width=105, help="sort: the worst first")}
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
 
 
@@ -108,6 +108,14 @@ def sheet_messages(diagnosis: Diagnosis) -> None:
     messages([*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands], "the measuring sheet")
 
 
+def unsettled(lines: list[str]) -> None:
+    """Verdicts that hang on what the instruments can tell."""
+    if lines:
+        head = f"{len(lines)} verdict{'s hang' if len(lines) > 1 else ' hangs'} on the measurement: what settles it"
+        with st.expander(head):
+            st.markdown("\n".join(lines))
+
+
 def log_messages(diagnosis: Diagnosis) -> None:
     """What the road-test log has to say."""
     if diagnosis.road is not None:
@@ -118,9 +126,12 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """What the result rests on: choices, sources, and what of it is representative."""
     road, readings = diagnosis.road, diagnosis.readings
     said = [message for land in diagnosis.lands for message in land.messages]
+    said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
     said += readings.messages if readings else ()
     said += (*road.road_test.messages, *road.messages) if road else ()
     messages([message for message in diagnosis.messages if message not in said], "controller, fluid and conditions")
+    if diagnosis.uncertainty is not None:
+        messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")
     lines = [
         f"- {name}: **{plain(record[name]['name'])}** — {plain(record[name]['source'])}"
         for name in ("controller", "fluid", "limits")

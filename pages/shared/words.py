@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from atleak.controller import Controller
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.figures import BAND_SYMBOLS
 from atleak.limits import Verdict
+from atleak.report.record import PERCENT
 from pages.shared.show import plain, verdict
 
 FLAGGED: tuple[Verdict, ...] = ("critical", "replace", "watch")
 DIGITS = {
     "Clearance [µm]": 1,
-    "± [µm]": 1,
+    "u [µm]": 1,
     "Mounting [µm]": 1,
     "Wear [%]": 1,
     "Share [%]": 2,
-    "Leakage [dm³/min]": 3,
+    "Over it [%]": 1,
+    **dict.fromkeys(("Leakage [dm³/min]", "from", "to"), 3),
     "Spool [mm]": 4,
     "Sleeve [mm]": 4,
     "Least [µm]": 1,
@@ -44,7 +47,9 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     else:
         head = f"**{verdict('ok')}:** none of {measured} measured lands has reached a limit."
     totals = [_total(record[name], point.condition.label) for name, point in _points(diagnosis, record)]
-    return f"{head} The unit leaks {' and '.join(totals)}."
+    point, label = record[_points(diagnosis, record)[-1][0]], diagnosis.projections[-1].condition.label
+    holds = f"The pump holds the pressure from **{point['minimum_engine_rpm']:.0f} rpm** at {plain(label)}."
+    return f"{head} The unit leaks {' and '.join(totals)}. {holds}"
 
 
 def _points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[str, Any]]:
@@ -59,30 +64,31 @@ def _total(point: dict[str, Any], label: str) -> str:
     return f"**{share:.1f} %** of the pump's flow at {plain(label)} ({BAND_SYMBOLS[band]} {band})"
 
 
-def component(diagnosis: Diagnosis, land: dict[str, Any]) -> str:
-    """``25 · regulator valve``."""
-    return f"{land['component']} · {diagnosis.controller.components[land['component']]}"
-
-
-def land_rows(diagnosis: Diagnosis, lands: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def land_rows(diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[LandDiagnosis]) -> list[dict[str, Any]]:
     """Rows of a table of lands; columns that nothing fills are left out."""
+    records = {(land["component"], land["land"]): land for land in record["lands"]}
     rows = []
-    for land in lands:
-        rule = deciding(land)
+    for found in lands:
+        land = records[found.key]
+        name = None if found.deciding is None else found.deciding.rule
+        rule = next((rule for rule in land["rules"] if rule["rule"].rsplit("_", 1)[0] == name), None)
         rows.append(
             {
                 "Verdict": land["verdict"],
-                "Component": component(diagnosis, land),
+                "Component": f"{land['component']} · {diagnosis.controller.components[land['component']]}",
                 "Land": land["land"],
                 "Clearance [µm]": land["radial_clearance_um"],
-                "± [µm]": land["uncertainty_um"],
+                "u [µm]": land["uncertainty_um"],
                 "Mounting [µm]": land["mounting_clearance_um"],
                 "Wear [%]": land["wear_percent"],
                 "Share [%]": land["share_percent"],
                 "Decided by": None if rule is None else rule_text(rule),
                 "Limit is": None if rule is None else rule["origin"],
-                "Decision": land["decision"],
+                "Decision": land["decision"] and land["decision"].replace("_", " "),
+                "Over it [%]": _percent(land["probability_over_limit"]),
                 "Leakage [dm³/min]": land["leakage_dm3_min"],
+                "from": land["leakage_low_dm3_min"],
+                "to": land["leakage_high_dm3_min"],
                 "Limit reached at [km]": land["replace_mileage_km"],
             }
         )
@@ -90,9 +96,18 @@ def land_rows(diagnosis: Diagnosis, lands: list[dict[str, Any]]) -> list[dict[st
     return [{name: row[name] for name in filled} for row in rows]
 
 
-def deciding(land: dict[str, Any]) -> dict[str, Any] | None:
-    """The rule that gave a land's verdict."""
-    return next((rule for rule in land["rules"] if rule["verdict"] == land["verdict"]), None)
+def advice(diagnosis: Diagnosis) -> list[str]:
+    """What would settle the verdicts that hang on the measurement, one line of markdown a land."""
+    return [
+        f"- **component {plain(land.state.land.component)} land {land.state.land.land}**: "
+        f"{plain(land.uncertainty.advice)}"
+        for land in diagnosis.ranked
+        if land.uncertainty is not None and land.uncertainty.advice
+    ]
+
+
+def _percent(fraction: float | None) -> float | None:
+    return None if fraction is None else fraction * PERCENT
 
 
 def rule_text(rule: dict[str, Any]) -> str:

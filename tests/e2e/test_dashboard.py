@@ -169,6 +169,14 @@ def test_every_page_opens(page: Page, server: str, address: str) -> None:
     assert page.url == f"{server}/{address}"
 
 
+def test_a_pages_own_address_opens_it(browser, server: str) -> None:
+    opened = browser.new_page()
+    opened.goto(f"{server}/Catalogue")
+    expect(opened.get_by_role("heading", name="Catalogue", level=1)).to_be_visible(timeout=SOON)
+    expect(opened.get_by_test_id("stSidebar").get_by_text(SHEET).first).to_be_visible(timeout=SOON)
+    opened.close()
+
+
 def test_nothing_is_asked_of_another_host(browser, server: str) -> None:
     opened = browser.new_page()
     asked: list[str] = []

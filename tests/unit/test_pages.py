@@ -1,0 +1,191 @@
+"""The dashboard's pages run in Streamlit's own test harness."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import openpyxl
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.report.template import write_template
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = ("1_Diagnosis", "2_Readings", "3_Road_test", "6_Catalogue")
+XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
+
+
+@pytest.fixture
+def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+    """The dashboard, run once.
+
+    The harness takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one
+    that stands elsewhere and runs ``app.py``.
+    """
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    main = tmp_path / "main.py"
+    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
+    return AppTest.from_file(str(main), default_timeout=60).run()
+
+
+def go(app: AppTest, page: str) -> AppTest:
+    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+
+
+def texts(app: AppTest) -> str:
+    kinds = (*app.markdown, *app.caption, *app.error, *app.warning, *app.info, *app.success, *app.title)
+    return "\n".join(found.value for found in kinds).replace("\\", "")
+
+
+def uploader(app: AppTest, label: str):
+    return next(found for found in app.sidebar.file_uploader if found.label == label)
+
+
+def choice(app: AppTest, label: str):
+    return next(found for found in app.sidebar.selectbox if found.label == label)
+
+
+def number(app: AppTest, label: str):
+    return next(found for found in app.sidebar.number_input if found.label == label)
+
+
+def flagged(app: AppTest) -> list[str]:
+    return [text.strip() for text in app.dataframe[0].value["Verdict"]]
+
+
+def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> None:
+    assert not app.exception
+    assert set(flagged(app)) == {"■ replace", "▲ watch"}
+    assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
+    assert "replace:" in app.error[0].value
+    assert "Representative" in texts(app) or "representative" in texts(app)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: str) -> None:
+    go(app, page)
+    assert not app.exception
+    choice(app, "Controller").select("minimal_example").run()
+    assert not app.exception
+    assert not app.error or "not" in app.error[0].value
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_pages_are_short_and_compute_nothing(page: str) -> None:
+    text = (ROOT / "pages" / f"{page}.py").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 90
+    assert "numpy" not in text
+    assert "open(" not in text
+
+
+def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app: AppTest) -> None:
+    choice(app, "Controller").select("minimal_example").run()
+    assert "no land is measured" in texts(app)
+    sheet = "component;part;plane;direction;diameter [mm]\n" + "".join(
+        f"accumulator;{part};1;{direction};{size}\n"
+        for part, size in (("piston", "18,000"), ("sleeve", "18,070"))
+        for direction in (0, 90)
+    )
+    uploader(app, "Measuring sheet").upload("eigene.csv", sheet.encode(), "text/csv").run()
+    assert not app.exception
+    assert "eigene.csv" in texts(app)
+    assert flagged(app) == ["■ replace"]
+
+
+def test_a_refused_sheet_is_explained_and_the_last_job_stays(app: AppTest) -> None:
+    before = app.dataframe[0].value
+    target = io.BytesIO()
+    openpyxl.Workbook().save(target)
+    uploader(app, "Measuring sheet").upload("leer.xlsx", target.getvalue(), XLSX).run()
+    assert not app.exception
+    assert "leer.xlsx was not taken as measuring sheet" in texts(app)
+    assert "the workbook is empty" in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    assert "Sample job" in texts(app)
+    uploader(app, "Measuring sheet").set_value(None).run()
+    assert "not taken" not in texts(app)
+
+
+def test_an_unfilled_template_is_refused_by_name(app: AppTest, four_speed) -> None:
+    uploader(app, "Measuring sheet").upload("blank.xlsx", write_template(four_speed), XLSX).run()
+    assert "every diameter is empty" in texts(app)
+
+
+def test_own_files_replace_the_sample_one_by_one(app: AppTest, sample_readings: Path, sample_log: Path) -> None:
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    assert "Over the road test" not in [found.value for found in app.subheader]
+    uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
+    assert not app.exception
+    assert "Over the road test" in [found.value for found in app.subheader]
+    assert "1201 rows" in texts(app)
+    uploader(app, "Road-test log").set_value(None).run()
+    assert "Over the road test" not in [found.value for found in app.subheader]
+    next(found for found in app.button if found.label == "Take the sample job").click().run()
+    assert "Sample job" in texts(app)
+    assert "Over the road test" in [found.value for found in app.subheader]
+
+
+def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
+    number(app, "Temperature [°C]").set_value(92.715).run()
+    choice(app, "Fluid").select("mobil_atf_220").run()
+    shown = app.dataframe[0].value
+    assert "92.715 °C" in texts(app)
+    go(app, "2_Readings")
+    go(app, "1_Diagnosis")
+    assert number(app, "Temperature [°C]").value == 92.715
+    assert choice(app, "Fluid").value == "mobil_atf_220"
+    assert "92.715 °C" in texts(app)
+    assert app.dataframe[0].value.equals(shown)
+
+
+def test_a_temperature_outside_the_fluid_keeps_the_last_result(app: AppTest) -> None:
+    before = app.dataframe[0].value
+    number(app, "Temperature [°C]").set_value(190.0).run()
+    assert not app.exception
+    assert "cannot be computed" in texts(app)
+    assert "190 °C" in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    number(app, "Temperature [°C]").set_value(95.0).run()
+    assert "cannot be computed" not in texts(app)
+
+
+def test_profile_options_reach_the_engine(app: AppTest) -> None:
+    choice(app, "Profile").select("paper").run()
+    assert "profile: **paper**" in texts(app)
+    choice(app, "Diameter in the gap law").select("mean").run()
+    assert "paper, diameter=mean" in texts(app)
+
+
+def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> None:
+    text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
+    choice(app, "Limits").select("own file (TOML) …").run()
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.upload("strict.toml", text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain").run()
+    assert not app.exception
+    more = len(flagged(app))
+    assert more > 8
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.set_value(("bad.toml", text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
+    assert not app.exception
+    assert "bad.toml" in texts(app)
+    assert "wear_percent" in texts(app)
+    assert len(flagged(app)) == more
+
+
+def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
+    rows = "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
+    log = "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n" + rows
+    uploader(app, "Road-test log").upload("two.csv", log.encode(), "text/csv").run()
+    assert "two.csv was not taken" in texts(app)
+    go(app, "3_Road_test")
+    assert not app.exception
+    assert "Which column is it?" in texts(app)
+    next(found for found in app.main.selectbox if found.label.startswith("main")).select("line pressure 2 [kPa]")
+    next(found for found in app.button if found.label.startswith("Use and remember")).click().run()
+    assert not app.exception
+    assert "not taken" not in texts(app)
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
