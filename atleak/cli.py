@@ -53,30 +53,44 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _diagnose(options: argparse.Namespace) -> int:
+    from atleak.limits import VERDICTS
+
+    for name in ("xlsx", "pdf"):
+        if getattr(options, name) == "-":
+            problem = "a workbook or PDF cannot be written to standard output"
+            raise InputError(problem, value=f"--{name} -", expected="a file name")
+    inputs = (options.readings, options.road_test, options.controller, options.fluid, options.limits)
+    _check_targets(inputs, (options.json, options.xlsx, options.pdf))
+    diagnosis = _diagnosis(options)
+    written = _write_reports(diagnosis, options)
+    if options.json != "-":
+        from atleak.report.text import print_diagnosis
+
+        print_diagnosis(diagnosis)
+        _say(written)
+    past = options.fail_on and VERDICTS.index(diagnosis.verdict) >= VERDICTS.index(options.fail_on)
+    return 1 if past else 0
+
+
+def _diagnosis(options: argparse.Namespace) -> Diagnosis:
     from atleak.controller import load_controller
     from atleak.diagnosis import diagnose
     from atleak.fluid import load_fluid
     from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUMENT, load_instruments
     from atleak.intake.readings import read_readings
-    from atleak.limits import VERDICTS, load_limits
+    from atleak.limits import load_limits
     from atleak.profile import find_profile
     from atleak.projection import stated_condition
     from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 
-    if options.xlsx == "-":
-        raise InputError("a workbook cannot be written to standard output", value="--xlsx -", expected="a file name")
-    inputs = (options.readings, options.road_test, options.controller, options.fluid, options.limits)
-    _check_targets(inputs, (options.json, options.xlsx))
     controller = load_controller(options.controller)
-    profile = find_profile(options.profile, dict(options.set))
-    road_test = None if options.road_test is None else _road_test(options)
-    diagnosis = diagnose(
+    return diagnose(
         controller,
         load_fluid(options.fluid),
         load_limits(options.limits),
         readings=read_readings(Path(options.readings), controller, sheet=options.sheet, unit=options.sheet_unit),
-        road_test=road_test,
-        profile=profile,
+        road_test=None if options.road_test is None else _road_test(options),
+        profile=find_profile(options.profile, dict(options.set)),
         condition=stated_condition(
             controller,
             temperature=options.temperature,
@@ -90,6 +104,10 @@ def _diagnose(options: argparse.Namespace) -> int:
         assumptions=DEFAULTS.with_settings(dict(options.assume)),
         guard_factor=GUARD_FACTOR if options.guard is None else options.guard,
     )
+
+
+def _write_reports(diagnosis: Diagnosis, options: argparse.Namespace) -> list[str]:
+    """The files asked for; their names."""
     written = []
     if options.json is not None:
         from atleak.report.record import diagnosis_record, to_json
@@ -98,12 +116,12 @@ def _diagnose(options: argparse.Namespace) -> int:
     if options.xlsx is not None:
         from atleak.report.xlsx import write_workbook
 
-        written += _write(options.xlsx, write_workbook(diagnosis))
-    if options.json != "-":
-        _summary(diagnosis, written)
-    if options.fail_on and VERDICTS.index(diagnosis.verdict) >= VERDICTS.index(options.fail_on):
-        return 1
-    return 0
+        written += _write(options.xlsx, write_workbook(diagnosis, paper=options.paper))
+    if options.pdf is not None:
+        from atleak.report.pdf import write_pdf
+
+        written += _write(options.pdf, write_pdf(diagnosis, language=options.language, paper=options.paper))
+    return written
 
 
 def _road_test(options: argparse.Namespace) -> RoadTest:
@@ -125,13 +143,6 @@ def _check_targets(inputs: Sequence[str | None], targets: Sequence[str | None]) 
             where = "standard output" if target == "-" else target
             raise InputError("would be written over another file of this command", place=Place(file=where))
         taken.add(place)
-
-
-def _summary(diagnosis: Diagnosis, written: list[str]) -> None:
-    from atleak.report.text import print_diagnosis
-
-    print_diagnosis(diagnosis)
-    _say(written)
 
 
 # --- variants, import-log -----------------------------------------------------------------------------------------
@@ -339,6 +350,9 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
     diagnose.add_argument("--json", metavar="FILE|-")
     diagnose.add_argument("--xlsx", metavar="FILE")
+    diagnose.add_argument("--pdf", metavar="FILE")
+    diagnose.add_argument("--language", choices=["en", "pl", "de"], default="en", help="of the PDF")
+    diagnose.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
     diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])
 
     variants = add("variants", _variants, "W1 to W8 of the source study, as printed and as computed")
