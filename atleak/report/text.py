@@ -124,7 +124,9 @@ def _cell(value: Any) -> str:
         return ", ".join(map(str, value))
     if isinstance(value, float):
         return f"{value:g}"
-    return {None: "–", True: "yes", False: "no"}.get(value, str(value))
+    if isinstance(value, bool):  # before any comparison: 1 == True
+        return "yes" if value else "no"
+    return "–" if value is None else str(value)
 
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
