@@ -13,17 +13,18 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from atleak.controller import Controller, OperatingPoint
+from atleak.controller import Controller
 from atleak.errors import InputError, Message, Place
 from atleak.fluid import Fluid, ViscosityModel, load_fluid
 from atleak.leakage import LeakageModel
 from atleak.profile import PAPER, WORKSHOP, Profile
 from atleak.projection import with_wear
 from atleak.readings import LandClearance, clearances
-from atleak.road_leakage import Instant, RoadLeakage, evaluate_road_test
+from atleak.road_leakage import Instant, evaluate_road_test
 from atleak.road_test import Channel, RoadTest
 
 FRESH_FLUID = "hipol_atf_iid"
@@ -169,16 +170,17 @@ def run_variants(
         a log without main pressure, or without a usable sample.
     """
     states = tuple(mounted) if mounted is not None else clearances(None, controller)
+    log = _Log.of(controller, states, road_test)
     results = []
     for variant in VARIANTS:
         fluid = variant_fluid(variant)
-        if not _covers(fluid, variant, profile):
+        if not _covers(fluid, variant.temperature, profile.viscosity):
             continue
-        computed, messages = _run(controller, states, road_test, variant, fluid, profile)
-        tabulated = computed
+        worn = with_wear(states, variant.wear)
+        tabulated = computed = log.run(LeakageModel(controller, worn, fluid, profile), variant.temperature)
         if variant.misprinted_viscosity:
             fresh = variant_fluid(variant, as_tabulated=True)
-            tabulated, _ = _run(controller, states, road_test, variant, fresh, profile)
+            tabulated = log.run(LeakageModel(controller, worn, fresh, profile), variant.temperature)
         results.append(
             VariantResult(
                 variant=variant,
@@ -190,7 +192,7 @@ def run_variants(
                 density=fluid.density(variant.temperature, profile.viscosity),
                 computed=computed,
                 as_tabulated=tabulated,
-                messages=messages,
+                messages=log.messages,
             )
         )
     return tuple(results)
@@ -237,37 +239,67 @@ def sample_log() -> Path:
     raise InputError("the sample data are not beside the package", place=Place(file=str(package)))
 
 
-def _covers(fluid: Fluid, variant: Variant, profile: Profile) -> bool:
-    low, high = fluid.span(profile.viscosity)
-    return low <= variant.temperature <= high
+def _covers(fluid: Fluid, temperature: float, model: ViscosityModel) -> bool:
+    low, high = fluid.span(model)
+    return low <= temperature <= high
 
 
-def _run(
-    controller: Controller,
-    states: tuple[LandClearance, ...],
-    road_test: RoadTest,
-    variant: Variant,
-    fluid: Fluid,
-    profile: Profile,
-) -> tuple[VariantRun, tuple[Message, ...]]:
-    model = LeakageModel(controller, with_wear(states, variant.wear), fluid, profile)
-    found = evaluate_road_test(model, variant_road_test(road_test, variant.temperature), controller.operating_points[0])
-    return _kept(found, _gear_at_max(found, controller.operating_points[0])), found.messages
+@dataclass(frozen=True)
+class _Log:
+    """The channels that every variant shares, with what was assumed for those the log does not hold."""
 
+    time: np.ndarray
+    main_pressure: np.ndarray
+    converter_pressure: Any
+    gear: Any
+    engine_speed: np.ndarray | None
+    messages: tuple[Message, ...]
 
-def _kept(found: RoadLeakage, gear: int | None) -> VariantRun:
-    """Without the sections, which for a long log would weigh four times as much again."""
-    assert found.max_leakage is not None  # evaluate_road_test refuses a log without usable samples
-    assert found.min_leakage is not None
-    return VariantRun(found.leakage, found.pump_capacity, found.max_leakage, found.min_leakage, found.max_share, gear)
+    @classmethod
+    def of(cls, controller: Controller, states: tuple[LandClearance, ...], road_test: RoadTest) -> _Log:
+        """Checked by running W1 as any job is run, which refuses a log that cannot be used and says what it assumes."""
+        assumed, first = controller.operating_points[0], VARIANTS[0]
+        model = LeakageModel(controller, states, variant_fluid(first), PAPER)
+        found = evaluate_road_test(model, variant_road_test(road_test, first.temperature), assumed)
+        main, converter, gear, speed = (
+            road_test.values(name) for name in ("main_pressure", "converter_pressure", "gear", "engine_speed")
+        )
+        assert main is not None  # evaluate_road_test refuses a log without
+        return cls(
+            road_test.time,
+            main,
+            assumed.converter_pressure if converter is None else converter,
+            assumed.gear if gear is None else gear,
+            speed,
+            found.messages,
+        )
 
+    def leakage(self, model: LeakageModel, temperature: float) -> np.ndarray:
+        return model.series(self.main_pressure, self.converter_pressure, temperature, self.gear).total
 
-def _gear_at_max(found: RoadLeakage, assumed: OperatingPoint) -> int | None:
-    gears = found.road_test.values("gear")
-    if gears is None:
-        return assumed.gear
-    gear = gears[int(np.nanargmax(found.leakage))]
-    return int(gear) if np.isfinite(gear) else None
+    def run(self, model: LeakageModel, temperature: float) -> VariantRun:
+        leakage = self.leakage(model, temperature)
+        capacity = share = None
+        if self.engine_speed is not None:
+            at = np.full(len(leakage), temperature) if model.uses_slip else temperature
+            capacity = np.asarray(model.pump_capacity(self.engine_speed, self.main_pressure, at), dtype=float)
+            share = leakage / np.where(capacity > 0.0, capacity, np.nan)
+
+        def instant(index: int) -> Instant:
+            pump = None if capacity is None or not np.isfinite(capacity[index]) else float(capacity[index])
+            flow = float(leakage[index])
+            return Instant(float(self.time[index]), flow, pump, flow / pump if pump else None)
+
+        most = int(np.nanargmax(leakage))
+        gear = np.broadcast_to(self.gear, leakage.shape)[most]
+        return VariantRun(
+            leakage=leakage,
+            pump_capacity=capacity,
+            max_leakage=instant(most),
+            min_leakage=instant(int(np.nanargmin(leakage))),
+            max_share=None if share is None or not np.isfinite(share).any() else instant(int(np.nanargmax(share))),
+            gear_at_max=int(gear) if np.isfinite(gear) else None,
+        )
 
 
 # --- what the better physics is worth ---------------------------------------------------------------------------
@@ -302,12 +334,16 @@ def compare_options(
     profiles = [(label, PAPER.with_options(**options)) for label, options in OPTION_STEPS]
     profiles.append(("workshop: the four above without entry loss", WORKSHOP))
     profiles.append(("workshop with entry loss", WORKSHOP.with_options(entry_loss=True)))
+    states = tuple(mounted) if mounted is not None else clearances(None, controller)
+    log = _Log.of(controller, states, road_test)
     rows = []
     for label, profile in profiles:
-        runs = {
-            result.variant.name: result.computed
-            for result in run_variants(controller, road_test, profile=profile, mounted=mounted)
-        }
+        runs = {}
+        for variant in VARIANTS:
+            fluid = variant_fluid(variant)
+            if _covers(fluid, variant.temperature, profile.viscosity):
+                model = LeakageModel(controller, with_wear(states, variant.wear), fluid, profile)
+                runs[variant.name] = log.run(model, variant.temperature)
         names = [variant.name for variant in VARIANTS]
         tops = {name: runs[name].max_leakage if name in runs else None for name in names}
         worst = {name: runs[name].max_share if name in runs else None for name in names}
@@ -363,19 +399,12 @@ def temperature_curves(
         see `run_variants`.
     """
     grid = np.array(list(np.arange(-40.0, 101.0, 5.0) if temperatures is None else temperatures), dtype=float)
-    states = with_wear(mounted if mounted is not None else clearances(None, controller), wear)
+    states = tuple(mounted) if mounted is not None else clearances(None, controller)
+    log, worn = _Log.of(controller, states, road_test), with_wear(states, wear)
     fluid = load_fluid(FRESH_FLUID)
     curves = []
     for name in models:
-        model = LeakageModel(controller, states, fluid, PAPER.with_options(viscosity=name))
-        low, high = fluid.span(name)
-        tops = [
-            evaluate_road_test(
-                model, variant_road_test(road_test, t), controller.operating_points[0]
-            ).max_leakage.leakage
-            if low <= t <= high
-            else np.nan
-            for t in grid.tolist()
-        ]
+        model = LeakageModel(controller, worn, fluid, PAPER.with_options(viscosity=name))
+        tops = [np.nanmax(log.leakage(model, t)) if _covers(fluid, t, name) else np.nan for t in grid.tolist()]
         curves.append(TemperatureCurve(name, _MODEL_LABELS[name], grid, np.array(tops)))
     return tuple(curves)

@@ -32,8 +32,7 @@ def table(rows, digits: str = "{:.4g}") -> None:
     frame = pd.DataFrame(rows)
     style = frame.style.format(digits, subset=frame.select_dtypes("number").columns)
     pinned = {frame.columns[0]: st.column_config.Column(pinned=True)}
-    options = {"hide_index": True, "width": "stretch", "height": "content", "placeholder": "–"}
-    st.dataframe(style, column_config=pinned, **options)
+    st.dataframe(style, column_config=pinned, hide_index=True, height="content", placeholder="–")
 
 
 bench, diagnosis = panel.shown()
@@ -48,13 +47,14 @@ except AtleakError as error:
     st.error(show.error_line(error))
     st.stop()
 if controller.representative:
-    st.info(f"**Representative:** {show.plain(controller.representative)} The road test is representative too.")
+    test = " The road test is representative too." if what == STUDY else ""
+    st.info(f"**Representative:** {show.plain(controller.representative)}{test}")
 
 names = ["Tables 2 and 3", "Over time (Fig. 13)", "Over temperature (Fig. 14)", "Share", "Workshop or paper", "Errata"]
 variants, over_time, over_temperature, share, physics, errata = st.tabs(names)
 gear = road_test.values("gear")
 with variants:
-    st.markdown("**Table 2**: the variants")
+    st.markdown("**Table 2**: the variants; wear is on top of the controller's mounting clearances")
     table(tables.table_2_rows(results))
     st.markdown("**Table 3**: most leakage q of the test and its share U of the pump flow then")
     table(tables.table_3_rows(results))
