@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a case is a line, however long
 """Every quirk seen in loggers' files, one short log each, written for this test."""
 
 from __future__ import annotations
@@ -226,6 +227,40 @@ CASES: dict[str, Case] = {
     "paths as names": Case(table("time,engine/rpm,sensors/gear,drivetrain/gearSelector/position", "{t:.2f},{rpm},{gear},3"), has={"engine_speed": (RPM, "rpm"), "gear": (GEAR, ""), "selector": (3.0, "")}),
     "French": Case(table("Temps (s);Régime moteur (tr/min);Vitesse du véhicule (km/h);Température huile boîte (°C)", "{t:.2f};{rpm};{kmh};{temp}", comma=True), has=_BASIC),
     "Portuguese": Case(table("Tempo (s);RPM do motor (rpm);Velocidade do veículo (km/h);Temperatura do óleo da transmissão (°C)", "{t:.2f};{rpm};{kmh};{temp}", comma=True), has=_BASIC),
+    # --- whole formats
+    "groups with a clock each": Case(
+        "Tuesday,15,November,2011,19:12:10,Release 10.6.4\n03G 906 021 AN,,R4 2.0l,\n\n,,Group A:,'011,,,Group B:,'003,\n,,RPM,Boost,,,RPM,Load\n,TIME,Engine Speed,Charge Pressure (specified),,TIME,Engine Speed,Engine Load\nMarker,STAMP, /min, mbar,,STAMP, /min, %\n"
+        + table("", ",{t:.2f},{rpm},1000,,{t:.2f}5,{rpm},30"), has={"engine_speed": (RPM, "rpm")}, codes=("same_twice",)),
+    "measurement file with two heads": Case(
+        "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\nDate\t2012/08/21\nTime\t16:10:08,4583\n***End_of_Header***\n\nChannels\t2\nSamples\t100\t100\nDate\t2012/08/21\t2012/08/21\nTime\t16:10:08,45\t16:10:08,45\nY_Unit_Label\tVolts\tVolts\nX0\t0,0000000000000000E+0\t0,0000000000000000E+0\nDelta_X\t0,100000\t0,100000\n***End_of_Header***\n"
+        + table("X_Value\tRPM (1/min)\tATF Temp (°C)\tComment", "{t:.6f}\t{rpm}\t{temp}", comma=True), has={"engine_speed": (RPM, "rpm"), "atf_temperature": (ATF, "°C")}),
+    "head repeated between blocks": Case(
+        table("X_Value\tRPM (1/min)\tVoltage", "{t:.6f}\t{rpm}\t1,5", comma=True).replace("\n2,000000\t", "\nChannels\t2\t\nSamples\t100\t100\nX0\t0,0\t0,0\nX_Value\tRPM (1/min)\tVoltage\n2,000000\t"),
+        has={"engine_speed": (RPM, "rpm")}, codes=("lines_left_out",)),
+    "footnotes after the unit": Case(
+        "# RaceRender Data: some app\n# Vehicle: none\n" + table('"Time","UTC Time","Lap","GPS_Update","Latitude","Engine Speed (rpm) *OBD","Vehicle Speed (km/h) *OBD"', "{t:.3f},17000000{i:02d}.5,0,1,48.1,{rpm},{kmh}").replace("\n2.000,", "\n# Lap 1: 00:01:02\n2.000,"),
+        has={"engine_speed": (RPM, "rpm"), "vehicle_speed": (KMH, "km/h")}),
+    "engine run time for a clock": Case(table("ENGINE_RUN_TINE (),ENGINE_RPM (),VEHICLE_SPEED ()", "{i},{rpm},{kmh}"), duration=39.0, has={"engine_speed": (RPM, "rpm"), "vehicle_speed": (KMH, "km/h")}, assumed=("vehicle_speed",)),
+    "long format, Russian": Case(
+        table('"SECONDS";"PID";"VALUE";"UNITS"', '"431{i:02d}.5";"Обороты двигателя";"{rpm}";"об/мин"\n"431{i:02d}.5";"Скорость автомобиля";"{kmh}";"км/ч"\n"431{i:02d}.6";"Температура масла АКПП";"{temp}";"℃"'),
+        rows=3 * ROWS, duration=39.1, has=_BASIC),
+    "long format, German": Case(
+        table('"SECONDS";"PID";"VALUE";"UNITS"', '"431{i:02d}.5";"Motordrehzahl";"{rpm}";"1/min"\n"431{i:02d}.5";"Fahrzeuggeschwindigkeit";"{kmh}";"km/h"'),
+        rows=2 * ROWS, duration=39.0, has={"engine_speed": (RPM, "rpm"), "vehicle_speed": (KMH, "km/h")}),
+    "°F without unit": Case("Firmware 20/25,Map 2,x\nVehicle,N55\nNotes:\n\n\n" + table("timestamp,rpm,ect_psi,mph,gear,transf,waterf", "{t:.2f},{rpm},14.2,{mph:.4f},{gear},{tempf:.0f},200"),
+        has={"engine_speed": (RPM, "rpm"), "vehicle_speed": (39.0, "mph"), "gear": (GEAR, ""), "atf_temperature": (183 * 5 / 9 - 160 / 9, "°F")}, assumed=("atf_temperature",)),
+    "codes, descriptions shifted, units": Case(
+        table("Frame,Time,Flags,ECM.RPM,TCM.TFT,TCM.TOSS,TCM.CURGEAR\nEngine Speed,Trans Fluid Temp,Output Speed,Gear\n,s,,rpm,°C,rpm,", "{i},{t:.2f},0,{rpm},{temp},{rpm},{gear}"),
+        has={"engine_speed": (RPM, "rpm"), "atf_temperature": (ATF, "°C"), "output_speed": (RPM, "rpm"), "gear": (GEAR, "")}),
+    "blank rows between": Case(table(_HEAD, _ROW, end="\n\n"), has=_BASIC),
+    "hectopascal and pascal": Case(table("Time (s),RPM,Line Pressure (hPa),Converter Pressure (Pa)", "{t:.2f},{rpm},{kpa}0,{kpa}000"), has={"main_pressure": (KPA, "mbar"), "converter_pressure": (KPA, "Pa")}),
+    "bar without unit": Case(table("Time (s),RPM,Hauptdruck", "{t:.2f},{rpm},{bar:.2f}"), has={"main_pressure": (829.0, "bar")}, assumed=("main_pressure",)),
+    "thousands of rpm": Case(table("Time (s),Engine Speed (1000 rpm)", "{t:.2f},2.243"), has={"engine_speed": (2243.0, "1000 rpm")}),
+    "rpm stated, thousands meant": Case(table("Time (s),Engine Speed (rpm),Speed (km/h)", "{t:.2f},2.{i}5,{kmh}"), absent=("engine_speed",), ambiguous=("engine_speed",), codes=("column_misfit",)),
+    "T in °C is no time": Case(table("t (s),T (°C),RPM", "{t:.2f},{temp},{rpm}"), has={"engine_speed": (RPM, "rpm")}),
+    "failed sensor": Case(table(_HEAD, _ROW).replace(",84,", ",-40,", 3), has=_BASIC, codes=("suspect_samples",)),
+    "spike": Case(table(_HEAD, _ROW).replace(f",{800 + 37 * 7},", ",14000,"), has=_BASIC, codes=("suspect_samples",)),
+    "small decimal cells in one column only": Case(table("Time;RPM;Load", "{i};{rpm};12,5"), duration=39.0, has={"engine_speed": (RPM, "rpm")}),
     "nothing known": Case(table("Time (s),Lambda,MAF (g/s)", "{t:.2f},1.0,3.4"), codes=("no_quantity",)),
 }  # fmt: skip
 
@@ -276,6 +311,9 @@ REFUSED: dict[str, tuple[bytes, str]] = {
         (table("Time (s),RPM,Speed (km/h)", "{t:.2f},{rpm},{kmh}") + table("Time (s),Speed (km/h),RPM", "{t:.2f},{kmh},{rpm}")).encode(),
         "another header",
     ),
+    "decimal comma as delimiter": (table("Time (s),RPM,Speed (km/h)", "{i},5,{rpm},0,{kmh:.0f},5").encode(), "twice as many cells"),
+    "clock that stands": (table("Time (s),RPM", "5.0,{rpm}").encode(), "no time column"),
+    "interval, not time": (("Interval (ms),RPM\n" + "".join(f"{100 + 7 * i % 13},{800 + i}\n" for i in range(60))).encode(), "no time column"),
     "MDF cut off": (b"MDF     4.10    TGT 15.0" + bytes(400), "MDF"),
 }  # fmt: skip
 
