@@ -16,7 +16,7 @@ from atleak.errors import DomainError
 from atleak.fluid import Fluid
 from atleak.leakage import LeakageModel
 from atleak.limits import VERDICTS, Limits, load_limits
-from atleak.profile import PAPER
+from atleak.profile import PAPER, PROFILES, Profile
 from atleak.projection import project, repaired, stated_condition
 from atleak.readings import Readings
 
@@ -177,6 +177,18 @@ def test_without_readings_nothing_is_judged(minimal: Controller, hipol: Fluid, l
     assert found.uncertainty is None
     assert found.projection.leakage > 0.0
     assert "no_readings" in codes(found)
+
+
+@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
+def test_no_land_of_the_study_s_controller_is_flagged_when_new(
+    four_speed: Controller, hipol: Fluid, limits: Limits, profile: Profile
+) -> None:
+    # as the limits of one pair's share say of themselves
+    assert limits.pair_share is not None
+    found = diagnose(four_speed, hipol, limits, profile=profile)
+    for projection in found.projections:
+        for land in found.lands:
+            assert limits.pair_share.judge(projection.share_of(projection.leakage_of(land.key)), "ok")[0] == "ok"
 
 
 # --- order

@@ -1,0 +1,529 @@
+"""The command line: exit status, what stands on which stream, and messages in place of tracebacks."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+
+from atleak import __version__, cli
+from atleak.catalogue import catalogue_files
+from atleak.controller import Controller
+from atleak.intake.readings import read_readings
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(autouse=True)
+def own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Columns that someone settled on this machine must not decide a test."""
+    home = tmp_path / "home"
+    monkeypatch.setenv("APPDATA", str(home))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(home))
+    return home
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs the command line here; exit status, standard output, standard error."""
+
+    def command(*arguments: object) -> tuple[int, str, str]:
+        try:
+            status = cli.main([str(argument) for argument in arguments])
+        except SystemExit as ended:  # argparse, on a fault of usage
+            status = int(ended.code or 0)
+        out, err = capsys.readouterr()
+        assert "Traceback" not in err
+        return status, out, err
+
+    return command
+
+
+def record_of(run: Run, *arguments: object) -> dict[str, Any]:
+    status, out, err = run("diagnose", *arguments, "--json", "-")
+    assert (status, err) == (0, "")
+    return json.loads(out)
+
+
+def small_sheet(tmp_path: Path, sleeve: float = 11.04) -> Path:
+    path = tmp_path / "small.csv"
+    rows = ["component,part,plane,direction,diameter [mm]"]
+    for direction in (0, 90):
+        rows += [f"tcc_regulator,spool,1,{direction},11.000", f"tcc_regulator,sleeve,1,{direction},{sleeve:.3f}"]
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+# --- the main job
+
+
+def test_json_stands_alone_on_standard_output(run: Run, sample_readings: Path, sample_log: Path) -> None:
+    record = record_of(run, sample_readings, "--road-test", sample_log)
+    assert record["verdict"] == "replace"
+    assert record["road_test"]["file"] == sample_log.name
+    assert record["profile"]["name"] == "workshop"
+
+
+def test_summary_names_totals_flagged_pairs_and_repair(run: Run, sample_readings: Path, sample_log: Path) -> None:
+    status, out, err = run("diagnose", sample_readings, "--road-test", sample_log)
+    assert (status, err) == (0, "")
+    for word in ("47 of 47 lands measured", "■ replace", "25/1", "hot idle in drive", "rpm", "representative"):
+        assert word in out
+
+
+def test_json_and_workbook_are_written_to_files_and_named(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    as_json, as_book = tmp_path / "ergebnis für Łódź.json", tmp_path / "out.xlsx"
+    status, out, _ = run("diagnose", sample_readings, "--json", as_json, "--xlsx", as_book)
+    assert status == 0
+    assert json.loads(as_json.read_text(encoding="utf-8"))["format"] == 1
+    assert len(openpyxl.load_workbook(as_book, read_only=True).sheetnames) >= 1
+    assert "written:" in out
+    assert "out.xlsx" in "".join(out.split())
+
+
+def test_without_a_flagged_land_it_says_so(run: Run, tmp_path: Path) -> None:
+    sheet = small_sheet(tmp_path, sleeve=11.032)
+    status, out, _ = run("diagnose", sheet, "--controller", "minimal_example", "--temperature", "40")
+    assert status == 0
+    assert "1 of 5 lands measured in small.csv" in out
+
+
+# --- exit status
+
+
+@pytest.mark.parametrize(("fail_on", "status"), [("watch", 1), ("replace", 1), ("critical", 0)])
+def test_fail_on_ends_with_1_at_or_past_it(run: Run, sample_readings: Path, fail_on: str, status: int) -> None:
+    assert run("diagnose", sample_readings, "--fail-on", fail_on)[0] == status
+
+
+def test_fail_on_with_json_keeps_the_record(run: Run, sample_readings: Path) -> None:
+    status, out, err = run("diagnose", sample_readings, "--fail-on", "watch", "--json", "-")
+    assert (status, err) == (1, "")
+    assert json.loads(out)["verdict"] == "replace"
+
+
+@pytest.mark.parametrize(("sleeve", "status"), [(11.0321, 0), (11.0359, 1), (11.048, 1)])
+def test_fail_on_watch_follows_the_verdict(run: Run, tmp_path: Path, sleeve: float, status: int) -> None:
+    own = tmp_path / "own.toml"
+    text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
+    own.write_text(text[: text.index("# One pair")] + text[text.index("# Total leakage") :], encoding="utf-8")
+    sheet = small_sheet(tmp_path, sleeve)
+    found = run("diagnose", sheet, "--controller", "minimal_example", "--limits", own, "--fail-on", "watch")
+    assert found[0] == status
+
+
+# --- bad input: status 2, a message, no traceback
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("missing.xlsx", None, ("missing.xlsx", "no such file")),
+        ("empty.xlsx", b"", ("empty.xlsx", "empty")),
+        ("empty.csv", b"", ("empty.csv", "empty")),
+        ("not.xlsx", b"PK\x03\x04 no workbook", ("not.xlsx",)),
+        ("image.csv", bytes(range(256)) * 8, ("image.csv",)),
+        ("other.csv", b"name,price\nbolt,3\n", ("other.csv", "expected")),
+    ],
+)
+def test_readings_that_are_none(
+    run: Run, tmp_path: Path, name: str, content: bytes | None, words: tuple[str, ...]
+) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    status, out, err = run("diagnose", tmp_path / name)
+    assert (status, out) == (2, "")
+    assert err.startswith("atleak: ")
+    for word in words:
+        assert word in err
+
+
+@pytest.mark.parametrize("option", ["READINGS", "--road-test", "--controller", "--fluid", "--limits"])
+def test_a_folder_in_place_of_a_file(run: Run, sample_readings: Path, tmp_path: Path, option: str) -> None:
+    arguments = [tmp_path] if option == "READINGS" else [sample_readings, option, tmp_path]
+    status, out, err = run("diagnose", *arguments)
+    assert (status, out) == (2, "")
+    assert tmp_path.name in err
+
+
+def test_a_workbook_of_another_kind_names_what_it_lacks(run: Run, tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    book.active.title = "Invoice"  # type: ignore[union-attr]
+    book.active.append(["bolt", 3, 4.5])  # type: ignore[union-attr]
+    book.save(tmp_path / "invoice.xlsx")
+    status, _, err = run("diagnose", tmp_path / "invoice.xlsx")
+    assert status == 2
+    assert "invoice.xlsx" in err
+
+
+def test_a_sheet_of_another_controller_names_rows_and_what_was_expected(run: Run, sample_readings: Path) -> None:
+    status, _, err = run("diagnose", sample_readings, "--controller", "minimal_example")
+    assert status == 2
+    for word in (sample_readings.name, "row 8", "clutch A damper", "pressure_regulator"):
+        assert word in err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--road-test", "nope.csv"], ("nope.csv",)),
+        (["--controller", "four_sped_2023"], ("'four_sped_2023'", "did you mean 'four_speed_2023'?")),
+        (["--fluid", "dexron"], ("'dexron'", "mobil_atf_220")),
+        (["--limits", "own.toml"], ("'own.toml'", "no such file")),
+        (["--set", "entry_los=on"], ("'entry_los'", "did you mean 'entry_loss'?")),
+        (["--set", "viscosity=water"], ("'water'", "d341")),
+        (["--set", "eccentricity=2"], ("'2'", "a number 0 to 1")),
+        (["--set", "entry_loss"], ("--set", "'entry_loss'", "NAME=VALUE")),
+        (["--set", "=on"], ("--set", "NAME=VALUE")),
+        (["--gear", "9"], ("9", "one of 1, 2, 3, 4")),
+        (["--gear", "two"], ("--gear", "'two'")),
+        (["--temperature", "500"], ("500 °C", "-20 to 150 °C")),
+        (["--temperature", "-30"], ("-30 °C",)),
+        (["--temperature", "warm"], ("--temperature", "'warm'")),
+        (["--temperature", "nan"], ("nan",)),
+        (["--rpm", "0"], ("more than 0 rpm",)),
+        (["--rpm", "-800"], ("-800", "more than 0 rpm")),
+        (["--mileage", "-1"], ("--mileage", "'-1'")),
+        (["--mileage", "nan"], ("--mileage", "'nan'")),
+        (["--mileage", "106.315"], ("--mileage", "'106.315'", "two ways")),
+        (["--mileage", "106,315"], ("'106,315'", "two ways")),
+        (["--mileage", "far"], ("--mileage", "'far'")),
+        (["--profile", "papr"], ("--profile", "workshop")),
+        (["--fail-on", "ok"], ("--fail-on", "critical")),
+        (["--xlsx", "-"], ("standard output",)),
+        (["--jsn", "-"], ("--jsn",)),
+    ],
+)
+def test_a_bad_option_is_named_with_its_value(
+    run: Run, sample_readings: Path, options: list[str], words: tuple[str, ...]
+) -> None:
+    status, out, err = run("diagnose", sample_readings, *options)
+    assert (status, out) == (2, "")
+    for word in words:
+        assert word in err
+
+
+@pytest.mark.parametrize("option", ["--json", "--xlsx"])
+@pytest.mark.parametrize("target", ["nowhere/out.file", "."])
+def test_an_output_that_cannot_be_written(
+    run: Run, sample_readings: Path, tmp_path: Path, option: str, target: str
+) -> None:
+    status, _, err = run("diagnose", sample_readings, option, tmp_path / target)
+    assert status == 2
+    assert "cannot be written" in err
+    assert tmp_path.name in err
+
+
+def test_nothing_is_written_over_what_is_read(run: Run, tmp_path: Path) -> None:
+    sheet = small_sheet(tmp_path)
+    before = sheet.read_bytes()
+    again = tmp_path / "folder" / ".." / sheet.name
+    (tmp_path / "folder").mkdir()
+    for options in (["--xlsx", sheet], ["--json", again], ["--json", tmp_path / "a", "--xlsx", tmp_path / "a"]):
+        status, _, err = run("diagnose", sheet, "--controller", "minimal_example", *options)
+        assert status == 2
+        assert "would be written over" in err
+    assert sheet.read_bytes() == before
+    assert not (tmp_path / "a").exists()
+
+
+def test_a_log_without_main_pressure(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text("time [s],engine_speed [rpm],gear\n0,800,1\n1,900,1\n2,950,1\n", encoding="utf-8")
+    status, _, err = run("diagnose", sample_readings, "--road-test", log)
+    assert status == 2
+    assert "log.csv" in err
+    assert "pressure" in err
+
+
+def test_several_faults_of_a_catalogue_file_are_said_at_once(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    own = tmp_path / "own.toml"
+    text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
+    own.write_text(text.replace("watch = 10.0", "watch = -10.0").replace("red = 20.0", 'red = "20"'), encoding="utf-8")
+    status, _, err = run("diagnose", sample_readings, "--limits", own)
+    assert status == 2
+    assert "key 'watch'" in err
+    assert "key 'red'" in err
+
+
+# --- options
+
+
+def test_decimal_comma_in_options(run: Run, sample_readings: Path) -> None:
+    with_comma = record_of(
+        run, sample_readings, "--temperature", "85,5", "--rpm", "1200,5", "--set", "eccentricity=0,5"
+    )
+    with_point = record_of(
+        run, sample_readings, "--temperature", "85.5", "--rpm", "1200.5", "--set", "eccentricity=0.5"
+    )
+    assert with_comma == with_point
+    assert with_comma["projection"]["temperature_c"] == 85.5
+    assert with_comma["projection"]["engine_rpm"] == pytest.approx(1200.5, rel=1e-12)
+    assert with_comma["profile"]["eccentricity"] == 0.5
+
+
+def test_a_stated_condition_reaches_the_projection_and_leaves_hot_idle(run: Run, sample_readings: Path) -> None:
+    plain = record_of(run, sample_readings)
+    stated = record_of(run, sample_readings, "--gear", "3", "--temperature", "60", "--rpm", "2000")
+    found = stated["projection"]
+    assert (found["gear"], found["temperature_c"], found["engine_rpm"]) == (3, 60.0, pytest.approx(2000.0, rel=1e-12))
+    assert stated["hot_idle"] == plain["hot_idle"]
+    assert plain["projection"]["name"] == "driving_second"
+
+
+def test_profile_and_set_reach_the_engine(run: Run, sample_readings: Path) -> None:
+    paper = record_of(run, sample_readings, "--profile", "paper")
+    assert all(gap["drawn_from_pump"] for gap in paper["gaps"])
+    changed = record_of(run, sample_readings, "--profile", "paper", "--set", "diameter=mean", "--set", "entry_loss=on")
+    assert (changed["profile"]["diameter"], changed["profile"]["entry_loss"]) == ("mean", True)
+    assert changed["gaps"][0]["diameter_mm"] > paper["gaps"][0]["diameter_mm"]
+
+
+def test_the_last_of_an_option_set_twice_counts(run: Run, sample_readings: Path) -> None:
+    found = record_of(run, sample_readings, "--set", "diameter=spool", "--set", "diameter=mean")
+    assert found["profile"]["diameter"] == "mean"
+
+
+def test_mileage_reaches_the_record(run: Run, sample_readings: Path) -> None:
+    found = record_of(run, sample_readings, "--mileage", "106315")
+    assert found["mileage_km"] == 106315.0
+    assert any(land["replace_mileage_km"] for land in found["lands"])
+
+
+def test_own_files_by_path(run: Run, tmp_path: Path) -> None:
+    own = {}
+    for kind, name in (("controllers", "minimal_example"), ("fluids", "mobil_atf_220"), ("limits", "project_default")):
+        own[kind] = tmp_path / f"{kind}.toml"
+        own[kind].write_bytes(catalogue_files(kind)[name].read_bytes().replace(b'id = "', b'id = "own_', 1))
+    found = record_of(
+        run,
+        small_sheet(tmp_path),
+        *("--controller", own["controllers"], "--fluid", own["fluids"], "--limits", own["limits"]),
+    )
+    assert [found[key]["id"] for key in ("controller", "fluid", "limits")] == [
+        "own_minimal_example",
+        "own_mobil_atf_220",
+        "own_project_default",
+    ]
+    assert found["readings"]["lands_measured"] == 1
+
+
+# --- template, catalogue
+
+
+@pytest.mark.parametrize("name", ["four_speed_2023", "minimal_example"])
+def test_a_filled_template_is_diagnosed(run: Run, tmp_path: Path, name: str) -> None:
+    sheet = tmp_path / "sheet.xlsx"
+    status, out, _ = run("template", "--controller", name, "-o", sheet)
+    assert status == 0
+    assert "written:" in out
+    book = openpyxl.load_workbook(sheet)
+    page = next(page for page in book if any(_heading(page)))
+    heading = next(row for row in page.iter_rows() if any("Diameter" in str(cell.value) for cell in row))
+    column = {str(cell.value).split("\n")[0].split(" [")[0]: cell.column for cell in heading}
+    filled = 0
+    for row in range(heading[0].row + 1, page.max_row + 1):
+        nominal = page.cell(row, column["Nominal"]).value
+        if isinstance(nominal, int | float):
+            page.cell(row, column["Diameter"]).value = nominal
+            filled += 1
+    assert filled > 0
+    book.save(sheet)
+    found = record_of(run, sheet, "--controller", name)
+    assert found["readings"]["lands_measured"] == found["readings"]["lands_total"]
+    assert {land["verdict"] for land in found["lands"]} == {"ok"}
+    for land in found["lands"]:
+        assert land["wear_percent"] == pytest.approx(0.0, abs=0.5)
+
+
+def _heading(page: Any) -> list[bool]:
+    return [any("Diameter" in str(cell.value) for cell in row) for row in page.iter_rows(max_row=12)]
+
+
+@pytest.mark.parametrize("output", ["sheet.xls", "sheet", "nowhere/sheet.xlsx"])
+def test_a_template_wants_a_workbook_s_name(run: Run, tmp_path: Path, output: str) -> None:
+    status, _, err = run("template", "-o", tmp_path / output)
+    assert status == 2
+    assert "sheet" in err
+
+
+@pytest.mark.parametrize("kind", ["controllers", "fluids", "limits", "instruments"])
+def test_the_catalogue_as_json_and_as_a_table(run: Run, kind: str) -> None:
+    status, out, err = run(kind, "--json", "-")
+    assert (status, err) == (0, "")
+    rows = json.loads(out)
+    assert [row["id"] for row in rows] == list(catalogue_files(kind))
+    assert all(row["source"] for row in rows)
+    status, out, err = run(kind)
+    assert (status, err) == (0, "")
+    assert "id" in out
+
+
+def test_the_catalogue_into_a_file_is_shown_too(run: Run, tmp_path: Path) -> None:
+    status, out, _ = run("limits", "--json", tmp_path / "limits.json")
+    assert status == 0
+    rows = json.loads((tmp_path / "limits.json").read_text(encoding="utf-8"))
+    assert "project_default" in {row["id"] for row in rows}
+    assert "project_default" in out
+
+
+def test_counts_in_a_table_are_numbers(capsys: pytest.CaptureFixture[str]) -> None:
+    from atleak.report.text import print_table
+
+    print_table(["a", "b", "c", "d", "e"], [{"a": 1, "b": 0, "c": True, "d": None, "e": 1.0}])
+    cells = [cell.strip() for cell in capsys.readouterr().out.splitlines()[3].strip("│").split("│")]
+    assert cells == ["1", "0", "yes", "–", "1"]
+
+
+# --- logs
+
+
+def test_import_log_writes_the_record_alone(run: Run, sample_log: Path, tmp_path: Path) -> None:
+    status, out, err = run("import-log", sample_log, "--json", "-", "--csv", tmp_path / "plain.csv")
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    promised = (
+        "file sha256 format encoding delimiter decimal rows duration_s segments columns ambiguous unused messages"
+    )
+    assert [key for key in promised.split() if key not in found] == []
+    quantities = {column["quantity"] for column in found["columns"]}
+    assert quantities == {"time", "engine_speed", "main_pressure", "converter_pressure", "atf_temperature", "gear"}
+    assert (tmp_path / "plain.csv").stat().st_size > 1000
+
+
+def test_import_log_never_writes_over_the_log(run: Run, sample_log: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    log.write_bytes(sample_log.read_bytes())
+    for options in (["--csv", log], ["--json", log], ["--json", "-", "--csv", "-"]):
+        status, out, err = run("import-log", log, *options)
+        assert (status, out) == (2, "")
+        assert "would be written over" in err
+    assert log.read_bytes() == sample_log.read_bytes()
+
+
+def test_a_home_that_cannot_be_written_is_no_failure(
+    run: Run, sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    monkeypatch.setenv("APPDATA", str(tmp_path / "file"))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "file"))
+    status, out, err = run("import-log", sample_log, "--unit", "engine_speed=rpm")
+    assert status == 0
+    assert "1201 rows" in out
+    assert "not remembered" in err
+
+
+def test_variants_has_the_promised_keys(run: Run) -> None:
+    status, out, err = run("variants", "--json", "-")
+    assert (status, err) == (0, "")
+    rows = json.loads(out)["variants"]
+    assert [row["variant"] for row in rows] == [f"W{number}" for number in range(1, 9)]
+    promised = (
+        "variant temperature_c wear_percent kinematic_viscosity_mm2_s density_g_cm3 kinematic_viscosity_used_mm2_s "
+        "printed computed as_tabulated note"
+    )
+    for row in rows:
+        assert [key for key in promised.split() if key not in row] == []
+        both = {"max_leakage_dm3_min", "max_share_percent"}
+        assert both <= set(row["printed"])
+        assert both <= set(row["as_tabulated"])
+        assert both | {"min_leakage_dm3_min", "share_at_max_leakage_percent"} <= set(row["computed"])
+
+
+# --- the dashboard's command
+
+
+def test_app_serves_this_machine_alone_unless_told(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: dict[str, Any] = {}
+
+    def call(command: list[str], cwd: Path) -> int:
+        seen.update(command=command, cwd=cwd)
+        return 0
+
+    monkeypatch.setattr(cli.subprocess, "call", call)
+    assert run("app")[0] == 0
+    assert seen["command"][seen["command"].index("--server.address") + 1] == "127.0.0.1"
+    assert "--server.port" not in seen["command"]
+    assert (Path(seen["cwd"]) / "app.py").is_file()
+    assert run("app", "--port", "8600", "--address", "0.0.0.0")[0] == 0
+    assert seen["command"][-4:] == ["--server.address", "0.0.0.0", "--server.port", "8600"]
+
+
+def test_app_without_streamlit_says_what_to_install(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "find_spec", lambda name: None)
+    status, _, err = run("app")
+    assert status == 2
+    assert "pip install streamlit" in err
+
+
+# --- usage
+
+
+@pytest.mark.parametrize("arguments", [[], ["foo"], ["diagnose"], ["template"]])
+def test_faults_of_usage_end_with_2(run: Run, arguments: list[str]) -> None:
+    status, out, err = run(*arguments)
+    assert (status, out) == (2, "")
+    assert "usage: atleak" in err
+
+
+def test_version_and_help(run: Run) -> None:
+    assert run("--version")[:2] == (0, f"atleak {__version__}\n")
+    status, out, _ = run("--help")
+    assert status == 0
+    for command in ("diagnose", "variants", "import-log", "template", "controllers", "fluids", "limits", "app"):
+        assert command in out
+
+
+# --- as a process of its own
+
+
+def process(*arguments: object, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(
+        [sys.executable, "-m", "atleak", *map(str, arguments)],
+        capture_output=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+def test_python_m_is_the_same_and_survives_a_windows_code_page(run: Run, sample_readings: Path) -> None:
+    _, here, _ = run("diagnose", sample_readings, "--json", "-")
+    found = process("diagnose", sample_readings, "--json", "-", PYTHONIOENCODING="cp1252")
+    assert (found.returncode, found.stderr) == (0, b"")
+    assert json.loads(found.stdout.decode("utf-8")) == json.loads(here)
+
+
+def test_a_message_survives_a_windows_code_page(tmp_path: Path) -> None:
+    found = process("diagnose", tmp_path / "Messblatt Łódź µm.xlsx", PYTHONIOENCODING="cp1252", PYTHONUTF8="0")
+    assert found.returncode == 2
+    assert "Messblatt Łódź µm.xlsx" in found.stderr.decode("utf-8")
+    assert b"Traceback" not in found.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a closed pipe is reported otherwise on Windows")
+@pytest.mark.parametrize("arguments", [["limits", "--json", "-"], ["fluids"]])
+def test_a_reader_that_goes_away_is_no_verdict(arguments: list[str]) -> None:
+    """Status 1 would say that a pair is past its limit."""
+    read, write = os.pipe()
+    os.close(read)
+    with subprocess.Popen(
+        [sys.executable, "-m", "atleak", *arguments], stdout=write, stderr=subprocess.PIPE
+    ) as running:
+        os.close(write)
+        _, err = running.communicate(timeout=60)
+    assert running.returncode == 141
+    assert err == b""
+
+
+def test_a_file_written_by_a_process_reads_back(tmp_path: Path, four_speed: Controller) -> None:
+    found = process("template", "-o", tmp_path / "sheet.xlsx")
+    assert found.returncode == 0
+    with pytest.raises(Exception, match="sheet"):  # nothing is filled in yet
+        read_readings(tmp_path / "sheet.xlsx", four_speed)
