@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import BaseModel
 
+from atleak.catalogue.controller_tables import ControllerFile
 from atleak.controller import Controller, Pressure, PressureRelation, load_controller
+from atleak.diagnosis import diagnose
 from atleak.errors import CatalogueError
+from atleak.fluid import FluidFile, load_fluid
+from atleak.limits import LimitsFile, load_limits
 
 Edited = Callable[..., Path]
 
@@ -350,3 +357,50 @@ def test_a_workshop_s_limit_of_one_land(edited: Edited) -> None:
     controller = load_controller(path)
     assert controller.land("tcc_regulator", 1).clearance_limit == pytest.approx(40e-6, rel=1e-12, abs=0.0)
     assert controller.land("accumulator", 1).clearance_limit is None
+
+
+# --- the document that says how to write one
+
+
+def test_the_document_names_every_key(root: Path) -> None:
+    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    for file in (ControllerFile, FluidFile, LimitsFile):
+        missing = {key for key in keys_of(file) if f"`{key}`" not in text}
+        assert missing == set()
+
+
+def test_the_document_s_examples_load_and_give_a_diagnosis(root: Path, tmp_path: Path) -> None:
+    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
+    paths = [tmp_path / f"{number}.toml" for number in range(len(blocks))]
+    for path, block in zip(paths, blocks, strict=True):
+        path.write_text(block, encoding="utf-8")
+    controller, fluid, limits = load_controller(paths[0]), load_fluid(paths[1]), load_limits(paths[2])
+    assert (controller.id, fluid.id, limits.id) == ("my_box", "my_atf", "my_limits")
+    found = diagnose(controller, fluid, limits)
+    assert found.hot_idle is found.projection
+    assert found.projection.leakage > 0.0
+
+
+def keys_of(model: type[BaseModel]) -> set[str]:
+    """Every key of a file's tables, however deep."""
+    found: set[str] = set()
+    for name, field in model.model_fields.items():
+        inner = [table for table in models_in(field.annotation) if table is not model]
+        if not inner:
+            found.add(field.alias or name)
+        for table in inner:
+            found |= keys_of(table)
+    return found
+
+
+def models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for inner in getattr(annotation, "__args__", ()) for model in models_in(inner)]
+
+
+def test_keys_are_collected_from_the_deepest_table() -> None:
+    found = keys_of(ControllerFile)
+    assert {"gears", "expansion_per_k", "nominal_diameter_mm", "from", "to", "shear_modulus_mpa", "p_k_kpa"} <= found
+    assert len(found) > 50
