@@ -9,7 +9,8 @@ import datetime as dt
 import json
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+import unicodedata
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from atleak.errors import InputError, nearest_name
 from atleak.job import Job, clean_text
 from atleak.report.charts import FONTS, Bar, glyphs, road_chart, shares_chart
 from atleak.report.pdf.body import BARS, Body, chosen_sections
+from atleak.report.pdf.boxes import BOX_FONT, box_font
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.names import Names
 from atleak.report.pdf.pictures import write_pictures
@@ -34,7 +36,7 @@ PAPERS = {"a4": "a4", "letter": "us-letter"}
 STANDARDS = ("a-2a", "ua-1")
 _TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
 _ROAD_POINTS = 1200
-_MISSING = "\U0010fffd"  # a character no font has: shows the box that stands for a missing one
+_UNDATED = dt.date(2000, 1, 1)  # PDF/A wants a date; one of the clock would make every file another
 _MISSING_NAMED = 8
 
 
@@ -98,13 +100,13 @@ def _data(
         "title": title,
         "author": job.workshop.name or "atleak",
         "description": say("title.subject"),
-        "date": {"year": job.date.year, "month": job.date.month, "day": job.date.day} if job.date else None,
         "running": " · ".join(
             part for part in (job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin) if part
         ),
         "made": f"atleak {__version__}",
         "page": say("title.page", page="{page}", pages="{pages}"),
         "note": None,
+        "more-fonts": [],
         "head": front.head(),
         "facts": front.facts(),
         "verdict": front.verdict(),
@@ -154,37 +156,42 @@ def _fonts() -> typst.Fonts:
 
 def _compile(folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording) -> bytes:
     data = _cleaned(data)
-    compiler = typst.Compiler(folder / _TEMPLATE.name, root=folder, font_paths=_fonts())
-    moment = dt.datetime.combine(date or dt.date(2000, 1, 1), dt.time(), dt.UTC)
+    moment = dt.datetime.combine(date or _UNDATED, dt.time(), dt.UTC)
 
-    def run(standards: list[str], data: Mapping[str, Any]) -> bytes:
-        inputs = {"data": json.dumps(data, ensure_ascii=False)}
-        return compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=standards, timestamp=moment)  # type: ignore
+    def run(fonts: typst.Fonts, standards: Sequence[str], **changes: Any) -> bytes:
+        compiler = typst.Compiler(folder / _TEMPLATE.name, root=folder, font_paths=fonts)
+        inputs = {"data": json.dumps({**data, **changes}, ensure_ascii=False)}
+        return compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)  # type: ignore
 
     try:
-        return run(list(STANDARDS), data)
+        return run(_fonts(), STANDARDS)
     except typst.TypstError as error:
-        return run([], {**data, "note": _note(data, str(error.message), say)})
+        missing = _missing_characters(data)
+        if not missing:
+            reason = str(error.message).splitlines()[0]
+            return run(_fonts(), (), note=say("title.plain_other", reason=reason))
+        (folder / "boxes.ttf").write_bytes(box_font(missing, json.dumps(data, ensure_ascii=False)))
+        fonts = typst.Fonts(
+            include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS), str(folder)]
+        )
+        return run(fonts, (), note=_note(missing, say), **{"more-fonts": [BOX_FONT]})
 
 
-def _note(data: dict[str, Any], problem: str, say: Wording) -> dict[str, str | None]:
-    """Why the file is a plain PDF; with the box that stands for a missing character.
-
-    The box comes first in the file: the first missing character of a font loses its text, the later ones keep theirs.
-    """
-    missing = _missing_characters(data)
-    if not missing:
-        return {"text": say("title.plain_other", reason=problem.splitlines()[0]), "box": None}
-    named = ", ".join(f"U+{ord(sign):04X}" for sign in missing[:_MISSING_NAMED])
-    if len(missing) > _MISSING_NAMED:
-        named += ", …"
-    return {"text": say("title.plain", characters=named), "box": _MISSING}
+def _note(missing: list[str], say: Wording) -> str:
+    """Why the file is a plain PDF, with the characters that are to blame."""
+    named = ", ".join(f"U+{ord(sign):04X} {sign}" for sign in missing[:_MISSING_NAMED])
+    return say("title.plain", characters=f"{named}, …" if len(missing) > _MISSING_NAMED else named)
 
 
 def _missing_characters(data: Any) -> list[str]:
     """Characters of the report that none of the bundled fonts has, in the order they come."""
     seen = dict.fromkeys(json.dumps(data, ensure_ascii=False))
-    return [sign for sign in seen if ord(sign) not in glyphs() and sign.isprintable()]
+    return [sign for sign in seen if ord(sign) not in glyphs() and not _invisible(sign)]
+
+
+def _invisible(sign: str) -> bool:
+    """Whether nothing is drawn for a character: joiners, signs of direction, variation selectors."""
+    return unicodedata.category(sign) in ("Cc", "Cf") or "VARIATION SELECTOR" in unicodedata.name(sign, "")
 
 
 def _cleaned(data: Any) -> Any:

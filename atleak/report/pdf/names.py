@@ -31,7 +31,7 @@ class Names:
         if point.name == "stated":
             temperature, speed = say.plain(point.temperature), say.number(point.engine_speed * RPM, 0)
             return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
-        return point.label
+        return point.label.replace(" °C", "\u00a0°C")
 
     def land_number(self, found: LandDiagnosis) -> str:
         """``8/2``: component and land."""
