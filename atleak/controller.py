@@ -224,6 +224,11 @@ class Controller:
             "p_k": converter_pressure,
         }
 
+    def above_main(self, main_pressure: Any) -> dict[str, Any]:
+        """Where p_s or p_m would be above main pressure, which feeds both: there the relation does not hold."""
+        pressures = self.section_pressures(main_pressure, 0.0)
+        return {section: pressures[section] > np.maximum(main_pressure, 0.0) for section in ("p_s", "p_m")}
+
 
 def load_controller(id_or_path: str | Path) -> Controller:
     """A shipped controller by id or a workshop's own by path.

@@ -71,8 +71,15 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         leakage=leakage,
         pump_capacity=float(model.pump_capacity(condition.engine_speed, *where)),
         minimum_speed=model.minimum_speed(leakage, *where),
-        messages=tuple(gap_messages(gaps, condition)),
+        messages=(*gap_messages(gaps, condition), *_relation_messages(model.controller, condition)),
     )
+
+
+def _relation_messages(controller: Controller, condition: OperatingPoint) -> Iterable[Message]:
+    for section, above in controller.above_main(condition.main_pressure).items():
+        if above:
+            text = f"{condition.label}: {section} would be above main pressure, where its relation does not hold."
+            yield Message("warning", "pressure_relation", text)
 
 
 def stated_condition(

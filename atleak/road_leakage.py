@@ -105,6 +105,13 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     else:
         capacity = np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
     messages += _series_messages(series, len(road_test.time), model)
+    for section, above in model.controller.above_main(main).items():
+        if above.any():
+            text = (
+                f"In {np.count_nonzero(above)} of {len(above)} samples {section} would be above main pressure, where "
+                "its relation does not hold: its leakage there is too high."
+            )
+            messages.append(Message("warning", "pressure_relation", text))
     known = gear[np.isfinite(series.total)]
     result = RoadLeakage(
         road_test=road_test,

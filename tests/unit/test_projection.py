@@ -104,6 +104,20 @@ def test_a_reversed_drop_is_said(four_speed: Controller, hipol: Fluid) -> None:
     assert all(gap.leakage == 0.0 for gap in below)
 
 
+def test_control_pressure_above_main_pressure_is_said(
+    four_speed: Controller, minimal: Controller, hipol: Fluid
+) -> None:
+    for controller, main_pressure, codes in (
+        (four_speed, 234e3, {"pressure_relation"}),
+        (four_speed, 235e3, set()),
+        (minimal, 1e3, set()),
+    ):
+        model = LeakageModel(controller, clearances(None, controller), hipol, WORKSHOP)
+        point = replace(controller.operating_points[0], main_pressure=main_pressure)
+        found = {message.code for message in project(model, point).messages}
+        assert found & {"pressure_relation"} == codes
+
+
 # --- other wear
 
 

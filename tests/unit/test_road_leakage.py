@@ -228,6 +228,19 @@ def test_a_log_of_one_sample(model: LeakageModel, assumed: OperatingPoint, log_o
     assert sum(share for share in found.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12)
 
 
+def test_control_pressure_above_main_pressure_is_said(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    # below 234.6 kPa the spring alone gives more control pressure than there is main pressure
+    pressure = np.full(len(TIME), 800e3)
+    pressure[:4] = (-500.0, 0.0, 234e3, 235e3)
+    pressure[4] = NAN
+    found = evaluate_road_test(model, log_of(TIME, **{**full, "main_pressure": pressure}), assumed)
+    said = [message.text for message in found.messages if message.code == "pressure_relation"]
+    assert len(said) == 1
+    assert said[0].startswith("In 3 of 10 samples p_s would be above main pressure")
+
+
 def test_without_pressure_no_gap_of_that_pressure_leaks(
     model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
 ) -> None:
