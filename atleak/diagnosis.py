@@ -57,7 +57,7 @@ class LandDiagnosis:
     leakage: float  # [m³/s] at the stated condition, through every gap of the land
     drawn_from_pump: float  # [m³/s] what of it counts in the total
     share: float  # leakage / pump capacity at the stated condition
-    excess_share: float  # share above the same land at its mounting clearance, at the condition it costs most
+    excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[RuleResult, ...]
     replace_mileage: float | None  # [km] at which the wear limit for replacing is reached, wear ∝ mileage
@@ -273,9 +273,7 @@ def _land(
     wear = (state.radial_clearance - land.mounting_clearance) / land.mounting_clearance if state.measured else None
     rules = tuple(_rules(state, wear, projections, limits)) if state.measured else ()
     excess = max(
-        now.share_of(now.leakage_of(land.key)) - new.share_of(new.leakage_of(land.key))
-        if now.pump_capacity > 0.0
-        else 0.0
+        now.share_of(now.drawn_by(land.key)) - new.share_of(new.drawn_by(land.key)) if now.pump_capacity > 0.0 else 0.0
         for now, new in zip(projections, when_new, strict=True)
     )
     leakage = stated.leakage_of(land.key)

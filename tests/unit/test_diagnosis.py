@@ -214,10 +214,26 @@ def test_excess_is_the_share_above_new_where_it_costs_most(sample: Diagnosis) ->
     new = LeakageModel(sample.controller, everything_new, sample.fluid, sample.profile)
     for land in sample.lands:
         by_hand = [
-            (now.leakage_of(land.key) - project(new, now.condition).leakage_of(land.key)) / now.pump_capacity
+            (now.drawn_by(land.key) - project(new, now.condition).drawn_by(land.key)) / now.pump_capacity
             for now in sample.projections
         ]
         assert land.excess_share == pytest.approx(max(by_hand), rel=1e-12, abs=1e-15)
+
+
+def test_a_leak_into_another_section_costs_the_pump_nothing_twice(
+    four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    # land 5/1 leaks from p_g into p_m alone, land 8/2 from p_g into the sump: equally worn, 8/2 is repaired first
+    worn = {}
+    for key in (("5", 1), ("8", 2)):
+        land = four_speed.land(*key)
+        worn[key] = (land.nominal_diameter, land.nominal_diameter + 2.0 * 1.6 * land.mounting_clearance)
+    readings = readings_of(four_speed, worn)
+    workshop = diagnose(four_speed, hipol, limits, readings=readings)
+    assert [land.key for land in workshop.flagged] == [("8", 2), ("5", 1)]
+    assert workshop.flagged[1].excess_share == 0.0
+    paper = diagnose(four_speed, hipol, limits, readings=readings, profile=PAPER)
+    assert all(land.excess_share > 0.0 for land in paper.flagged)
 
 
 def test_repair_plan_telescopes_to_the_unit_with_those_lands_repaired(sample: Diagnosis) -> None:
