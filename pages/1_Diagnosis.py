@@ -1,5 +1,7 @@
 """The main job: which pairs are past their limits, what they cost, what to repair first."""
 
+from pathlib import Path
+
 import streamlit as st
 
 from atleak import figures
@@ -16,6 +18,7 @@ if diagnosis.flagged:
     show.verdict_table(words.land_rows(diagnosis, record, diagnosis.flagged), words.DIGITS)
 else:
     st.write("No measured land has reached a limit.")
+show.what_is_shown(diagnosis)
 show.unsettled(words.advice(diagnosis))
 show.sheet_messages(diagnosis)
 
@@ -38,6 +41,7 @@ with st.expander(f"All {len(diagnosis.lands)} lands"):
 
 st.subheader("Take it along")
 with st.container(horizontal=True):
-    st.download_button("JSON", lambda: to_json(record), "atleak.json", "application/json", on_click="ignore")
-    st.download_button("Excel workbook", lambda: write_workbook(diagnosis), "atleak.xlsx", on_click="ignore")
+    name = f"diagnosis_{Path(bench.sheet.name).stem if bench.sheet else diagnosis.controller.id}"
+    st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
+    st.download_button("Excel workbook", lambda: write_workbook(diagnosis), f"{name}.xlsx", on_click="ignore")
 show.basis(diagnosis, record)

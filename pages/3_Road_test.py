@@ -15,7 +15,8 @@ if found is None:
 test = found.road_test
 facts = [found.format, found.encoding, f"decimal sign {found.decimal}" if found.decimal else None]
 if test is not None:
-    facts += [f"{test.rows} rows over {test.duration:.1f} s", f"{len(test.segments)} stretch(es) without a break"]
+    breaks = len(test.segments) - 1
+    facts += [f"{test.rows} rows over {test.duration:.1f} s", f"{breaks} breaks" if breaks > 0 else "no break"]
 st.markdown(f"**{show.plain(found.file)}**: {show.plain(', '.join(fact for fact in facts if fact))}")
 if found.problem is not None:
     st.error(show.plain(found.problem))

@@ -19,6 +19,20 @@ from pages.shared.state import Refusal
 _BOX = {"green": st.success, "amber": st.warning, "red": st.error, "critical": st.error}
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
 SHOWN = 12
+HELP = {
+    "Clearance [µm]": "radial, cold, as measured",
+    "u [µm]": "standard uncertainty of the radial clearance",
+    "Mounting [µm]": "radial clearance when new",
+    "Wear [%]": "growth of the clearance over the mounting clearance",
+    "Share [%]": "leakage as a share of the pump's flow at the stated condition",
+    "Decided by": "the rule that gave the verdict, its value and the limit it reached",
+    "Limit is": "published, choice of this project, or set by the workshop",
+    "Decision": "how sure it is: a conditional one lies within what the instruments can tell",
+    "Over it [%]": "probability that the true value is over that limit",
+    "from": "95 % interval of the leakage",
+    "to": "95 % interval of the leakage",
+    "Limit reached at [km]": "mileage at which the wear limit for replacing is reached, if wear goes on as so far",
+}
 HAIR_SPACE = "\u200a"
 
 
@@ -43,10 +57,12 @@ def refusal(what: str, found: Refusal, kept: str) -> None:
 
 
 def error_line(error: AtleakError) -> str:
-    """The first problem of an error, for a narrow place."""
+    """Where the first problem of an error stands, for a narrow place; the whole text is at the head of the page."""
     problems = getattr(error, "problems", (error,))
+    first = problems[0]
+    where = str(getattr(first, "place", "")) or str(first)
     more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return plain(problems[0]) + more
+    return f"{plain(where)}{more}: see the head of the page."
 
 
 def messages(found: Iterable[Message], about: str) -> None:
@@ -81,7 +97,8 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     style = frame.style.apply(lambda column: [_colours(name) for name in names], subset=["Verdict"]).format(
         {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
     )
-    config = {"Verdict": st.column_config.TextColumn(width=105, help="sort: the worst first")}
+    config = {name: st.column_config.Column(help=text) for name, text in HELP.items() if name in frame}
+    config["Verdict"] = st.column_config.TextColumn(width=105, help="sort: the worst first")
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
 
 
@@ -89,6 +106,8 @@ def table(rows: list[dict[str, Any]], **options: Any) -> None:
     """Plain rows; numbers with up to six digits."""
     frame = pd.DataFrame(rows)
     numbers = [name for name in frame if pd.api.types.is_numeric_dtype(frame[name])]
+    words = [name for name in frame if name not in numbers]
+    frame[words] = frame[words].fillna("–")
     style = frame.style.format("{:.6g}", subset=numbers, na_rep="–")
     st.dataframe(style, hide_index=True, width="stretch", **options)
 
@@ -106,6 +125,13 @@ def sheet_messages(diagnosis: Diagnosis) -> None:
     """What the measuring sheet and its clearances have to say."""
     of_lands = [message for land in diagnosis.lands for message in land.messages]
     messages([*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands], "the measuring sheet")
+
+
+def what_is_shown(diagnosis: Diagnosis) -> None:
+    """Under the flagged table: at which condition, and what of it is representative."""
+    controller = diagnosis.controller
+    said = f" **Representative:** {plain(controller.representative)}" if controller.representative else ""
+    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}.{said}")
 
 
 def unsettled(lines: list[str]) -> None:
