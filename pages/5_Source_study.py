@@ -48,7 +48,7 @@ except AtleakError as error:
     st.stop()
 if controller.representative:
     test = " The road test is representative too." if what == STUDY else ""
-    st.info(f"**Representative:** {show.plain(controller.representative)}{test}")
+    st.caption(f"**Representative:** {show.plain(controller.representative)}{test}")
 
 names = ["Tables 2 and 3", "Over time (Fig. 13)", "Over temperature (Fig. 14)", "Share", "Workshop or paper", "Errata"]
 variants, over_time, over_temperature, share, physics, errata = st.tabs(names)
@@ -66,7 +66,7 @@ with variants:
     st.download_button("Download as JSON", record, "variants.json", "application/json", on_click="ignore")
     if what == STUDY:
         st.subheader("Points of the test that the article states")
-        table(tables.point_rows(compare_points(results)))
+        table(tables.point_rows(compare_points(results)), "{:.3f}")
 with over_time:
     st.plotly_chart(figure(charts.leakage_chart(results, gear)), width="stretch", key="time")
     st.caption("Triangles: least and most leakage of each variant. Click in the legend to hide a variant.")
@@ -80,7 +80,7 @@ with share:
         st.info("The log has no engine speed, so there is no pump flow and no share.")
     else:
         st.plotly_chart(figure(charts.share_chart(results, gear)), width="stretch", key="share")
-        st.caption("Circles: largest share, at idle, where the pump turns slowest. Triangles: instant of most leakage.")
+        st.caption("Circles: largest share; in the study at idle, where the pump turns slowest. Triangles: most leakage.")
 with physics:
     st.markdown("What each option changes in the most leakage [%], one at a time and together; `–`: no data so cold.")
     table(tables.option_changes(options), "{:+.2f}")
