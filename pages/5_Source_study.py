@@ -80,7 +80,7 @@ with share:
         st.info("The log has no engine speed, so there is no pump flow and no share.")
     else:
         st.plotly_chart(figure(charts.share_chart(results, gear)), width="stretch", key="share")
-        st.caption("Circles: largest share; in the study at idle, where the pump turns slowest. Triangles: most leakage.")
+        st.caption("Circles: largest share; in the study at idle, the pump at its slowest. Triangles: most leakage.")
 with physics:
     st.markdown("What each option changes in the most leakage [%], one at a time and together; `–`: no data so cold.")
     table(tables.option_changes(options), "{:+.2f}")
