@@ -144,6 +144,7 @@ class Assigner:
         self.signals: dict[str, Signal] = {}
         self.ambiguous: list[Ambiguous] = []
         self.messages: list[Message] = []
+        self.base: np.ndarray | None = None  # stamps of signals that have none of their own
 
     def say(self, code: str, text: str, level: str = "info", column: str | None = None) -> None:
         """Adds a message."""
@@ -242,13 +243,14 @@ class Assigner:
 
     def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
         """The same channel in two groups with clocks of their own: it must run alike."""
-        if first.candidate.label != other.candidate.label or first.time is None or other.time is None:
+        own = self.base if first.time is None else first.time
+        base, values, time = first.fit.to_si(first.values), other.fit.to_si(other.values), other.time
+        if first.candidate.label != other.candidate.label or own is None or time is None or len(own) != len(base):
             return False
-        base, values = first.fit.to_si(first.values), other.fit.to_si(other.values)
-        if len(base) < 3 or len(values) < 3 or not np.all(np.diff(other.time) >= 0):
+        if len(base) < 3 or len(values) < 3 or not np.all(np.diff(time) >= 0):
             return False
-        apart = np.abs(np.interp(first.time, other.time, values) - base)
-        if np.median(apart) > 0.03 * max(float(np.ptp(base)), 1e-9):
+        apart = np.abs(np.interp(own, time, values) - base)
+        if np.nanmedian(apart) > 0.03 * max(float(np.nanmax(base) - np.nanmin(base)), 1e-9):
             return False
         self.say(
             "same_twice", f"{first.candidate.label!r} stands twice; the first is used", "info", first.candidate.label

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.cells import MISSING, Decimal
+from atleak.intake.road_test.cells import MISSING, Decimal, kind_of
 from atleak.intake.road_test.source import HEAD, LARGE, Source
 from atleak.intake.road_test.table import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
 from atleak.intake.road_test.text import Text, to_text
@@ -52,24 +52,83 @@ class Delimited:
         return self.layout.has_header
 
     @property
+    def width(self) -> int:
+        """Cells of a data row."""
+        return self.layout.width
+
+    @property
     def preamble(self) -> tuple[Row, ...]:
         """The rows above the header."""
         return self.layout.preamble
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
         """These columns of every line from the first data row on: numbers as floats, anything else as text."""
-        if self.text is None:
-            frame = self._read_file(columns)
-            if frame is not None:
-                return frame
+        clean, dirty = self._expected(columns)
+        rest = [index for index in columns if index not in dirty]
+        frame = self._read_numbers(rest, clean) if rest else pd.DataFrame()
+        if frame is None:  # a word where only numbers were expected
+            return self._in_pieces(columns, {*clean, *dirty})
+        odd = [index for index in columns if index in dirty or frame[index].dtype == object]
+        if not odd:
+            return frame
+        pieces = self._in_pieces(odd, {*clean, *dirty})
+        return frame.drop(columns=odd, errors="ignore").join(pieces, how="right") if rest else pieces
+
+    def _expected(self, columns: Sequence[int]) -> tuple[set[int], set[int]]:
+        """Columns that hold only numbers and blanks as far as the sample shows, and those with words for *missing*."""
+        clean, dirty = set(), set()
+        for index in columns:
+            cells = [row[index] for row in self.sample if index < len(row) and row[index]]
+            kinds = {kind_of(cell, self.decimal) for cell in cells}
+            if kinds == {"number"}:
+                clean.add(index)
+            elif kinds == {"number", "missing"}:
+                dirty.add(index)
+        return clean, dirty
+
+    def _read_numbers(self, columns: Sequence[int], clean: set[int]) -> pd.DataFrame | None:
+        numeric = {index: "float64" for index in columns if index in clean}
+        frame = self._read_file(columns, numeric) if self.text is None else None
+        if frame is not None:
+            return frame
+        try:
+            return self._read(self.text or prepared(self.source), columns, numeric)
+        except ValueError:
+            return None
+
+    def _in_pieces(self, columns: Sequence[int], numeric: set[int]) -> pd.DataFrame:
+        """The columns cell by cell: numbers as floats, and in ``attrs["words"]`` what stood between them.
+
+        In pieces, because the reader makes an object of every cell before it packs them.
+        """
         text = self.text or prepared(self.source)
-        frame = self._read(text, columns, None)
-        mixed = [index for index in columns if frame[index].dtype == object]
-        if mixed:  # numbers in one part of the file, text in another: one spelling for all
-            frame[mixed] = self._read(text, mixed, "str")
+        stream = io.BytesIO(text.data)
+        stream.seek(self.offset)
+        parts: dict[int, list[Any]] = {index: [] for index in columns}
+        words: dict[int, list[pd.Series]] = {index: [] for index in columns if index in numeric}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            options = {"encoding": text.codec, "encoding_errors": "replace", "dtype": "str", "chunksize": 25_000}
+            with pd.read_csv(stream, usecols=sorted(columns), **options, **self._options()) as reader:
+                for piece in reader:
+                    for index in columns:
+                        if index in numeric:
+                            values, strange = split_words(piece[index], self.decimal)
+                            parts[index].append(values)
+                            words[index].append(strange)
+                        else:
+                            parts[index].append(piece[index])
+        frame = pd.DataFrame(
+            {
+                index: np.concatenate(part) if index in numeric else pd.concat(part, ignore_index=True)
+                for index, part in parts.items()
+                if part
+            }
+        )
+        frame.attrs["words"] = {index: pd.concat(part) for index, part in words.items() if part}
         return frame
 
-    def _read_file(self, columns: Sequence[int]) -> pd.DataFrame | None:
+    def _read_file(self, columns: Sequence[int], numeric: dict[int, str]) -> pd.DataFrame | None:
         """Lets pandas read the file itself, on several cores where it can; None where the text needs mending."""
         whole = 2 * len(columns) >= self.layout.width
         try:
@@ -80,16 +139,17 @@ class Delimited:
                     str(self.source.path),
                     skiprows=self.layout.start,
                     usecols=None if whole else sorted(columns),
+                    dtype=numeric,  # type: ignore[arg-type]
                     encoding="utf-8",
                     **self._options(),
                 )
         except (ValueError, UnicodeDecodeError):  # pandas' parser errors are ValueErrors
             return None
-        if self.source.digest.has_nul or any(frame[index].dtype == object for index in columns):
+        if self.source.digest.has_nul:
             return None
         return frame[list(columns)] if whole and len(columns) < self.layout.width else frame
 
-    def _read(self, text: Text, columns: Sequence[int], dtype: str | None) -> pd.DataFrame:
+    def _read(self, text: Text, columns: Sequence[int], numeric: dict[int, str]) -> pd.DataFrame:
         stream = io.BytesIO(text.data)
         stream.seek(self.offset)
         with warnings.catch_warnings():
@@ -98,7 +158,7 @@ class Delimited:
             return pd.read_csv(
                 stream,
                 usecols=sorted(columns),
-                dtype=dtype,  # type: ignore[arg-type]
+                dtype=numeric,  # type: ignore[arg-type]
                 encoding=text.codec,
                 encoding_errors="replace",
                 **self._options(),
@@ -213,18 +273,33 @@ def without_cut_cell(text: Text) -> Text:
     return text
 
 
-def numbers(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, int]:
-    """A column as floats and how many of its cells held something that is neither number nor a word for missing."""
+def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
+    """A column as floats, and those of its cells that are neither a number nor a word for *missing*."""
     if column.dtype.kind in "fiub":
         values = column.to_numpy(dtype=float)
         if column.dtype.kind == "f" and not np.isfinite(values.sum()) and np.isinf(values).any():
             values = np.where(np.isinf(values), np.nan, values)
-        return values, 0
+        return values, pd.Series([], dtype="str")
     text = column.astype("str").str.strip().str.strip('"').str.strip()
-    blank = column.isna().to_numpy() | text.str.lower().isin(MISSING).to_numpy()
+    plain = text
     if decimal == ",":
         dotted = text.str.contains(".", regex=False, na=False).to_numpy()
-        text = text.str.replace(",", ".", regex=False).where(~dotted)
-    values = pd.to_numeric(text, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+        plain = text.str.replace(",", ".", regex=False).where(~dotted)
+    values = pd.to_numeric(plain, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
     values = np.where(np.isinf(values), np.nan, values)
-    return values, int((np.isnan(values) & ~blank).sum())
+    rest = text[np.isnan(values) & column.notna().to_numpy()]
+    return values, rest[~rest.str.lower().isin(MISSING)]
+
+
+def words_of(frame: pd.DataFrame, index: int, decimal: Decimal) -> pd.Series:
+    """The cells of a column that are no numbers, by row label."""
+    stored = frame.attrs.get("words", {}).get(index)
+    if stored is not None:
+        return stored[stored.index.isin(frame.index)] if len(stored) else stored
+    return split_words(frame[index], decimal)[1]
+
+
+def numbers(frame: pd.DataFrame, index: int, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
+    """A column as floats and its cells that are no numbers."""
+    values, rest = split_words(frame[index], decimal)
+    return values, words_of(frame, index, decimal) if index in frame.attrs.get("words", {}) else rest

@@ -13,7 +13,7 @@ from atleak.intake.road_test.assign import Assigner, Candidate, candidates, map_
 from atleak.intake.road_test.cells import kind_of
 from atleak.intake.road_test.delimited import numbers
 from atleak.intake.road_test.names import match_name, split_unit, words
-from atleak.intake.road_test.protocol import Reading, Table, reach
+from atleak.intake.road_test.protocol import Reading, Table
 from atleak.intake.road_test.table import Heading
 from atleak.intake.road_test.timeline import Timeline
 from atleak.intake.road_test.timeline import build as build_timeline
@@ -63,7 +63,7 @@ class _Long:
 
 
 def long_shape(table: Table, found: list[Candidate], mapping: Mapping[str, str]) -> _Long | None:
-    headings = [heading for heading in table.headings if heading.index < reach(table.sample)]
+    headings = [heading for heading in table.headings if heading.index < table.width]
     if not 3 <= len(headings) <= 8 or not table.sample:
         return None
     times = [one for one in found if one.quantity == "time"]
@@ -115,7 +115,7 @@ def read_long(table: Table, shape: _Long, assigner: Assigner, mapping: Mapping[s
     whole = build_timeline(clock.seconds)
     ascending = np.full(len(frame), np.nan)
     ascending[whole.order if whole.order is not None else slice(None)] = whole.time
-    values, _ = numbers(frame[shape.value.index], table.decimal)
+    values, _ = numbers(frame, shape.value.index, table.decimal)
     texts = frame[shape.value.index]
     codes, uniques = pd.factorize(names)
     headings = []

@@ -9,7 +9,7 @@ from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test import words_as_numbers
 from atleak.intake.road_test.assign import Assigner, Candidate, plain_name
 from atleak.intake.road_test.cells import MISSING, Decimal, is_clock, is_destroyed
-from atleak.intake.road_test.delimited import numbers
+from atleak.intake.road_test.delimited import numbers, words_of
 from atleak.intake.road_test.names import match_name, split_unit, words
 from atleak.intake.road_test.protocol import Table
 from atleak.intake.road_test.table import Heading
@@ -20,22 +20,21 @@ def without_other_lines(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: Table, assigner: Assigner
 ) -> tuple[pd.DataFrame, int]:
     """Takes out comments, markers, repeated headers and blank lines; a different header refuses the file."""
-    if frame.empty or all(dtype.kind in "fiub" for dtype in frame.dtypes):
-        if not frame.empty and frame.iloc[-1].isna().all():
-            blank = frame.isna().all(axis=1).to_numpy()
-            tail = len(frame) - int(np.argmax(~blank[::-1])) if not blank.all() else 0
-            frame = frame.iloc[:tail]
-        return frame, len(frame)
+    stored = {index: words_of(frame, index, table.decimal) for index in frame.attrs.get("words", {})}
+    if frame.empty or (all(dtype.kind in "fiub" for dtype in frame.dtypes) and not any(map(len, stored.values()))):
+        return _without_blank_rows(frame)
     telling = np.zeros(len(frame), bool)
+    wordy = np.zeros(len(frame), bool)
     worded = []
     for index in frame.columns:
         if frame[index].dtype.kind in "fiub":
             telling |= frame[index].notna().to_numpy()
+            if index in stored:
+                wordy[stored[index].index] = True
         else:
             worded.append(index)
     # only rows without a single number so far need a closer look
     unclear = np.flatnonzero(~telling)
-    wordy = np.zeros(len(frame), bool)
     clocks_at = {one.heading.index for one in times if holds_clocks(table, one.heading)}
     for index in worded if len(unclear) else ():
         column = frame[index].iloc[unclear]
@@ -50,13 +49,27 @@ def without_other_lines(
         wordy[unclear] |= ~number & known
     text_only = (wordy & ~telling) | _words_for_time(frame, times, table)
     if text_only.any():
-        _refuse_another_header(frame[text_only], times + channels, assigner)
+        lines = frame[text_only].astype(object)
+        for index, cells in stored.items():
+            lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
+        _refuse_another_header(lines, times + channels, assigner)
         # rows that hold nothing but words where the table has numbers are markers
+        attributes = frame.attrs
         frame = frame[~text_only]
+        frame.attrs = attributes
         assigner.say("lines_left_out", f"{int(text_only.sum())} comment, marker or repeated header line(s) left out")
-    blank = frame.isna().all(axis=1).to_numpy()
-    if blank.any():
-        frame = frame[~blank]
+    return _without_blank_rows(frame)
+
+
+def _without_blank_rows(frame: pd.DataFrame) -> tuple[pd.DataFrame, int]:
+    """Without the rows in which nothing at all was read, where the table ends with such."""
+    if frame.empty or not frame.iloc[-1].isna().all():
+        return frame, len(frame)
+    filled = frame.notna().any(axis=1).to_numpy()
+    end = len(filled) - int(np.argmax(filled[::-1])) if filled.any() else 0
+    attributes = frame.attrs
+    frame = frame.iloc[:end]
+    frame.attrs = attributes
     return frame, len(frame)
 
 
@@ -65,12 +78,11 @@ def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: Table) -
     result = np.zeros(len(frame), bool)
     for one in times[:1]:
         column = frame[one.heading.index]
-        if column.dtype.kind in "fiubM" or column.dtype == object or holds_clocks(table, one.heading):
+        if column.dtype.kind == "M" or column.dtype == object or holds_clocks(table, one.heading):
             continue
-        values, strange = numbers(column, table.decimal)
-        if strange and strange < 0.3 * len(values):
-            text = column.astype("str").str.strip().str.lower()
-            result |= np.isnan(values) & column.notna().to_numpy() & ~text.isin(MISSING).to_numpy()
+        strange = words_of(frame, one.heading.index, table.decimal)
+        if len(strange) and len(strange) < 0.3 * len(column):
+            result[strange.index] = True
     return result
 
 
@@ -102,27 +114,25 @@ def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner:
 
 def column_numbers(one: Candidate, frame: pd.DataFrame, decimal: Decimal, assigner: Assigner) -> np.ndarray:
     column = frame[one.heading.index]
-    values, strange = numbers(column, decimal)
-    if not strange:
+    values, strange = numbers(frame, one.heading.index, decimal)
+    if not len(strange):
         return _without_thousands(one, values, assigner)
-    texts = column.dropna().astype("str")
     if one.quantity in ("gear", "selector", "lock_up"):
-        if one.quantity == "gear" and words_as_numbers.only_positions(column):
+        if one.quantity == "gear" and np.isnan(values).all() and words_as_numbers.only_positions(strange):
             assigner.say("gear_is_selector", f"{one.label!r} holds selector positions, no gears", "info", one.label)
             return np.full(len(values), np.nan)
-        worded = words_as_numbers.as_numbers(one.quantity, column)
-        return np.where(np.isnan(values), worded, values)
-    bad = texts[pd.to_numeric(texts.str.replace(",", ".", regex=False), errors="coerce").isna()]
-    bad = bad[~bad.str.strip().str.lower().isin(MISSING)]
-    destroyed = next((text for text in bad.head(50) if is_destroyed(text)), None)
-    if destroyed is not None or strange > 0.02 * len(values):
-        shown = destroyed or (bad.iloc[0] if len(bad) else "")
+        values = values.copy()
+        values[column.index.get_indexer(strange.index)] = words_as_numbers.as_numbers(one.quantity, strange)
+        return values
+    destroyed = next((text for text in strange.head(50) if is_destroyed(text)), None)
+    if destroyed is not None or len(strange) > 0.02 * len(values):
+        shown = destroyed or strange.iloc[0]
         what = "numbers a spreadsheet has destroyed" if destroyed else "text instead of numbers"
         assigner.say("column_refused", f"{one.label!r} holds {what} ({shown}): it is not used", "warning", one.label)
         return np.full(len(values), np.nan)
     assigner.say(
         "cells_unreadable",
-        f"{one.label!r}: {strange} cell(s) are no numbers ({bad.iloc[0] if len(bad) else ''}) and left out",
+        f"{one.label!r}: {len(strange)} cell(s) are no numbers ({strange.iloc[0]}) and left out",
         "warning",
         one.label,
     )

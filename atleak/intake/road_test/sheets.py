@@ -56,6 +56,11 @@ class Sheet:
         return tuple([_text(cell, self.decimal) for cell in row] for row in body)
 
     @property
+    def width(self) -> int:
+        """Cells of a data row."""
+        return self.layout.width
+
+    @property
     def preamble(self) -> tuple[Row, ...]:
         """The rows above the header."""
         return self.layout.preamble

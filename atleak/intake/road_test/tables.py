@@ -54,8 +54,7 @@ def read_table(table: Table, assigner: Assigner, mapping: Mapping[str, str]) -> 
 
 
 def _read_wide(table: Table, found: list[Candidate], assigner: Assigner) -> Reading:
-    width = len(table.sample[0]) if table.sample else len(table.headings)
-    found = [one for one in found if one.heading.index < max(width, reach(table.sample))]
+    found = [one for one in found if one.heading.index < table.width]
     _refuse_split_decimals(table, assigner)
     times = _time_candidates(table, found)
     channels = [one for one in found if one.quantity != "time"]
@@ -100,12 +99,12 @@ def _refuse_split_decimals(table: Table, assigner: Assigner) -> None:
 def _time_candidates(table: Table, found: list[Candidate]) -> list[Candidate]:
     times = [one for one in found if one.quantity == "time" and (one.mapped or _may_be_time(one))]
     if not any(one.mapped for one in times):
-        for heading in table.headings:
+        for heading in table.headings[: table.width]:
             if named_by_a_date(heading) and not any(one.heading is heading for one in times):
                 times.append(Candidate(heading, "time", 0, "unknown", None))
     if not times and table.headings and table.sample:
         # a column without a telling name that holds clock readings
-        for heading in table.headings:
+        for heading in table.headings[: table.width]:
             cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
             if cells and sum(is_clock(cell) for cell in cells) > 0.8 * len(cells):
                 times.append(Candidate(heading, "time", 0, "unknown", None))
@@ -151,6 +150,7 @@ def _read_own_times(
         raise no_time(table, assigner)
     first = min(clocks_of)
     base = build_timeline(clocks_of[first].seconds)
+    assigner.base = base.time if base.order is None else None
     found = [one for one in candidates(table.headings) if one.heading.index in columns and one.quantity != "time"]
     for quantity in QUANTITIES:
         offered = []

@@ -48,9 +48,9 @@ def clock_of(
                 one.label,
             )
             return None
-    values, strange = numbers(column, table.decimal)
+    values, strange = numbers(frame, one.heading.index, table.decimal)
     whole = bool(np.isfinite(values.sum()))
-    if strange > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
+    if len(strange) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
         return None
     if _cut_short(one, table):
         assigner.say(

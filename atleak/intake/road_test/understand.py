@@ -12,6 +12,7 @@ from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.road_test import build, memory
 from atleak.intake.road_test.assign import Ambiguous, Assigner, stated_units
 from atleak.intake.road_test.delimited import open_delimited
+from atleak.intake.road_test.names import words
 from atleak.intake.road_test.protocol import Reading, Table
 from atleak.intake.road_test.sheets import Sheet, open_sheets
 from atleak.intake.road_test.source import Source, open_source
@@ -151,7 +152,9 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     if settled is None:
         return mapping, units, []
     note = Message("info", "remembered", "columns are taken as settled earlier for logs with this header")
-    return {**settled.mapping, **mapping}, {**settled.units, **units}, [note]
+    taken = {words(column) for column in mapping.values()}
+    earlier = {quantity: column for quantity, column in settled.mapping.items() if words(column) not in taken}
+    return {**earlier, **mapping}, {**settled.units, **units}, [note]
 
 
 def finish(blank: Understood, assigner: Assigner, reading: Reading, constants: Mapping[str, float]) -> Understood:
