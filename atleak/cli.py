@@ -151,10 +151,10 @@ def _check_targets(inputs: Sequence[str | None], targets: Sequence[str | None]) 
 def _variants(options: argparse.Namespace) -> int:
     from atleak.controller import load_controller
     from atleak.report.text import print_variants
-    from atleak.variants import run_variants
+    from atleak.variants import run_variants, sample_log
 
     _check_targets((options.road_test, options.controller), [options.json])
-    options.road_test = options.road_test or shipped("sample_data/minimum_acceleration_test.csv")
+    options.road_test = options.road_test or sample_log()
     controller, road_test = load_controller(options.controller), _road_test(options)
     results = run_variants(controller, road_test)
     if options.json is not None:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from atleak.controller import Controller
-from atleak.errors import InputError, Message, Place
+from atleak.errors import Message
 from atleak.fluid import Fluid, ViscosityModel, load_fluid
 from atleak.leakage import LeakageModel
 from atleak.profile import PAPER, WORKSHOP, Profile
@@ -26,6 +26,7 @@ from atleak.projection import with_wear
 from atleak.readings import LandClearance, clearances
 from atleak.road_leakage import Instant, evaluate_road_test
 from atleak.road_test import Channel, RoadTest
+from atleak.shipped import shipped
 
 FRESH_FLUID = "hipol_atf_iid"
 USED_FLUID = "hipol_atf_iid_used"
@@ -224,19 +225,14 @@ def variant_road_test(road_test: RoadTest, temperature: float) -> RoadTest:
 
 
 def sample_log() -> Path:
-    """The shipped minimum-acceleration test: inside an installed wheel, or at the root of a checkout.
+    """The shipped minimum-acceleration test.
 
     Raises
     ------
     InputError
-        where neither is there.
+        where the installation lacks it.
     """
-    package = Path(__file__).resolve().parent
-    for folder in (package / "_dashboard", package.parent):
-        found = folder / "sample_data" / "minimum_acceleration_test.csv"
-        if found.is_file():
-            return found
-    raise InputError("the sample data are not beside the package", place=Place(file=str(package)))
+    return shipped("sample_data/minimum_acceleration_test.csv")
 
 
 def _covers(fluid: Fluid, temperature: float, model: ViscosityModel) -> bool:
