@@ -11,11 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from atleak.controller import controllers
 from atleak.errors import CatalogueError, DomainError
 from atleak.fluid import VISCOSITY_MODELS, Fluid, ViscosityModel, fluids, load_fluid
+from atleak.profile import PROFILES, Profile
 
 Edited = Callable[..., Path]
 ALL = {fluid.id: fluid for fluid in fluids()}
+CONTROLLERS = controllers()
 
 # Dziubak & Szczepaniak 2023, Table 2: °C, mm²/s, g/cm³
 TABLE_2 = [(-40.0, 1923.0, 0.870), (20.0, 145.0, 0.826), (40.0, 42.0, 0.812), (80.0, 10.93, 0.783), (100.0, 7.0, 0.768)]
@@ -59,6 +62,22 @@ def test_the_study_s_fluids_fresh_and_used(hipol: Fluid) -> None:
     used = ALL["hipol_atf_iid_used"]
     assert used.kinematic_viscosity(80.0) == pytest.approx(8.40e-6, rel=1e-9, abs=0.0)
     assert hipol.kinematic_viscosity(100.0) == pytest.approx(7.0e-6, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("fluid", ALL.values(), ids=ALL)
+@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
+def test_every_shipped_fluid_answers_at_every_shipped_operating_point(fluid: Fluid, profile: Profile) -> None:
+    for controller in CONTROLLERS:
+        for point in controller.operating_points:
+            fluid.require(point.temperature, profile.viscosity)
+
+
+def test_the_used_fluid_is_the_fresh_one_scaled(hipol: Fluid) -> None:
+    used = ALL["hipol_atf_iid_used"]
+    for at in (40.0, 80.0, 100.0):
+        ratio = used.kinematic_viscosity(at, "tabulated") / hipol.kinematic_viscosity(at, "tabulated")
+        assert ratio == pytest.approx(8.40 / 10.93, rel=1e-3)
+        assert used.density(at, "tabulated") == hipol.density(at, "tabulated")
 
 
 @given(
