@@ -34,7 +34,7 @@ from atleak.report.wording import Wording, wording
 
 PAPERS = {"a4": "a4", "letter": "us-letter"}
 STANDARDS = ("a-2a", "ua-1")
-_TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
+TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
 _ROAD_POINTS = 1200
 _UNDATED = dt.date(2000, 1, 1)  # PDF/A wants a date; one of the clock would make every file another
 _MISSING_NAMED = 8
@@ -81,12 +81,12 @@ def write_pdf(
         )
     with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
         pictures = write_pictures(job, Path(folder))
-        data = _data(diagnosis, job, say, paper, chosen, pictures)
-        shutil.copy(_TEMPLATE, folder)
+        data = report_data(diagnosis, job, say, paper, chosen, pictures)
+        shutil.copy(TEMPLATE, folder)
         return _compile(Path(folder), data, job.date, say)
 
 
-def _data(
+def report_data(
     diagnosis: Diagnosis, job: Job, say: Wording, paper: str, chosen: tuple[str, ...], pictures: dict[str, str]
 ) -> dict[str, Any]:
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
@@ -150,7 +150,8 @@ def _bar(names: Names, land: LandDiagnosis) -> Bar:
 
 
 @cache
-def _fonts() -> typst.Fonts:
+def bundled_fonts() -> typst.Fonts:
+    """The fonts of the package and no others."""
     return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS)])
 
 
@@ -159,17 +160,17 @@ def _compile(folder: Path, data: dict[str, Any], date: dt.date | None, say: Word
     moment = dt.datetime.combine(date or _UNDATED, dt.time(), dt.UTC)
 
     def run(fonts: typst.Fonts, standards: Sequence[str], **changes: Any) -> bytes:
-        compiler = typst.Compiler(folder / _TEMPLATE.name, root=folder, font_paths=fonts)
+        compiler = typst.Compiler(folder / TEMPLATE.name, root=folder, font_paths=fonts)
         inputs = {"data": json.dumps({**data, **changes}, ensure_ascii=False)}
         return compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)  # type: ignore
 
     try:
-        return run(_fonts(), STANDARDS)
+        return run(bundled_fonts(), STANDARDS)
     except typst.TypstError as error:
         missing = _missing_characters(data)
         if not missing:
             reason = str(error.message).splitlines()[0]
-            return run(_fonts(), (), note=say("title.plain_other", reason=reason))
+            return run(bundled_fonts(), (), note=say("title.plain_other", reason=reason))
         (folder / "boxes.ttf").write_bytes(box_font(missing, json.dumps(data, ensure_ascii=False)))
         fonts = typst.Fonts(
             include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS), str(folder)]

@@ -1,0 +1,88 @@
+"""Reports of many jobs, one after another, with a word after each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from atleak.diagnosis import Diagnosis
+from atleak.errors import AtleakError
+from atleak.job import Job
+from atleak.limits import Verdict
+from atleak.report.job_file import read_job_file
+from atleak.report.pdf import write_pdf
+from atleak.report.record import diagnosis_record, to_json
+from atleak.report.xlsx import write_workbook
+
+FORMATS = ("pdf", "xlsx", "json")
+
+
+@dataclass(frozen=True)
+class Reported:
+    """What became of one job: the files written, or why there are none."""
+
+    source: Path
+    written: tuple[Path, ...] = ()
+    verdict: Verdict | None = None
+    error: AtleakError | None = None
+
+
+def write_reports(
+    sources: Sequence[Path],
+    folder: Path,
+    *,
+    formats: Iterable[str] = ("pdf",),
+    language: str = "en",
+    paper: str = "a4",
+    progress: Callable[[int, int, Reported], None] | None = None,
+) -> list[Reported]:
+    """The reports of every job file; a job that cannot be read is told and does not stop the others.
+
+    Parameters
+    ----------
+    sources
+        job files (zip), as `atleak.report.job_file.write_job_file` makes them.
+    folder
+        where the reports go, named as their job files; two of one name are numbered.
+    formats
+        any of `FORMATS`.
+    progress
+        called after every job with how many are done, how many there are and what became of this one.
+    """
+    formats, done = tuple(formats), []
+    folder.mkdir(parents=True, exist_ok=True)
+    taken: set[str] = set()
+    for source in sources:
+        stem = _free(source.stem, taken)
+        try:
+            job_file = read_job_file(source)
+            diagnosis = job_file.diagnose()
+            written = []
+            for form in formats:
+                path = folder / f"{stem}.{form}"
+                path.write_bytes(_report(form, diagnosis, job_file.job, language, paper))
+                written.append(path)
+            found = Reported(source, tuple(written), diagnosis.verdict)
+        except AtleakError as error:
+            found = Reported(source, error=error)
+        done.append(found)
+        if progress is not None:
+            progress(len(done), len(sources), found)
+    return done
+
+
+def _report(form: str, diagnosis: Diagnosis, job: Job, language: str, paper: str) -> bytes:
+    if form == "pdf":
+        return write_pdf(diagnosis, job, language=language, paper=paper)
+    if form == "xlsx":
+        return write_workbook(diagnosis, job, paper=paper)
+    return to_json(diagnosis_record(diagnosis)).encode()
+
+
+def _free(stem: str, taken: set[str]) -> str:
+    name, number = stem, 2
+    while name.casefold() in taken:
+        name, number = f"{stem}-{number}", number + 1
+    taken.add(name.casefold())
+    return name

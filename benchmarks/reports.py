@@ -1,0 +1,178 @@
+"""Time of the printed report and the workbook of a 60-land job with a log, beside the bare libraries.
+
+    python benchmarks/reports.py [--batch 100]
+
+Imports are done and one report written beforehand; median of 7 taken in turn. Peers: typst compiling the same document
+with its data ready, and XlsxWriter writing the same cells as plain values. Goals: PDF 1.5 s, workbook 0.5 s. With
+``--batch``, so many job files are also reported one after another.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime as dt
+import io
+import json
+import shutil
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import openpyxl
+import typst
+import xlsxwriter
+from PIL import Image
+from rich.progress import Progress
+
+from atleak.controller import Controller, load_controller
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.fluid import load_fluid
+from atleak.intake.road_test import read_road_test
+from atleak.job import Job
+from atleak.limits import load_limits
+from atleak.readings import Reading, Readings
+from atleak.report import pdf
+from atleak.report.batch import write_reports
+from atleak.report.job_file import write_job_file
+from atleak.report.wording import wording
+from atleak.report.xlsx import write_workbook
+
+ROOT = Path(__file__).resolve().parents[1]
+LANDS = 60
+RUNS = 7
+
+
+def controller_of_60() -> Controller:
+    """The shipped controller with some of its components a second time."""
+    controller = load_controller("four_speed_2023")
+    lands, gaps, components = list(controller.lands), list(controller.gaps), dict(controller.components)
+    for land in controller.lands[: LANDS - len(lands)]:
+        twin = replace(land, component=f"{land.component} b")
+        components[twin.component] = components[land.component]
+        lands.append(twin)
+        gaps += [replace(gap, component=twin.component) for gap in controller.gaps if gap.key == land.key]
+    lands.sort(key=lambda land: list(components).index(land.component))
+    return replace(controller, lands=tuple(lands), gaps=tuple(gaps), components=MappingProxyType(components))
+
+
+def job_of_60() -> tuple[Diagnosis, Job]:
+    """Every land worn differently, two directions and repeats; a log; three photos."""
+    controller = controller_of_60()
+    readings = []
+    for number, land in enumerate(controller.lands):
+        sleeve = land.nominal_sleeve_diameter + 2.0 * land.mounting_clearance * (number % 7) / 6.0
+        for part, diameter in (("spool", land.nominal_diameter), ("sleeve", sleeve)):
+            for direction in (0.0, 90.0):
+                for repeat in (1, 2):
+                    size = diameter + 0.5e-6 * repeat
+                    readings.append(Reading(land.component, part, land.planes[0], direction, repeat, size))  # type: ignore
+    log = ROOT / "sample_data" / "minimum_acceleration_test.csv"
+    diagnosis = diagnose(
+        controller,
+        load_fluid("hipol_atf_iid"),
+        load_limits("project_default"),
+        readings=Readings("sheet.xlsx", "0" * 64, "readings", "mm", False, "tidy", tuple(readings)),
+        road_test=read_road_test(log),
+        mileage=106_315.0,
+    )
+    noise = np.random.default_rng(1).integers(0, 255, (1200, 1600, 3), dtype=np.uint8)
+    photo = io.BytesIO()
+    Image.fromarray(noise).resize((1600, 1200)).save(photo, "JPEG", quality=70)
+    names = [f"photo{number}.jpg" for number in range(3)]
+    job = Job(
+        number="60",
+        date=dt.date(2026, 3, 14),
+        workshop={"name": "Workshop", "address": "Street 1"},
+        notes="Long notes. " * 200,
+        photos=[{"file": name, "caption": name} for name in names],
+    )
+    return diagnosis, job.with_pictures(dict.fromkeys(names, photo.getvalue()))
+
+
+def bare_typst(diagnosis: Diagnosis, job: Job, folder: Path) -> Callable[[], bytes]:
+    """A compile of the same pages with everything but typst's own work done."""
+    say = wording("en")
+    pictures = pdf.write_pictures(job, folder)
+    data = pdf.report_data(diagnosis, job, say, "a4", pdf.chosen_sections(None), pictures)
+    shutil.copy(pdf.TEMPLATE, folder)
+    inputs = {"data": json.dumps(data, ensure_ascii=False)}
+    fonts = pdf.bundled_fonts()
+    moment = dt.datetime(2026, 3, 14, tzinfo=dt.UTC)
+
+    def run() -> bytes:
+        compiler = typst.Compiler(folder / pdf.TEMPLATE.name, root=folder, font_paths=fonts, sys_inputs=inputs)
+        return compiler.compile(format="pdf", pdf_standards=list(pdf.STANDARDS), timestamp=moment)  # type: ignore
+
+    return run
+
+
+def bare_xlsxwriter(content: bytes) -> Callable[[], bytes]:
+    """The same cells as plain values, without formats, charts or anything else."""
+    book = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+    sheets = {sheet.title: [(c.row - 1, c.column - 1, c.value) for row in sheet for c in row] for sheet in book}
+    sheets = {name: [cell for cell in cells if cell[2] is not None] for name, cells in sheets.items()}
+
+    def run() -> bytes:
+        target = io.BytesIO()
+        with xlsxwriter.Workbook(target, {"in_memory": True}) as workbook:
+            for name, cells in sheets.items():
+                sheet = workbook.add_worksheet(name)
+                for row, column, value in cells:
+                    sheet.write(row, column, value)
+        return target.getvalue()
+
+    return run
+
+
+def batch(count: int) -> None:
+    """So many jobs from their files, with progress."""
+    controller = load_controller("four_speed_2023")
+    diagnosis = diagnose(controller, load_fluid("hipol_atf_iid"), load_limits("project_default"))
+    with tempfile.TemporaryDirectory() as folder, Progress() as progress:
+        sources = []
+        for number in range(count):
+            sources.append(Path(folder) / f"job{number}.zip")
+            sources[-1].write_bytes(write_job_file(diagnosis, Job(number=str(number))))
+        task = progress.add_task("reports", total=count)
+        start = time.perf_counter()
+        done = write_reports(
+            sources, Path(folder) / "out", formats=("pdf", "xlsx"), progress=lambda *_: progress.advance(task)
+        )
+        took = time.perf_counter() - start
+        assert all(found.error is None for found in done)
+    print(f"{count} jobs, PDF and workbook each: {took:.1f} s, {took / count * 1e3:.0f} ms a job")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--batch", type=int, default=0, metavar="N")
+    options = parser.parse_args()
+    diagnosis, job = job_of_60()
+    print(f"{len(diagnosis.lands)} lands, {len(diagnosis.road.time)} samples, {len(job.pictures)} photos")
+    with tempfile.TemporaryDirectory() as folder:
+        runs = {
+            "PDF": lambda: pdf.write_pdf(diagnosis, job),
+            "PDF, bare typst": bare_typst(diagnosis, job, Path(folder)),
+            "workbook": lambda: write_workbook(diagnosis, job),
+            "workbook, bare XlsxWriter": bare_xlsxwriter(write_workbook(diagnosis, job)),
+        }
+        sizes = {name: len(run()) for name, run in runs.items()}
+        times: dict[str, list[float]] = {name: [] for name in runs}
+        for _ in range(RUNS):
+            for name, run in runs.items():
+                start = time.perf_counter()
+                run()
+                times[name].append(time.perf_counter() - start)
+    for name, found in times.items():
+        print(f"{name:28} {statistics.median(found) * 1e3:6.0f} ms   {sizes[name] / 1024:6.0f} KiB")
+    if options.batch:
+        batch(options.batch)
+
+
+if __name__ == "__main__":
+    main()
