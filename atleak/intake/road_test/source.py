@@ -6,13 +6,14 @@ import gzip
 import hashlib
 import io
 import mmap
+import tempfile
 import threading
 import zipfile
 import zlib
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import BinaryIO, Literal
+from typing import Literal
 
 from atleak.errors import Place, RoadTestError
 
@@ -57,12 +58,14 @@ class Digest:
     def __init__(self, source: bytes | Path) -> None:
         self._hash, self._source = hashlib.sha256(), source
         self._nul, self._error = False, ""
+        self.has_nul_unpacked = False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
     def _run(self) -> None:
         if isinstance(self._source, bytes):
             self._hash.update(self._source)
+            self._source = b""
             return
         try:
             with (
@@ -84,7 +87,7 @@ class Digest:
     def has_nul(self) -> bool:
         """Whether the file on disk holds zero bytes."""
         self._thread.join()
-        return self._nul
+        return self._nul or self.has_nul_unpacked
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ class Source:
     """A log before anything is understood.
 
     ``head`` are its first bytes, ``data`` all of them (unpacked when it came packed), read from ``path`` only when
-    asked for: a large clean file is read by the fast reader itself.
+    asked for: a large clean file is read by the fast reader itself. What came packed lies in ``room`` until then.
     """
 
     file: str
@@ -103,6 +106,7 @@ class Source:
     path: Path | None = None
     packed: bool = False
     content: bytes | None = field(default=None, repr=False)
+    room: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)
 
     @cached_property
     def data(self) -> bytes:
@@ -121,6 +125,11 @@ class Source:
     def sha256(self) -> str:
         """SHA-256 of the file as it was given."""
         return str(self.digest)
+
+    def close(self) -> None:
+        """Takes away what was unpacked to disk."""
+        if self.room is not None:
+            self.room.cleanup()
 
     def part(self, start: int, stop: int) -> bytes:
         """Some bytes of the log."""
@@ -160,10 +169,25 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> Source:
 
 
 def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) -> Source:
-    packed = data[:2] == b"\x1f\x8b"
-    if packed:
-        data = _unpack(data, file)
-    return Source(file, digest, data[:LARGE], _form(data, file), len(data), path, packed, data)
+    if data[:2] != b"\x1f\x8b":
+        return Source(file, digest, data[:LARGE], _form(data, file), len(data), path, False, data)
+    room = tempfile.TemporaryDirectory(prefix="atleak-")
+    try:
+        unpacked = Path(room.name) / "log"
+        digest.has_nul_unpacked = _unpack(data, file, unpacked)
+        size = unpacked.stat().st_size
+        with unpacked.open("rb") as stream:
+            head = stream.read(LARGE)
+        form = _form_of(head)
+        if form == "text" and size > LARGE:
+            return Source(file, digest, head, form, size, unpacked, True, None, room)
+        content = unpacked.read_bytes()
+        form = _form(content, file)
+    except BaseException:
+        room.cleanup()
+        raise
+    room.cleanup()
+    return Source(file, digest, head, form, size, None, True, content)
 
 
 def _form_of(data: bytes) -> Form:
@@ -199,40 +223,31 @@ def _refuse_what_is_no_log(head: bytes, file: str) -> None:
             )
 
 
-def _unpack(data: bytes, file: str) -> bytes:
-    limit = GROWTH * len(data) + SPARE
+def _unpack(data: bytes, file: str, target: Path) -> bool:
+    """Unpacks into a file; whether zero bytes were among what came out."""
+    limit, total, nul = GROWTH * len(data) + SPARE, 0, False
     place = Place(file=file)
     try:
-        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
-            head = stream.read(HEAD)
-            _refuse_what_is_no_log(head, file)
-            unpacked = head + read_up_to(stream, limit - len(head), place)
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream, target.open("wb") as out:
+            while part := stream.read(1 << 20):
+                if not total:
+                    _refuse_what_is_no_log(part[:HEAD], file)
+                    if part[:2] == b"\x1f\x8b":
+                        raise RoadTestError("is packed twice; unpack it first", place=place)
+                total += len(part)
+                nul = nul or b"\x00" in part
+                if total > limit:
+                    raise RoadTestError(
+                        f'unfolds to more than {limit >> 20} MB: this is no ordinary log (a "zip bomb"?)',
+                        place=place,
+                        expected="a log; if it really is one, unpack it first",
+                    )
+                out.write(part)
     except (OSError, EOFError, zlib.error) as error:
         raise RoadTestError(f"its gz packing is damaged: {error}", place=place) from error
-    if unpacked[:2] == b"\x1f\x8b":
-        raise RoadTestError("is packed twice; unpack it first", place=place)
-    return unpacked
-
-
-def read_up_to(stream: BinaryIO | gzip.GzipFile, limit: int, place: Place) -> bytes:
-    """Reads a packed stream to its end, but never more than ``limit`` bytes.
-
-    Raises
-    ------
-    RoadTestError
-        when the stream goes on past the limit.
-    """
-    parts, total = [], 0
-    while part := stream.read(1 << 20):
-        total += len(part)
-        if total > limit:
-            raise RoadTestError(
-                f'unfolds to more than {limit >> 20} MB: this is no ordinary log (a "zip bomb"?)',
-                place=place,
-                expected="a log; if it really is one, unpack it first",
-            )
-        parts.append(part)
-    return b"".join(parts)
+    if not total:
+        raise RoadTestError("is empty: the logger wrote nothing", place=place)
+    return nul
 
 
 def _refuse_bomb(data: bytes, file: str) -> None:

@@ -97,6 +97,8 @@ def understand(
             error.problem, place=error.place if str(error.place) else Place(file=opened.file), value=error.value,
             expected=error.expected, nearest=error.nearest,
         ) from error  # fmt: skip
+    finally:
+        opened.close()
     # the sum is computed beside all this; only now is it waited for
     digest = opened.sha256
     test = understood.road_test
