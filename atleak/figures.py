@@ -6,7 +6,7 @@ Nothing is computed here but what a picture needs. Figures are tested by their t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -16,14 +16,17 @@ from plotly.subplots import make_subplots
 from tsdownsample import MinMaxDownsampler
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.events import Event
 from atleak.limits import Limits
 from atleak.report.record import DM3_MIN, PERCENT, UM
 from atleak.report.road_series import RoadSeries, road_series
 from atleak.report.text import SYMBOLS, WORDS
+from atleak.report.window import Scales
 from atleak.road_leakage import RoadLeakage
 from atleak.road_test import QUANTITIES, Channel, RoadTest
 
 POINTS = 3000  # of a log that are drawn, edges of gaps aside
+EVENTS = 60  # of a log that are marked at most
 MARKED = 800  # suspect samples and breaks of a log that are marked at most
 COLOURS = {
     "ok": "#2f9e62",
@@ -276,15 +279,15 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
     return _dressed(figure, 120 + 18 * max(len(found), 3))
 
 
-def road_channels(
-    test: RoadTest, scales: Mapping[str, tuple[str, Callable[[Any], Any]]], points: int = 2000
-) -> go.Figure:
+def road_channels(test: RoadTest, scales: Scales, marked: Sequence[Event] = (), points: int = 2000) -> go.Figure:
     """The channels of a log one above the other over a common time axis, suspect samples crossed, breaks dotted.
 
     Parameters
     ----------
     scales
         quantity → unit's name and the function from SI to that unit, for quantities shown in another unit than SI.
+    marked
+        events to mark where they begin and, if they last, to shade.
     points
         of a channel that are drawn; every stretch keeps its lowest and highest sample.
     """
@@ -297,8 +300,24 @@ def road_channels(
         figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row, col=1)
     for before, after in pairwise(test.segments[:MARKED]):
         figure.add_vline(x=(before.stop + after.start) / 2.0, line={"dash": "dot", "width": 1, "color": PUMP})
+    _events(figure, test, marked)
     figure.update_xaxes(title="time [s]", row=max(len(channels), 1), col=1)
     return _dressed(figure, 90 + 130 * max(len(channels), 1), hovermode="x unified", showlegend=False)
+
+
+def _events(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
+    first, last = float(test.time[0]), float(test.time[-1])
+    inside = [event for event in marked if event.stop >= first and event.start <= last]
+    for event in inside[:EVENTS]:
+        shift = event.kind == "gear_shift"
+        begin, end = max(event.start, first), min(event.stop, last)
+        if not shift:
+            figure.add_vrect(x0=begin, x1=end, fillcolor=SHARE, opacity=0.08, line_width=0)
+        figure.add_vline(x=begin, line={"dash": "dash", "width": 1, "color": SHARE})
+        figure.add_annotation(
+            x=begin, y=1.0, yref="paper", xanchor="left", yanchor="bottom", showarrow=False, font={"size": 10},
+            text=f"{event.from_gear}→{event.to_gear}" if shift else event.kind.replace("_", " "),
+        )  # fmt: skip
 
 
 def _channel(

@@ -29,6 +29,9 @@ show.conditions(diagnosis, record)
 st.subheader("Order of repair")
 show.repair_plan(diagnosis, record)
 
+with st.expander("Where they are: the controller's picture"):
+    show.controller_picture(diagnosis)
+
 if diagnosis.road is not None:
     st.subheader("Over the road test")
     st.plotly_chart(figures.road_leakage(diagnosis.road, diagnosis.limits), key="road")

@@ -1,10 +1,16 @@
 """The road-test log: what was understood of it, what is asked, its picture, and the leakage over it."""
 
+from dataclasses import replace
+
 import streamlit as st
 
 from atleak import figures
+from atleak.errors import AtleakError
+from atleak.events import events
 from atleak.intake.road_test import tidy_csv
+from atleak.report.window import event_rows, window_rows
 from pages.shared import log_form, panel, show
+from pages.shared.bench import diagnosis_of
 
 bench, diagnosis = panel.shown()
 st.title("Road test")
@@ -30,12 +36,29 @@ if found.unused:
     st.caption(f"Not used: {show.plain(', '.join(found.unused))}")
 show.messages(found.messages, "the road-test log")
 
-st.subheader("Channels")
-st.plotly_chart(figures.road_channels(test, log_form.scales(test)), key="channels")
-st.caption("× suspect samples, left out of every result; dotted: breaks in the log. Drag to zoom.")
-st.download_button("Tidy table (CSV)", lambda: tidy_csv(test), f"{file.name}.tidy.csv", on_click="ignore")
+happened = events(test)
+st.subheader("What happened")
+if happened:
+    show.table(event_rows(happened))
+else:
+    st.write("No event was recognised with the channels there are.")
 
-if diagnosis.road is not None and diagnosis.road.road_test is test:
-    st.subheader("Leakage")
-    st.plotly_chart(figures.road_leakage(diagnosis.road, diagnosis.limits), key="road")
-    show.messages(diagnosis.road.messages, "leakage over this log")
+st.subheader("The log's picture")
+ends = log_form.window(test, happened)
+part = test if ends is None else test.window(*ends)
+scales = log_form.scales(test)
+st.plotly_chart(figures.road_channels(part, scales, happened), key="channels")
+st.caption("× suspect samples, left out of every result; dotted: breaks in the log; dashed: events. Drag to zoom.")
+
+road = None
+if file == bench.log and diagnosis.road is not None:
+    try:
+        road = diagnosis_of(replace(bench, window=ends)).road
+        st.subheader("Leakage over it")
+        st.plotly_chart(figures.road_leakage(road, diagnosis.limits), key="road")
+        show.messages(road.messages, "leakage over this log")
+    except AtleakError as error:
+        st.warning(show.plain(error))
+st.subheader("Least, mean and largest")
+show.table(window_rows(part, road, scales))
+st.download_button("Tidy table (CSV)", lambda: tidy_csv(part), f"{file.name}.tidy.csv", on_click="ignore")

@@ -68,6 +68,7 @@ class Bench:
     mileage: float | None = None  # [km]
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user settled it
     units: tuple[tuple[str, str], ...] = ()
+    window: tuple[float, float] | None = None  # [s] of the log that is looked at
     sample: bool = False
 
     @property
@@ -146,7 +147,7 @@ def _diagnosis(key: str, _bench: Bench) -> Diagnosis:
         found = understood(log, _bench.columns, _bench.units)
         if found.road_test is None:
             raise found.problem or RoadTestError("cannot be read", place=Place(file=log.name))
-        road_test = found.road_test
+        road_test = found.road_test if _bench.window is None else found.road_test.window(*_bench.window)
     return diagnose(
         controller,
         fluid,

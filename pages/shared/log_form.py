@@ -7,9 +7,11 @@ from typing import Any
 import streamlit as st
 
 from atleak.errors import AtleakError
+from atleak.events import Event
 from atleak.intake.road_test import Understood, describe
 from atleak.intake.road_test.describe import workshop_unit
 from atleak.intake.units import unit_names
+from atleak.report.window import event_label
 from atleak.road_test import QUANTITIES, RoadTest
 from pages.shared import show
 from pages.shared.bench import Bench, File, remember_columns, understood
@@ -84,3 +86,25 @@ def form(file: File, found: Understood, bench: Bench) -> None:
             put_file("log", file)
             choose(columns=tuple(columns.items()), units=tuple(units.items()))
             st.rerun()
+
+
+def window(test: RoadTest, found: tuple[Event, ...]) -> tuple[float, float] | None:
+    """The stretch of the log to look at: the whole, an event, or between two cursors; None for the whole."""
+    first, last = float(test.time[0]), float(test.time[-1])
+    if not last > first:
+        return None
+    kept = session().windows
+    chosen = st.selectbox("Look at", [None, *found], key="window-event", format_func=_event_name)
+    ends = (first, last) if chosen is None else (chosen.start, chosen.stop)
+    if chosen is None:
+        ends = kept.get(test.sha256, ends)
+    key = f"window-{test.sha256}-{ends if chosen is not None else 'own'}"
+    start, stop = st.slider("Between two cursors [s]", first, last, ends, key=key)
+    whole = (start, stop) == (first, last)
+    if chosen is None:
+        kept.pop(test.sha256, None) if whole else kept.update({test.sha256: (start, stop)})
+    return None if whole else (start, stop)
+
+
+def _event_name(event: Event | None) -> str:
+    return "the whole log, or between the cursors" if event is None else event_label(event)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import html
 import re
 from collections.abc import Iterable
 from typing import Any
@@ -10,6 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
+from atleak.drawing import controller_svg
 from atleak.errors import AtleakError, Message
 from atleak.figures import BAND_SYMBOLS, COLOURS
 from atleak.limits import VERDICTS
@@ -199,6 +202,22 @@ def repair_plan(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     st.caption(
         f"Total share at {plain(label)} when each land is brought back to its mounting clearance, one after another."
     )
+
+
+def svg(drawing: str, label: str, least_width: int = 640) -> None:
+    """A drawing on white, wide enough to be read; on a phone it scrolls inside its frame."""
+    data = base64.b64encode(drawing.encode()).decode("ascii")
+    st.html(
+        f'<div style="background:#fff;border-radius:8px;padding:8px;overflow-x:auto">'
+        f'<img alt="{html.escape(label)}" src="data:image/svg+xml;base64,{data}" '
+        f'style="min-width:{least_width}px;width:100%;max-width:1100px;display:block;margin:auto"></div>'
+    )
+
+
+def controller_picture(diagnosis: Diagnosis) -> None:
+    """The controller with its lands in the shade and with the sign of their verdicts."""
+    verdicts = {land.key: land.verdict for land in diagnosis.lands}
+    svg(controller_svg(diagnosis.controller, verdicts), f"{diagnosis.controller.name}, lands by verdict")
 
 
 def banner(diagnosis: Diagnosis, sentence: str) -> None:

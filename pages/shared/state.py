@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import streamlit as st
@@ -31,6 +31,7 @@ class Session:
     good: Bench
     refused: dict[str, Refusal]
     before: Bench | None = None  # the job before a file was put on it, to go back to
+    windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # looked at, by the log's SHA-256
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
 
 

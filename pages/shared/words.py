@@ -96,6 +96,11 @@ def land_rows(diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[Land
     return [{name: row[name] for name in filled} for row in rows]
 
 
+def land_name(diagnosis: Diagnosis, key: tuple[str, int]) -> str:
+    """``25 · main pressure valve, land 1``."""
+    return f"{key[0]} · {diagnosis.controller.components[key[0]]}, land {key[1]}"
+
+
 def advice(diagnosis: Diagnosis) -> list[str]:
     """What would settle the verdicts that hang on the measurement, one line of markdown a land."""
     return [

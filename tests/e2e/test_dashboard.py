@@ -174,7 +174,7 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert {"■ replace", "25 · main pressure valve"} <= set(cells(page))
 
 
-@pytest.mark.parametrize("address", ["Readings", "Road_test", "Catalogue"])
+@pytest.mark.parametrize("address", ["Readings", "Uncertainty", "Road_test", "Catalogue"])
 def test_every_page_opens(page: Page, server: str, address: str) -> None:
     page.get_by_role("link", name=address.replace("_", " ")).click()
     expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible(timeout=SOON)

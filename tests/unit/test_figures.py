@@ -9,6 +9,7 @@ import pytest
 
 from atleak import figures
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.events import Event
 from atleak.report.record import DM3_MIN, PERCENT
 
 ALL = {
@@ -123,3 +124,12 @@ def test_a_pump_that_delivers_nothing_leaves_no_point(sample: Diagnosis) -> None
 
     dry = replace(sample, projection=replace(sample.projection, pump_capacity=0.0))
     assert figures.total_share(dry).data[0].x[0] is None
+
+
+def test_events_are_marked_where_they_begin_and_shaded_where_they_last(log_of) -> None:
+    log = log_of(np.arange(20.0), main_pressure=600e3, engine_speed=20.0)
+    found = [Event("gear_shift", 3.0, 3.5, 1, 2), Event("hot_idle", 8.0, 12.0), Event("stall", 40.0, 41.0)]
+    figure = figures.road_channels(log, {}, found)
+    assert [note.text for note in figure.layout.annotations] == ["1→2", "hot idle"]
+    assert {shape.x0 for shape in figure.layout.shapes if shape.type == "line"} == {3.0, 8.0}
+    assert {(shape.x0, shape.x1) for shape in figure.layout.shapes if shape.type == "rect"} == {(8.0, 12.0)}

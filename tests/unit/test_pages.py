@@ -12,7 +12,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.report.template import write_template
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = ("1_Diagnosis", "2_Readings", "3_Road_test", "6_Catalogue")
+PAGES = ("1_Diagnosis", "2_Readings", "2_Uncertainty", "3_Road_test", "6_Catalogue")
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 
 
@@ -189,3 +189,19 @@ def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
     assert "not taken" not in texts(app)
     taken = app.dataframe[0].value.set_index("quantity")["column"]
     assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
+    def largest() -> float:
+        return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
+
+    go(app, "3_Road_test")
+    assert largest() == pytest.approx(2.83, rel=0.02)
+    app.main.slider[0].set_value((8.0, 12.0)).run()
+    assert not app.exception
+    less = largest()
+    assert less < 2.6
+    go(app, "1_Diagnosis")
+    go(app, "3_Road_test")
+    assert app.main.slider[0].value == (8.0, 12.0)
+    assert largest() == less

@@ -1,0 +1,42 @@
+"""How sure the numbers are: intervals, what they are made of, and what would settle a verdict."""
+
+import streamlit as st
+
+from atleak import uncertainty_figures as figures
+from atleak.drawing import spool_svg
+from atleak.uncertainty.table import budget_rows
+from pages.shared import panel, show, words
+
+bench, diagnosis = panel.shown()
+st.title("Uncertainty")
+unit = diagnosis.uncertainty
+if unit is None:
+    st.info("No measuring sheet on the bench: nothing was measured, so nothing can be said of its uncertainty.")
+    st.stop()
+spool, sleeve = unit.instruments.spool, unit.instruments.sleeve
+st.markdown(
+    f"Spools measured with **{show.plain(spool.name)}**, sleeves with **{show.plain(sleeve.name)}**; bars are "
+    f"{unit.coverage:.0%} intervals. The instruments are chosen in the panel at the side."
+)
+show.messages(unit.messages, "the instruments and what else is uncertain")
+
+st.subheader("Total share")
+st.plotly_chart(figures.totals(unit, diagnosis.limits), key="totals")
+
+show.unsettled(words.advice(diagnosis))
+
+st.subheader("Clearances")
+st.plotly_chart(figures.clearances(unit, diagnosis.limits), key="clearances")
+st.subheader("Leakages")
+st.plotly_chart(figures.leakages(unit), key="leakages")
+
+st.subheader("What one land's uncertainty is made of")
+measured = [land.uncertainty for land in diagnosis.ranked if land.uncertainty is not None]
+land = st.selectbox("Land", measured, format_func=lambda found: words.land_name(diagnosis, found.key))
+st.plotly_chart(figures.budget(land), key="budget")
+verdicts = {found.key: found.verdict for found in diagnosis.lands}
+show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts), f"component {land.key[0]}", least_width=300)
+with st.expander("In numbers"):
+    show.table(budget_rows(land))
+with st.expander("What is assumed of everything that was not measured"):
+    show.table([{"what": name.replace("_", " "), "value": value} for name, value in unit.assumptions.settings.items()])
