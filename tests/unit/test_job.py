@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from atleak.errors import InputError
 from atleak.job import Job, Photo
-from atleak.report.job_file import load_job, parse_job
+from atleak.job_file import load_job, parse_job
 
 TOML = """
 number = 417

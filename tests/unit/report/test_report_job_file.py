@@ -18,10 +18,10 @@ from atleak.instruments import load_instruments
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
 from atleak.job import Job
+from atleak.job_file import FORMAT, read_job_file, write_job_file
 from atleak.limits import load_limits
 from atleak.profile import WORKSHOP
 from atleak.projection import stated_condition
-from atleak.report.job_file import FORMAT, read_job_file, write_job_file
 from atleak.report.record import diagnosis_record
 from atleak.uncertainty import DEFAULTS
 

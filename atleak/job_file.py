@@ -21,10 +21,13 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import InputError, Place, nearest_name
 from atleak.fluid import load_fluid
 from atleak.instruments import load_instruments
+from atleak.intake.readings import read_readings
+from atleak.intake.road_test import read_road_test
 from atleak.job import Job, picture_name
 from atleak.limits import load_limits
 from atleak.profile import find_profile
 from atleak.report.record import diagnosis_record
+from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 
 FORMAT = 1
 CATALOGUE = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument")
@@ -128,10 +131,6 @@ class JobFile:
         AtleakError
             a file that cannot be used.
         """
-        from atleak.intake.readings import read_readings
-        from atleak.intake.road_test import read_road_test
-        from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
-
         choices = self.choices
         with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
             paths = {}

@@ -9,8 +9,8 @@ from pathlib import Path
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError
 from atleak.job import Job
+from atleak.job_file import read_job_file
 from atleak.limits import Verdict
-from atleak.report.job_file import read_job_file
 from atleak.report.pdf import write_pdf
 from atleak.report.record import diagnosis_record, to_json
 from atleak.report.xlsx import write_workbook
@@ -42,7 +42,7 @@ def write_reports(
     Parameters
     ----------
     sources
-        job files (zip), as `atleak.report.job_file.write_job_file` makes them.
+        job files (zip), as `atleak.job_file.write_job_file` makes them.
     folder
         where the reports go, named as their job files; two of one name are numbered.
     formats
