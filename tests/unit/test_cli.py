@@ -198,6 +198,12 @@ def test_a_sheet_of_another_controller_names_rows_and_what_was_expected(run: Run
         (["--profile", "papr"], ("--profile", "workshop")),
         (["--fail-on", "ok"], ("--fail-on", "critical")),
         (["--xlsx", "-"], ("standard output",)),
+        (["--pdf", "-"], ("standard output",)),
+        (["--assume", "room=1"], ("'room'", "room_temperature_k")),
+        (["--guard", "-1"], ("-1", "1.645")),
+        (["--spool-instrument", "micrometre"], ("did you mean 'micrometer'?",)),
+        (["--sheet", "Nope"], ("'Nope'", "Measurements")),
+        (["--sheet-unit", "furlong"], ("'furlong'", "inch")),
         (["--jsn", "-"], ("--jsn",)),
     ],
 )
@@ -210,7 +216,7 @@ def test_a_bad_option_is_named_with_its_value(
         assert word in err
 
 
-@pytest.mark.parametrize("option", ["--json", "--xlsx"])
+@pytest.mark.parametrize("option", ["--json", "--xlsx", "--pdf"])
 @pytest.mark.parametrize("target", ["nowhere/out.file", "."])
 def test_an_output_that_cannot_be_written(
     run: Run, sample_readings: Path, tmp_path: Path, option: str, target: str
@@ -226,7 +232,12 @@ def test_nothing_is_written_over_what_is_read(run: Run, tmp_path: Path) -> None:
     before = sheet.read_bytes()
     again = tmp_path / "folder" / ".." / sheet.name
     (tmp_path / "folder").mkdir()
-    for options in (["--xlsx", sheet], ["--json", again], ["--json", tmp_path / "a", "--xlsx", tmp_path / "a"]):
+    for options in (
+        ["--xlsx", sheet],
+        ["--json", again],
+        ["--pdf", sheet],
+        ["--json", tmp_path / "a", "--xlsx", tmp_path / "a"],
+    ):
         status, _, err = run("diagnose", sheet, "--controller", "minimal_example", *options)
         assert status == 2
         assert "would be written over" in err
