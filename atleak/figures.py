@@ -279,7 +279,13 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
     return _dressed(figure, 120 + 18 * max(len(found), 3))
 
 
-def road_channels(test: RoadTest, scales: Scales, marked: Sequence[Event] = (), points: int = 2000) -> go.Figure:
+def road_channels(
+    test: RoadTest,
+    scales: Scales,
+    marked: Sequence[Event] = (),
+    over: tuple[RoadTest, float] | None = None,
+    points: int = 2000,
+) -> go.Figure:
     """The channels of a log one above the other over a common time axis, suspect samples crossed, breaks dotted.
 
     Parameters
@@ -288,6 +294,8 @@ def road_channels(test: RoadTest, scales: Scales, marked: Sequence[Event] = (), 
         quantity → unit's name and the function from SI to that unit, for quantities shown in another unit than SI.
     marked
         events to mark where they begin and, if they last, to shade.
+    over
+        another log to lay over it, dashed, and by how much it is shifted [s].
     points
         of a channel that are drawn; every stretch keeps its lowest and highest sample.
     """
@@ -296,6 +304,9 @@ def road_channels(test: RoadTest, scales: Scales, marked: Sequence[Event] = (), 
     for row, channel in enumerate(channels, start=1):
         unit, convert = scales.get(channel.quantity, (channel.unit, lambda value: value))
         _channel(figure, channel, test, convert, row, points)
+        other = None if over is None else over[0].channel(channel.quantity)
+        if over is not None and other is not None and other.samples:
+            _line_of(figure, other, over[0], convert, row, points, shift=over[1])
         label = QUANTITIES[channel.quantity].label
         figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row, col=1)
     for before, after in pairwise(test.segments[:MARKED]):
@@ -323,26 +334,9 @@ def _events(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
 def _channel(
     figure: go.Figure, channel: Channel, test: RoadTest, convert: Callable[[Any], Any], row: int, points: int
 ) -> None:
-    constant = channel.source == "constant"
-    time = test.time[[0, -1]] if constant else channel.time
-    good = np.full(2, channel.values[0]) if constant else channel.good
-    keep = _kept(good, points)
-    steps = channel.quantity in {"gear", "selector", "lock_up"}
-    figure.add_trace(
-        go.Scatter(
-            x=time[keep],
-            y=convert(good[keep]),
-            name=QUANTITIES[channel.quantity].label,
-            mode="lines",
-            line={"width": 1.6, "color": LEAKAGE, "shape": "hv" if steps else "linear"},
-            connectgaps=False,
-            hovertemplate="%{y:.5g}",
-        ),
-        row=row,
-        col=1,
-    )
+    _line_of(figure, channel, test, convert, row, points)
     doubtful = np.flatnonzero(channel.suspect & np.isfinite(channel.values))
-    if len(doubtful) and not constant:
+    if len(doubtful) and channel.source != "constant":
         shown = doubtful[:: len(doubtful) // MARKED + 1]
         figure.add_trace(
             go.Scatter(
@@ -356,6 +350,38 @@ def _channel(
             row=row,
             col=1,
         )
+
+
+def _line_of(
+    figure: go.Figure,
+    channel: Channel,
+    test: RoadTest,
+    convert: Callable[[Any], Any],
+    row: int,
+    points: int,
+    shift: float | None = None,
+) -> None:
+    """A channel's good samples; ``shift`` [s] tells a log that is laid over another."""
+    constant = channel.source == "constant"
+    time = test.time[[0, -1]] if constant else channel.time
+    good = np.full(2, channel.values[0]) if constant else channel.good
+    keep = _kept(good, points)
+    name = QUANTITIES[channel.quantity].label
+    look = {"color": LEAKAGE} if shift is None else {"color": SHARE, "dash": "dash"}
+    steps = channel.quantity in {"gear", "selector", "lock_up"}
+    figure.add_trace(
+        go.Scatter(
+            x=time[keep] + (shift or 0.0),
+            y=convert(good[keep]),
+            name=name if shift is None else f"{name}, {test.file}",
+            mode="lines",
+            line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
+            connectgaps=False,
+            hovertemplate="%{y:.5g}",
+        ),
+        row=row,
+        col=1,
+    )
 
 
 def _kept(values: np.ndarray, points: int) -> np.ndarray:

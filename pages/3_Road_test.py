@@ -45,9 +45,10 @@ else:
 
 st.subheader("The log's picture")
 ends = log_form.window(test, happened)
+over = log_form.overlay()
 part = test if ends is None else test.window(*ends)
 scales = log_form.scales(test)
-st.plotly_chart(figures.road_channels(part, scales, happened), key="channels")
+st.plotly_chart(figures.road_channels(part, scales, happened, over), key="channels")
 st.caption("× suspect samples, left out of every result; dotted: breaks in the log; dashed: events. Drag to zoom.")
 
 road = None

@@ -88,6 +88,28 @@ def form(file: File, found: Understood, bench: Bench) -> None:
             st.rerun()
 
 
+def overlay() -> tuple[RoadTest, float] | None:
+    """Another log to lay over the job's, and by how much it is shifted; kept while pages change."""
+    now = session()
+    with st.expander("Lay another log over it: before and after a repair", expanded=now.over is not None):
+        own = st.file_uploader("Other road-test log", key=f"over-{now.generation}")
+        if own is not None:
+            now.over = File(own.name, own.getvalue())
+        if now.over is None:
+            return None
+        st.caption(f"Dashed: **{show.plain(now.over.name)}**")
+        now.offset = st.number_input("Shifted by [s]", value=now.offset, step=0.1, format="%.2f")
+        if st.button("Take it away", disabled=own is not None, help="or remove the file above"):
+            now.over, now.offset = None, 0.0
+            st.rerun()
+        try:
+            test = understood(now.over).road_test
+        except AtleakError as error:
+            st.error(show.plain(error))
+            return None
+    return None if test is None else (test, now.offset)
+
+
 def window(test: RoadTest, found: tuple[Event, ...]) -> tuple[float, float] | None:
     """The stretch of the log to look at: the whole, an event, or between two cursors; None for the whole."""
     first, last = float(test.time[0]), float(test.time[-1])

@@ -32,6 +32,8 @@ class Session:
     refused: dict[str, Refusal]
     before: Bench | None = None  # the job before a file was put on it, to go back to
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # looked at, by the log's SHA-256
+    over: File | None = None  # a log laid over the job's
+    offset: float = 0.0  # [s] by which it is shifted
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
 
 

@@ -133,3 +133,13 @@ def test_events_are_marked_where_they_begin_and_shaded_where_they_last(log_of) -
     assert [note.text for note in figure.layout.annotations] == ["1→2", "hot idle"]
     assert {shape.x0 for shape in figure.layout.shapes if shape.type == "line"} == {3.0, 8.0}
     assert {(shape.x0, shape.x1) for shape in figure.layout.shapes if shape.type == "rect"} == {(8.0, 12.0)}
+
+
+def test_another_log_is_laid_over_it_dashed_and_shifted(log_of) -> None:
+    one = log_of(np.arange(5.0), main_pressure=600e3, engine_speed=20.0)
+    other = log_of(np.arange(5.0), main_pressure=650e3)
+    figure = figures.road_channels(one, {}, over=(other, 2.5))
+    laid = [line for line in figure.data if line.line.dash == "dash"]
+    assert len(laid) == 1
+    assert list(laid[0].x) == [2.5, 3.5, 4.5, 5.5, 6.5]
+    assert set(laid[0].y) == {650e3}

@@ -205,3 +205,18 @@ def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
     go(app, "3_Road_test")
     assert app.main.slider[0].value == (8.0, 12.0)
     assert largest() == less
+
+
+def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) -> None:
+    go(app, "3_Road_test")
+    next(found for found in app.main.file_uploader if found.label == "Other road-test log").upload(
+        "after.csv", sample_log.read_bytes(), "text/csv"
+    ).run()
+    next(found for found in app.main.number_input if found.label == "Shifted by [s]").set_value(1.25).run()
+    assert not app.exception
+    go(app, "1_Diagnosis")
+    go(app, "3_Road_test")
+    assert "after.csv" in texts(app)
+    assert next(found for found in app.main.number_input if found.label == "Shifted by [s]").value == 1.25
+    next(found for found in app.button if found.label == "Take it away").click().run()
+    assert "after.csv" not in texts(app)
