@@ -1,0 +1,49 @@
+"""The report: what the workshop writes down about the job, and PDF, workbook, JSON and job file to take along."""
+
+import streamlit as st
+
+from atleak.errors import AtleakError
+from atleak.job_file import parse_job, write_job_file
+from atleak.report.pdf import write_pdf
+from atleak.report.pdf.body import SECTIONS
+from atleak.report.record import diagnosis_record, to_json
+from atleak.report.wording import languages, wording
+from atleak.report.xlsx import write_workbook
+from pages.shared import job_form, panel, show
+
+ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
+RECORD = "What is filled in above, for the next time or for the command line."
+
+bench, diagnosis = panel.shown()
+st.title("Report")
+st.write("Everything here is optional; the report leaves out what is not filled in.")
+record = job_form.draw(diagnosis.controller)
+name = f"atleak_{record.number}" if record.number.isalnum() else "atleak"
+
+st.subheader("Take it along")
+options = st.columns([1, 1, 3])
+named = {language: wording(language).texts["language"] for language in languages()}
+language = options[0].selectbox("Language", list(named), list(named).index("en"), named.get, key="report-language")
+paper = options[1].selectbox("Paper", ["a4", "letter"], key="report-paper")
+titles = wording("en").texts["sections"]
+sections = options[2].multiselect("Sections", SECTIONS, SECTIONS, titles.get, key="report-sections")
+printed = {"language": language, "paper": paper, "sections": sections}
+downloads = {
+    "PDF": ("pdf", lambda: write_pdf(diagnosis, record, **printed), "Ready to print, hand over and keep."),
+    "Excel workbook": ("xlsx", lambda: write_workbook(diagnosis, record, paper=paper), "With live formulas."),
+    "JSON": ("json", lambda: to_json(diagnosis_record(diagnosis)), "Every number, for other programs."),
+    "Job record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True), RECORD),
+    "Job file": ("zip", lambda: write_job_file(diagnosis, record, **job_form.sources(bench)), ALL),
+}
+with st.container(horizontal=True):
+    for label, (suffix, content, tip) in downloads.items():
+        st.download_button(label, content, f"{name}.{suffix}", on_click="ignore", help=tip)
+
+with st.expander("Fill in from a job record (TOML or JSON)"):
+    given = st.file_uploader("Job record", ["toml", "json"], key=job_form.key("record"))
+    if given is not None:
+        try:
+            job_form.put_job(parse_job(given.getvalue(), given.name))
+            st.rerun()
+        except AtleakError as error:
+            st.error(show.plain(str(error)))

@@ -1,0 +1,188 @@
+"""The job record as a form. The record lives in the session, not in the widgets: leaving the page loses nothing."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import pandas as pd
+import streamlit as st
+from pydantic import ValidationError
+
+from atleak.controller import Controller
+from atleak.errors import InputError
+from atleak.intake.road_test import default_path, recall
+from atleak.job import Decision, Grade, Job
+from atleak.report.pdf.pictures import printable_picture
+from pages.shared import show
+from pages.shared.bench import Bench, File, understood
+
+_TEXTS = {
+    "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
+    "Customer": ("customer", ("name", "number", "address", "phone", "email")),
+    "Vehicle": ("vehicle", ("make", "model", "year", "engine", "registration", "vin")),
+    "Transmission": ("transmission", ("maker", "code", "serial", "note")),
+}
+_LABELS = {"vin": "VIN", "registration": "Registration", "email": "E-mail"}
+_LONG = {"address", "note"}
+
+
+def job() -> Job:
+    """The record of the job on the bench."""
+    return st.session_state.setdefault("job", Job())
+
+
+def put_job(record: Job) -> None:
+    """Another record in place of this one, with fresh widgets."""
+    st.session_state["job"] = record
+    st.session_state["job-generation"] = _generation() + 1
+
+
+def sources(bench: Bench) -> dict[str, Any]:
+    """What of the bench goes into a job file: the files' bytes and how the log's columns were settled."""
+    columns, units = {}, {}
+    if bench.log is not None:
+        answered = recall(default_path(), understood(bench.log, bench.columns, bench.units).signature)
+        columns, units = answered or ({}, {})
+    slots = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument")
+    own = {slot: getattr(bench, slot) for slot in slots}
+    return {
+        "readings": bench.sheet.data if bench.sheet else None,
+        "road_test": bench.log.data if bench.log else None,
+        "road_test_choices": {
+            "mapping": {**columns, **dict(bench.columns)},
+            "units": {**units, **dict(bench.units)},
+        },
+        "catalogue": {slot: choice.data for slot, choice in own.items() if isinstance(choice, File)},
+    }
+
+
+def draw(controller: Controller) -> Job:
+    """The form; the record as it now is."""
+    record = job()
+    values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
+    with st.expander("Job, vehicle and customer", expanded=record.empty):
+        first = st.columns(3)
+        values["number"] = first[0].text_input("Job number", record.number, key=key("number"))
+        values["date"] = first[1].date_input("Date", record.date, format="YYYY-MM-DD", key=key("date"))
+        values["technician"] = first[2].text_input("Technician", record.technician, key=key("technician"))
+        for place, (title, (table, names)) in zip(st.columns(4), _TEXTS.items(), strict=True):
+            place.markdown(f"**{title}**")
+            values[table] = getattr(record, table).model_dump() | {
+                name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
+            }
+    with st.expander("As found"):
+        values |= _as_found(record)
+    with st.expander("Repair decisions, scratches, instruments"):
+        values |= _tables(record, controller)
+    with st.expander("Logo and photos"):
+        values |= _pictures(record, values)
+    values["notes"] = st.text_area("Notes", record.notes, key=key("notes"))
+    try:
+        found = Job.model_validate(values).with_pictures({**record.pictures, **st.session_state.get("pictures", {})})
+    except ValidationError as error:
+        first_fault = error.errors(include_url=False)[0]
+        st.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
+        return record
+    st.session_state["job"] = found
+    return found
+
+
+def _as_found(record: Job) -> dict[str, Any]:
+    oil, dirt = record.fluid_condition, record.contamination
+    complaint = st.text_area("Complaint", record.complaint, key=key("complaint"))
+    codes = st.text_input("Fault codes, separated by commas", ", ".join(record.fault_codes), key=key("codes"))
+    places = st.columns(5)
+    names = ("product", "level", "colour", "smell", "note")
+    found = {
+        name: _text(place, f"oil-{name}", name, getattr(oil, name), "Oil: ")
+        for place, name in zip(places, names, strict=True)
+    }
+    grades = ["", *get_args(Grade)]
+    columns = st.columns(3)
+    grade = columns[0].selectbox("Contamination", grades, grades.index(dirt.grade or ""), key=key("grade"))
+    return {
+        "complaint": complaint,
+        "fault_codes": tuple(code.strip() for code in codes.split(",") if code.strip()),
+        "fluid_condition": oil.model_dump() | found,
+        "contamination": {
+            "grade": grade or None,
+            "particles": _text(columns[1], "particles", "particles", dirt.particles),
+            "note": _text(columns[2], "dirt-note", "remark on it", dirt.note),
+        },
+    }
+
+
+def _tables(record: Job, controller: Controller) -> dict[str, Any]:
+    pairs = st.column_config.SelectboxColumn("component", options=["", *controller.components])
+    land = st.column_config.SelectboxColumn("land", options=[None, *range(1, 10)])
+    decision = st.column_config.SelectboxColumn("decision", options=[None, *get_args(Decision)])
+    parts = st.column_config.SelectboxColumn("part", options=["", "spool", "piston", "sleeve"])
+    dates = {name: st.column_config.DateColumn(name, format="YYYY-MM-DD") for name in ("date", "calibrated")}
+    shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
+    found = {}
+    for name, title in (
+        ("repair_decisions", "Repair decisions"),
+        ("scratches", "Scratches"),
+        ("instruments", "Instruments"),
+    ):
+        st.markdown(f"**{title}**")
+        found[name] = _table(record, name, shared)
+    return found
+
+
+def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, Any]]:
+    """A table to edit. What it starts from stays the same while it is on the page, else its edits would be lost."""
+    own = key(name)
+    model = get_args(Job.model_fields[name].annotation)[0]
+    if own not in st.session_state:
+        rows = [row.model_dump() for row in getattr(record, name)]
+        st.session_state[f"{own}-base"] = pd.DataFrame(rows, columns=list(model.model_fields), dtype=object)
+    base = st.session_state[f"{own}-base"]
+    known = {column: columns[column] for column in base.columns if column in columns}
+    edited = st.data_editor(base, key=own, num_rows="dynamic", column_config=known, hide_index=True, width="stretch")
+    rows = edited.astype(object).where(edited.notna(), None).to_dict("records")
+    filled = [{column: value for column, value in row.items() if value not in (None, "")} for row in rows]
+    return [row for row in filled if row]
+
+
+def _pictures(record: Job, values: dict[str, Any]) -> dict[str, Any]:
+    kinds = ["png", "jpg", "jpeg", "webp"]
+    logo = st.file_uploader("Logo", kinds, key=key("logo"))
+    photos = st.file_uploader("Photos", kinds, accept_multiple_files=True, key=key("photos"))
+    at_hand = {f"photos/{photo.name}": photo.getvalue() for photo in photos}
+    at_hand |= {} if logo is None else {logo.name: logo.getvalue()}
+    for name, content in list(at_hand.items()):
+        try:
+            printable_picture(name, content)
+        except InputError as error:
+            st.error(show.plain(str(error)))
+            del at_hand[name]
+    known = {photo.file for photo in record.photos}
+    if logo is not None and logo.name in at_hand:
+        values["workshop"]["logo"] = logo.name
+    st.session_state["pictures"] = at_hand
+    fresh = [{"file": name} for name in at_hand if name.startswith("photos/") and name not in known]
+    kept = []
+    for photo in record.photos:
+        places = st.columns([2, 3, 1], vertical_alignment="bottom")
+        if photo.file in record.pictures:
+            places[0].image(record.pictures[photo.file], width=160)
+        caption = places[1].text_input("Caption", photo.caption, key=key(f"caption-{photo.file}"))
+        away = photo.file not in at_hand and places[2].button("Remove", key=key(f"remove-{photo.file}"))
+        if not away:
+            kept.append(photo.model_dump() | {"caption": caption})
+    return {"photos": [*kept, *fresh]}
+
+
+def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:
+    label = f"{before}{_LABELS.get(name, name.capitalize() if not before else name)}"
+    return (place.text_area if name in _LONG else place.text_input)(label, value, key=key(own))
+
+
+def key(name: str) -> str:
+    """A widget's key: another record gives fresh widgets."""
+    return f"job{_generation()}-{name}"
+
+
+def _generation() -> int:
+    return st.session_state.get("job-generation", 0)

@@ -1,0 +1,100 @@
+"""The report's page: what is typed there stays, and is in what is taken along."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from streamlit.testing.v1 import AppTest
+
+from atleak.job import Job
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    main = tmp_path / "main.py"
+    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
+    return go(AppTest.from_file(str(main), default_timeout=60).run(), "4_Report")
+
+
+def go(app: AppTest, page: str) -> AppTest:
+    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+
+
+def field(app: AppTest, label: str):
+    return next(found for found in (*app.text_input, *app.text_area) if found.label == label)
+
+
+def test_opens_without_a_word_and_offers_everything(app: AppTest) -> None:
+    assert not app.exception
+    assert not app.error
+    labels = {found.proto.label for found in app.get("download_button")}
+    assert labels == {"PDF", "Excel workbook", "JSON", "Job record", "Job file"}
+
+
+def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
+    field(app, "Job number").set_value("A-17")
+    field(app, "Complaint").set_value("late 1-2 shift: 12.715")
+    app.run()
+    go(app, "2_Readings")
+    go(app, "4_Report")
+    assert not app.exception
+    assert field(app, "Job number").value == "A-17"
+    assert field(app, "Complaint").value == "late 1-2 shift: 12.715"
+    job: Job = app.session_state["job"]
+    assert job.number == "A-17"
+
+
+def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
+    field(app, "Fault codes, separated by commas").set_value("P0730, P0741")
+    key = "job0-repair_decisions"
+    app.session_state[key] = {
+        "edited_rows": {},
+        "added_rows": [{"component": "8", "work": "ream", "decision": "declined", "reason": "too dear"}],
+        "deleted_rows": [],
+    }
+    app.run()
+    job: Job = app.session_state["job"]
+    assert job.fault_codes == ("P0730", "P0741")
+    assert job.repair_decisions[0].reason == "too dear"
+    go(app, "2_Readings")
+    go(app, "4_Report")
+    assert app.session_state["job"].repair_decisions == job.repair_decisions
+
+
+def test_a_record_fills_the_form(app: AppTest) -> None:
+    record = {"number": "9", "vehicle": {"vin": "W1"}, "notes": "seen"}
+    uploader = next(found for found in app.file_uploader if found.label == "Job record")
+    uploader.set_value(("job.json", json.dumps(record).encode(), "application/json")).run()
+    assert not app.exception
+    assert field(app, "VIN").value == "W1"
+    assert field(app, "Notes").value == "seen"
+
+
+def test_a_record_that_cannot_be_used_is_refused_with_its_reason(app: AppTest) -> None:
+    uploader = next(found for found in app.file_uploader if found.label == "Job record")
+    uploader.set_value(("job.toml", b"numbr = 1", "application/toml")).run()
+    assert any("did you mean" in found.value for found in app.error)
+    assert app.session_state["job"].empty
+
+
+def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
+    target = io.BytesIO()
+    Image.new("RGB", (40, 30)).save(target, "PNG")
+    uploader = next(found for found in app.file_uploader if found.label == "Photos")
+    uploader.set_value([("a.png", target.getvalue(), "image/png"), ("b.png", b"no picture", "image/png")]).run()
+    assert not app.exception
+    assert any("b.png" in found.value.replace("\\", "") for found in app.error)
+    job: Job = app.session_state["job"]
+    assert list(job.pictures) == ["photos/a.png"]
+    go(app, "2_Readings")
+    go(app, "4_Report")
+    assert list(app.session_state["job"].pictures) == ["photos/a.png"]
