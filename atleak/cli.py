@@ -6,6 +6,7 @@ Exit status: 0 done, 1 only with ``--fail-on`` and a pair at or past it, 2 bad i
 from __future__ import annotations
 
 import argparse
+import errno
 import os
 import re
 import subprocess
@@ -42,7 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except AtleakError as error:
         print(f"atleak: {error}", file=sys.stderr)
         return 2
-    except BrokenPipeError:
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # EINVAL: the same on Windows
+            raise
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _BROKEN_PIPE
     except KeyboardInterrupt:

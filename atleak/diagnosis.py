@@ -335,6 +335,11 @@ def _messages(
     found: list[Message] = []
     if controller.representative:
         found.append(Message("warning", "controller_representative", f"{controller.name}: {controller.representative}"))
+    leaking = {gap.key for gap in controller.gaps}
+    silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking]
+    if silent:
+        text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
+        found.append(Message("warning", "land_without_gap", text))
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
         found.append(Message("warning", "no_readings", text))

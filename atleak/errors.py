@@ -106,8 +106,9 @@ class Message:
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
     """The valid name closest to a mistyped one, or None.
 
-    >>> nearest_name("paper_", ["paper", "workshop"])
+    >>> nearest_name("Paper_", ["paper", "workshop"])
     'paper'
     """
-    found = difflib.get_close_matches(name, list(names), n=1, cutoff=0.5)
-    return found[0] if found else None
+    by_case = {known.casefold(): known for known in names}
+    found = difflib.get_close_matches(name.casefold(), list(by_case), n=1, cutoff=0.5)
+    return by_case[found[0]] if found else None

@@ -322,6 +322,7 @@ class LeakageModel:
         for number, samples in _by_gear(log.gear):
             if number not in self._plans:
                 lines[:, samples] = np.nan
+                viscous[samples] = 1.0  # left out for its gear, not for its temperature too
                 count.other_gear += log.gear[samples].size
                 continue
             if number not in ready:

@@ -160,3 +160,9 @@ class LimitsFile(Entry):
     clearance_um: VerdictTable | None = None
     pair_share_percent: VerdictTable | None = None
     total_share_percent: BandTable
+
+    @model_validator(mode="after")
+    def _judges_lands(self) -> LimitsFile:
+        if self.wear_percent is None and self.clearance_um is None and self.pair_share_percent is None:
+            raise ValueError("at least one rule for a land: wear_percent, clearance_um or pair_share_percent")
+        return self

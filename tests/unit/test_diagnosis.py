@@ -331,3 +331,10 @@ def test_without_mileage_none_is_projected(sample: Diagnosis, limits: Limits, hi
 def test_messages_are_not_repeated(sample: Diagnosis) -> None:
     assert len(set(sample.messages)) == len(sample.messages)
     assert {"controller_representative", "mirrored_repeats", "fluid_note"} <= codes(sample)
+
+
+def test_a_land_that_no_gap_names_is_said(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
+    fewer = replace(four_speed, gaps=tuple(gap for gap in four_speed.gaps if gap.key != ("25", 1)))
+    codes = {message.code: message.text for message in diagnose(fewer, hipol, limits).messages}
+    assert "25/1" in codes["land_without_gap"]
+    assert "land_without_gap" not in {message.code for message in diagnose(four_speed, hipol, limits).messages}

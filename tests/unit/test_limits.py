@@ -94,8 +94,16 @@ def test_a_workshop_s_own_clearance_limit(edited: Edited) -> None:
 def test_a_rule_left_out_is_not_applied(edited: Edited) -> None:
     path = edited("limits", "project_default")
     text = path.read_text(encoding="utf-8")
+    path.write_text(text[: text.index("# One pair")] + text[text.index("# Total") :], encoding="utf-8")
+    assert list(load_limits(path).rules) == ["wear", "total_share"]
+
+
+def test_limits_that_judge_no_land_are_refused(edited: Edited) -> None:
+    path = edited("limits", "project_default")
+    text = path.read_text(encoding="utf-8")
     path.write_text(text[: text.index("# Growth")] + text[text.index("# Total") :], encoding="utf-8")
-    assert list(load_limits(path).rules) == ["total_share"]
+    with pytest.raises(CatalogueError, match="at least one rule for a land: wear_percent"):
+        load_limits(path)
 
 
 @pytest.mark.parametrize(
