@@ -18,7 +18,8 @@ _GEARS: dict[str, float] = {
 }  # fmt: skip
 _DRIVE = frozenset({"d", "s", "m", "l", "drive", "sport", "manual", "low", "b"})
 _DIGIT = re.compile(
-    r"(?:gear|gang|bieg|marcha|rapport|передача|d|m|s)?\s*(\d{1,2})(?:\s*(?:st|nd|rd|th|e|gear|gang|bieg|я))?\Z"
+    r"(?:gear|gang|bieg|marcha|rapport|передача|d|m|s)?\s*(\d{1,2})(?:st|nd|rd|th|e|я)?"
+    r"\s*(?:gear|gang|bieg|marcha|передача)?\Z"
 )
 
 SELECTOR = {"park": -2.0, "reverse": -1.0, "neutral": 0.0, "drive": 10.0}
