@@ -168,15 +168,19 @@ class Body:
 
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """What to measure again where the readings cannot tell which side of a limit a land is on."""
+        say, names = self.say, self.names
         items = [
-            f"{self.names.land_name(found)}: {found.uncertainty.advice}"
-            for found in self.diagnosis.lands
-            if found.uncertainty and found.uncertainty.advice
+            f"{names.land_name(found)}: {found.uncertainty.advice}"
+            for found in self.diagnosis.flagged
+            if found.uncertainty and found.uncertainty.advice and found.decision in _CONDITIONAL
         ]
         if items:
-            if self.say("texts.messages_language"):
-                yield text(self.say("texts.messages_language"), small=True)
+            if say("texts.messages_language"):
+                yield text(say("texts.messages_language"), small=True)
             yield {"kind": "list", "items": items, "lang": "en"}
+        unsure = [found for found in self.diagnosis.lands if found.verdict == "ok" and found.decision in _CONDITIONAL]
+        if unsure:
+            yield text(say("texts.unsure", lands=joined(names.land_number(found) for found in unsure)))
 
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
@@ -408,7 +412,7 @@ class Body:
             factor, unit = (UM, "µm") if name == "radial_clearance" else (PERCENT, "%")
             table_name = "bands" if name == "total_share" else "verdicts"
             levels = joined(
-                say("rules.level", level=say.get(table_name, level), limit=f"{say.plain(limit * factor)} {unit}")
+                say("rules.level", level=say.get(table_name, level), limit=f"{say.plain(limit * factor)}\u00a0{unit}")
                 for level, limit in steps.levels
             )
             rows.append([say(f"rules.{name}"), levels, say.get("origins", steps.origin), steps.source])
@@ -500,6 +504,7 @@ class Body:
 
 
 _SAID_ELSEWHERE = ("controller_representative",)  # among the representative values
+_CONDITIONAL = ("conditional_pass", "conditional_fail")
 _LEGEND = ("critical", "replace", "watch", "ok", "not_measured")
 
 
