@@ -5,7 +5,7 @@ import streamlit as st
 from atleak import figures
 from atleak.report.clearances import clearance_rows
 from atleak.report.template import write_template
-from pages.shared import panel, show, words
+from pages.shared import panel, sheet_form, show, words
 
 bench, diagnosis = panel.shown()
 controller, readings = diagnosis.controller, diagnosis.readings
@@ -24,6 +24,9 @@ st.download_button(
     on_click="ignore",
     help=f"An Excel workbook with every land of {controller.name}, and how to measure.",
 )
+file = sheet_form.pending(bench)
+if file is not None:
+    sheet_form.form(file, bench)
 show.sheet_messages(diagnosis)
 
 only = st.segmented_control("Lands", ["all", "flagged", "not fully measured"], default="all")

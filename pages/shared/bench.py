@@ -66,6 +66,8 @@ class Bench:
     rpm: float | None = None
     gear: int | None = None
     mileage: float | None = None  # [km]
+    sheet_name: str = ""  # of the workbook, where several hold readings
+    sheet_unit: str = ""  # of the diameters, where the sheet does not say
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user settled it
     units: tuple[tuple[str, str], ...] = ()
     window: tuple[float, float] | None = None  # [s] of the log that is looked at
@@ -78,10 +80,11 @@ class Bench:
 
     def with_file(self, slot: str, file: File | None) -> Bench:
         """This job with another sheet or log; the sample's other file never mixes with the user's own."""
+        settled = {"sheet": {"sheet_name": "", "sheet_unit": ""}, "log": {"columns": (), "units": ()}}
         if self.sample:
-            return replace(self, **{"sheet": None, "log": None, slot: file}, sample=False, columns=(), units=())
-        settled = {"columns": (), "units": ()} if slot == "log" else {}
-        return replace(self, **{slot: file}, **settled)
+            empty = {"sheet": None, "log": None, "sample": False}
+            return replace(self, **{**empty, slot: file}, **settled["sheet"], **settled["log"])
+        return replace(self, **{slot: file}, **settled[slot])
 
 
 def sample_job() -> Bench:
@@ -152,7 +155,11 @@ def _diagnosis(key: str, _bench: Bench) -> Diagnosis:
         controller,
         fluid,
         limits,
-        readings=None if sheet is None else read_readings(sheet.data, controller, name=sheet.name),
+        readings=None
+        if sheet is None
+        else read_readings(
+            sheet.data, controller, name=sheet.name, sheet=_bench.sheet_name or None, unit=_bench.sheet_unit or None
+        ),
         road_test=road_test,
         profile=find_profile(_bench.profile, dict(_bench.options)),
         condition=condition,

@@ -220,3 +220,18 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     assert next(found for found in app.main.number_input if found.label == "Shifted by [s]").value == 1.25
     next(found for found in app.button if found.label == "Take it away").click().run()
     assert "after.csv" not in texts(app)
+
+
+def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, sample_readings: Path) -> None:
+    book = openpyxl.load_workbook(sample_readings)
+    book.copy_worksheet(book["Measurements"]).title = "Second try"
+    target = io.BytesIO()
+    book.save(target)
+    uploader(app, "Measuring sheet").upload("two.xlsx", target.getvalue(), XLSX).run()
+    assert "2 sheets hold readings" in texts(app)
+    go(app, "2_Readings")
+    next(found for found in app.main.text_input if found.label == "Sheet").set_value("Second try")
+    next(found for found in app.button if found.label == "Read two.xlsx again").click().run()
+    assert not app.exception
+    assert "not taken" not in texts(app)
+    assert "two.xlsx**, sheet Second try" in texts(app)
