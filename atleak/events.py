@@ -347,7 +347,7 @@ def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
 
 
 def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None, tolerance: float = 0.06) -> RoadTest:
-    """The road test with a gear channel derived from the speed ratio, marked ``derived``; unchanged where one is logged.
+    """The road test with a gear derived from the speed ratio, marked ``derived``; unchanged where one is logged.
 
     Parameters
     ----------

@@ -1,4 +1,3 @@
-# ruff: noqa: E501 - a case is a line, however long
 """The importer beyond single quirks: mapping, memory, workbooks, MDF, JSON, tidy table, memory use."""
 
 from __future__ import annotations
@@ -427,8 +426,7 @@ def test_any_dialect_gives_the_same_road_test(
 def test_rubbish_is_refused_or_understood_but_never_crashes(data: bytes) -> None:
     try:
         told = understand(data)
-    except RoadTestError as error:
-        assert str(error)
+    except RoadTestError:
         return
     assert told.road_test is not None or told.problem is not None
     describe(told)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from atleak.errors import RoadTestError
-from atleak.intake.road_test import describe, understand
+from atleak.intake.road_test import describe, read_road_test, understand
 
 ROWS = 40
 
@@ -322,7 +322,5 @@ REFUSED: dict[str, tuple[bytes, str]] = {
 def test_refused_with_a_reason(name: str) -> None:
     data, reason = REFUSED[name]
     with pytest.raises(RoadTestError, match=reason) as caught:
-        understood = understand(data, name="log.csv")
-        if understood.problem:
-            raise understood.problem
+        read_road_test(data, name="log.csv")
     assert caught.value.place.file == "log.csv"

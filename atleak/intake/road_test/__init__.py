@@ -16,8 +16,8 @@ from atleak.intake.road_test.understand import Ambiguous, Understood, understand
 from atleak.road_test import RoadTest
 
 __all__ = [
-    "Ambiguous", "Understood", "default_path", "describe", "forget", "import_log_json", "read_road_test", "recall", "remember",
-    "signature", "tidy_csv", "understand",
+    "Ambiguous", "Understood", "default_path", "describe", "forget", "import_log_json", "read_road_test", "recall",
+    "remember", "signature", "tidy_csv", "understand",
 ]  # fmt: skip
 
 

@@ -1,4 +1,7 @@
-"""Columns → quantities: what the names offer is checked against units, values and each other; a doubt is shown, not settled."""
+"""Columns → quantities: what the names offer is checked against units, values and each other.
+
+A doubt is shown, not settled.
+"""
 
 from __future__ import annotations
 
@@ -268,7 +271,7 @@ class Assigner:
             self.say("second_choice", f"{quantity} is taken from {label!r}, for want of a better", "warning", label)
         if QUANTITIES[quantity].unit_kind == "pressure":
             if candidate.kind == "commanded":
-                text = f"{label!r} is a pressure the gearbox computer commands, not one a gauge measured: no leak shows in it"
+                text = f"{label!r} is commanded by the gearbox computer, not measured by a gauge: no leak shows in it"
                 self.say("pressure_commanded", text, "warning", label)
             elif candidate.kind == "unknown":
                 text = f"{label!r}: nothing says whether this pressure is measured or commanded"

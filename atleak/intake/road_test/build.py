@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
@@ -59,7 +60,7 @@ def _channel(assigner: Assigner, signal: Signal, timeline: Timeline, speed: Sign
     independent, held = _independent(candidate.quantity, raw, candidate.kind == "commanded")
     span = _span(time, timeline.segments)
     if held:
-        text = f"{candidate.label!r}: the logger repeats its last answer; {independent} of {len(raw)} samples are true ones"
+        text = f"{candidate.label!r}: the logger repeats its last answer; {independent} of {len(raw)} are true samples"
         assigner.say("sample_and_hold", text, "info", candidate.label)
     return Channel(
         candidate.quantity,
@@ -91,7 +92,7 @@ def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
         return 0.0
     breaks = sum(
         later.start - earlier.stop
-        for earlier, later in zip(segments[:-1], segments[1:], strict=True)
+        for earlier, later in pairwise(segments)
         if earlier.stop >= time[0] and later.start <= time[-1]
     )
     return float(time[-1] - time[0]) - breaks
@@ -112,7 +113,8 @@ def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timelin
 def time_messages(assigner: Assigner, timeline: Timeline) -> None:
     """What is to be said about the clock."""
     if timeline.restarts:
-        text = f"the clock jumps back {timeline.restarts} time(s): the log consists of {timeline.restarts + 1} recordings, kept apart"
+        count = timeline.restarts
+        text = f"the clock jumps back {count} time(s): the log consists of {count + 1} recordings, kept apart"
         assigner.say("clock_restarted", text, "warning")
     if timeline.gaps:
         longest = max(timeline.gaps)

@@ -11,9 +11,11 @@ CellKind = Literal["number", "clock", "missing", "text"]
 
 MISSING = frozenset(
     {
-        "", "-", "--", "---", "nan", "-nan", "nan(ind)", "-nan(ind)", "inf", "-inf", "+inf", "infinity", "-infinity", "∞", "-∞", "n/a", "na", "#n/a", "null",
-        "none", "off", "not running", "läuft nicht", "laeuft nicht", "nie pracuje", "не работает", "?", "---.-", "no data", "nodata", "n.a.", "n.v.",
-        "not available", "not supported", "invalid", "err", "error", "#ref!", "#value!", "#div/0!", "#num!", "#name?", "<null>", "nil", "undefined", "x", "*", ".", "не число",
+        "", "-", "--", "---", "nan", "-nan", "nan(ind)", "-nan(ind)", "inf", "-inf", "+inf", "infinity", "-infinity",
+        "∞", "-∞", "n/a", "na", "#n/a", "null", "none", "off", "not running", "läuft nicht", "laeuft nicht",
+        "nie pracuje", "не работает", "?", "---.-", "no data", "nodata", "n.a.", "n.v.", "not available",
+        "not supported", "invalid", "err", "error", "#ref!", "#value!", "#div/0!", "#num!", "#name?", "<null>", "nil",
+        "undefined", "x", "*", ".", "не число",
     }
 )  # fmt: skip
 """Spellings of "no value", in lower case. None of them is ever a zero."""
@@ -23,7 +25,9 @@ _NUMBER = {
     ",": re.compile(r"[+-]?(?:\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?\Z"),
 }
 _CLOCK = re.compile(
-    r"\d{8}[ T]\d{1,2}:\d\d|\d{1,4}\s*[:/.\-]\s*(?:\d{1,4}|[^\W\d_]{3,5}\.?)\s*[:/.\-]\s*-?\d{1,5}(?!\d*[.,]\d{3}\b)|\d{1,3}:\d{2}(?:[.,]\d+)?\Z|\d{1,2}:\d{2}"
+    r"\d{8}[ T]\d{1,2}:\d\d"
+    r"|\d{1,4}\s*[:/.\-]\s*(?:\d{1,4}|[^\W\d_]{3,5}\.?)\s*[:/.\-]\s*-?\d{1,5}(?!\d*[.,]\d{3}\b)"
+    r"|\d{1,3}:\d{2}(?:[.,]\d+)?\Z|\d{1,2}:\d{2}"
 )
 _WORDY_DATE = re.compile(
     r"[^\W\d_]{2,4}\.?,?\s+(?:[^\W\d_]{3,5}\.?\s+\d{1,2}|\d{1,2}\.?\s+[^\W\d_]{3,5}\.?)\s+.*\d:\d\d"

@@ -140,7 +140,7 @@ def column_numbers(one: Candidate, frame: pd.DataFrame, decimal: Decimal, assign
 
 
 def _without_thousands(one: Candidate, values: np.ndarray, assigner: Assigner) -> np.ndarray:
-    """Refuses a column in which 1.250 stands for 1250: whole numbers up to 999 beside small ones with three decimals."""
+    """Refuses a column in which 1.250 stands for 1250: whole numbers beside small ones with three decimals."""
     if QUANTITIES[one.quantity].unit_kind != "rotational_speed" or not len(values):
         return values
     part = values[:: max(1, len(values) // 50_000)]
@@ -149,7 +149,7 @@ def _without_thousands(one: Candidate, values: np.ndarray, assigner: Assigner) -
     if len(small) < 3 or np.abs(small * 1000 - np.round(small * 1000)).max() > 1e-6:
         return values
     if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(part).sum() == len(part):
-        text = f"{one.label!r} mixes numbers such as {small[0]:.3f} and {whole[0]:.0f}: a thousands sign was taken for a decimal sign"
+        text = f"{one.label!r} mixes numbers such as {small[0]:.3f} and {whole[0]:.0f}: the sign in it parts thousands"
         assigner.say("column_refused", text + "; it is not used", "warning", one.label)
         return np.full(len(values), np.nan)
     return values

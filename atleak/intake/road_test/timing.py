@@ -133,23 +133,28 @@ def _compare_clocks(best: tuple[Candidate, Clock], read: list[tuple[Candidate, C
             continue
         other = np.ptp(clock.seconds[np.isfinite(clock.seconds)])
         if abs(other - span) > max(2.0, 0.02 * span):
-            text = f"the clocks {best[0].label!r} and {one.label!r} disagree ({span:.1f} s and {other:.1f} s): the first is used"
+            text = (
+                f"the clocks {best[0].label!r} and {one.label!r} disagree ({span:.1f} s and {other:.1f} s): "
+                "the first is used"
+            )
             assigner.say("clocks_disagree", text, "warning", best[0].label)
 
 
 _INTERVAL = re.compile(
-    r"^(delta[_ ]?[xt]|wf_increment|sample ?interval|sampling ?interval|interval|increment|dt|abtastintervall|messintervall|okres próbkowania)\b",
+    r"^(delta[_ ]?[xt]|wf_increment|sample ?interval|sampling ?interval|interval|increment|dt|abtastintervall"
+    r"|messintervall|okres próbkowania)\b",
     re.IGNORECASE,
 )
 _RATE = re.compile(
-    r"^(sample[_ ]?rate|sampling[_ ]?rate|sampling[_ ]?frequency|sample[_ ]?frequency|abtastrate|abtastfrequenz|częstotliwość próbkowania)\b",
+    r"^(sample[_ ]?rate|sampling[_ ]?rate|sampling[_ ]?frequency|sample[_ ]?frequency|abtastrate|abtastfrequenz"
+    r"|częstotliwość próbkowania)\b",
     re.IGNORECASE,
 )
 
 
 def _clock_from_preamble(table: Table, rows: int) -> tuple[str, float] | None:
     for row in table.preamble:
-        cells = [cell for cell in re.split(r"[:=]", row[0], maxsplit=1)] + list(row[1:]) if row else []
+        cells = [*re.split(r"[:=]", row[0], maxsplit=1), *row[1:]] if row else []
         cells = [cell.strip() for cell in cells if cell.strip()]
         if len(cells) < 2:
             continue

@@ -28,7 +28,7 @@ class Understood:
     """What was understood of a log; there even when questions are open.
 
     ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
-    data rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
+    rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
     ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows.
     """
 

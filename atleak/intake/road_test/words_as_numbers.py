@@ -12,9 +12,9 @@ from atleak.intake.road_test.names import words
 _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 _GEARS: dict[str, float] = {
     **{name: float(number) for number, name in enumerate(_ORDINALS, start=1)},
-    "reverse": -1.0, "r": -1.0, "rev": -1.0, "rueckwaerts": -1.0, "rueckwaertsgang": -1.0, "wsteczny": -1.0, "marche arriere": -1.0,
-    "neutral": 0.0, "n": 0.0, "park": 0.0, "p": 0.0, "parking": 0.0, "p n": 0.0, "neutralny": 0.0, "luz": 0.0, "leerlauf": 0.0, "neutre": 0.0,
-    "park neutral": 0.0, "neutro": 0.0, "нейтраль": 0.0, "задняя": -1.0,
+    "reverse": -1.0, "r": -1.0, "rev": -1.0, "rueckwaerts": -1.0, "rueckwaertsgang": -1.0, "wsteczny": -1.0,
+    "marche arriere": -1.0, "задняя": -1.0, "neutral": 0.0, "n": 0.0, "park": 0.0, "p": 0.0, "parking": 0.0, "p n": 0.0,
+    "park neutral": 0.0, "neutralny": 0.0, "luz": 0.0, "leerlauf": 0.0, "neutre": 0.0, "neutro": 0.0, "нейтраль": 0.0,
 }  # fmt: skip
 _DRIVE = frozenset({"d", "s", "m", "l", "drive", "sport", "manual", "low", "b"})
 _DIGIT = re.compile(
