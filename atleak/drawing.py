@@ -43,6 +43,7 @@ _SIGNS = {  # in a box of 2 by 2 around the origin
     "not_measured": '<path d="M0-0.9A0.9 0.9 0 1 1 0 0.9 0.9 0.9 0 1 1 0-0.9Z'
     'M0-0.6A0.6 0.6 0 1 0 0 0.6 0.6 0.6 0 1 0 0-0.6Z"/>',
 }
+_NUMBER = 8  # characters of a component's number that are drawn
 _WIDTH = 1000.0
 _ROW = 104.0
 _ROD = 0.45  # of a land's diameter
@@ -118,7 +119,7 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
             )
             parts.append(_text(x, middle - reach - 34, plane, 18, bold=True))
         parts.append(_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * 1e3:.3f}", 16))
-    parts.append(_text(14, 24, f"{component} · {name}", 18, bold=True, anchor="start"))
+    parts.append(_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
     return "".join((*parts, "</svg>"))
 
 
@@ -137,15 +138,16 @@ def _component(
     worst = max(known, key=order.index, default="")
     edge = SHADES[worst].line if worst in {"watch", "replace", "critical"} else "#C5CDD5"
     thick = {"watch": 1.2, "replace": 1.8, "critical": 2.6}.get(worst, 0.8)
-    lines = _wrapped(controller.components[name], int((cell - 34.0) / 6.4), 2)
+    short = shortened(name, _NUMBER)
+    lines = _wrapped(controller.components[name], max(int((cell - 30.0 - 9.5 * len(short)) / 6.2), 6), 2)
     label = "".join(
-        _text(x + 12 + 9.5 * len(name) + 8, y + 20 + 13 * number, line, 11.5, anchor="start")
+        _text(x + 12 + 9.5 * len(short) + 8, y + 20 + 13 * number, line, 11.5, anchor="start")
         for number, line in enumerate(lines)
     )
     return (
         f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}" rx="4" fill="#FFFFFF" '
         f'stroke="{edge}" stroke-width="{thick}"/>'
-        + _text(x + 12, y + 21, name, 15, bold=True, anchor="start")
+        + _text(x + 12, y + 21, short, 15, bold=True, anchor="start")
         + label
         + _spool(lands, verdicts, x + cell / 2.0, y + 66.0, scale, thick=1.0)
     )
@@ -205,6 +207,11 @@ def _length(lands: tuple[Land, ...]) -> float:
     return sum(land.contact_length * 1e3 for land in lands) + _BETWEEN * (len(lands) - 1)
 
 
+def shortened(text: str, width: int) -> str:
+    """Text of at most so many characters, an ellipsis for what is left out."""
+    return text if len(text) <= width else text[: max(width - 1, 0)].rstrip() + "…"
+
+
 def _wrapped(text: str, width: int, lines: int) -> list[str]:
     """Text broken at spaces; what does not fit in so many lines ends in an ellipsis."""
     found, line = [], ""
@@ -215,9 +222,9 @@ def _wrapped(text: str, width: int, lines: int) -> list[str]:
             longer = word
         line = longer
     found.append(line)
-    short = [each if len(each) <= width else each[: max(width - 1, 1)] + "…" for each in found]
+    short = [shortened(each, width) for each in found]
     if len(short) > lines:
-        short = [*short[: lines - 1], short[lines - 1].rstrip("…")[: max(width - 1, 1)] + "…"]
+        short = [*short[: lines - 1], shortened(f"{short[lines - 1].rstrip('…')} …", width)]
     return short
 
 

@@ -19,7 +19,7 @@ import typst
 
 from atleak import __version__
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.drawing import controller_svg
+from atleak.drawing import controller_svg, shortened
 from atleak.errors import InputError, nearest_name
 from atleak.job import Job, clean_text
 from atleak.report.charts import FONTS, Bar, glyphs, road_chart, shares_chart
@@ -36,6 +36,7 @@ PAPERS = {"a4": "a4", "letter": "us-letter"}
 STANDARDS = ("a-2a", "ua-1")
 TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
 _ROAD_POINTS = 1200
+_LABEL = 48  # characters beside a bar
 _UNDATED = dt.date(2000, 1, 1)  # PDF/A wants a date; one of the clock would make every file another
 _MISSING_NAMED = 8
 
@@ -79,7 +80,7 @@ def write_pdf(
         raise InputError(
             "no such paper", value=paper, expected=f"one of {', '.join(PAPERS)}", nearest=nearest_name(paper, PAPERS)
         )
-    with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
+    with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         pictures = write_pictures(job, Path(folder))
         data = report_data(diagnosis, job, say, paper, chosen, pictures)
         shutil.copy(TEMPLATE, folder)
@@ -138,7 +139,7 @@ def _charts(names: Names, series: RoadSeries | None, chosen: tuple[str, ...]) ->
 def _bar(names: Names, land: LandDiagnosis) -> Bar:
     low, high = (land.uncertainty.share_interval if land.uncertainty else None) or (None, None)
     return Bar(
-        label=names.land_name(land),
+        label=shortened(names.land_name(land), _LABEL),
         share=land.share * PERCENT,
         verdict=land.verdict,
         low=None if low is None else low * PERCENT,

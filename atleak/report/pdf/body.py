@@ -170,14 +170,12 @@ class Body:
         """What to measure again where the readings cannot tell which side of a limit a land is on."""
         say, names = self.say, self.names
         items = [
-            f"{names.land_name(found)}: {found.uncertainty.advice}"
+            f"{names.land_name(found)}: {names.advice(found)}"
             for found in self.diagnosis.flagged
-            if found.uncertainty and found.uncertainty.advice and found.decision in _CONDITIONAL
+            if found.decision in _CONDITIONAL
         ]
         if items:
-            if say("texts.messages_language"):
-                yield text(say("texts.messages_language"), small=True)
-            yield {"kind": "list", "items": items, "lang": "en"}
+            yield {"kind": "list", "items": items}
         unsure = [found for found in self.diagnosis.lands if found.verdict == "ok" and found.decision in _CONDITIONAL]
         if unsure:
             yield text(say("texts.unsure", lands=joined(names.land_number(found) for found in unsure)))

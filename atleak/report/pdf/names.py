@@ -12,6 +12,7 @@ from atleak.projection import Projection
 from atleak.report.record import DM3_MIN, PERCENT, RPM, UM
 from atleak.report.wording import Wording
 
+_MOSTLY = 0.5  # of an uncertainty's variance
 FLAGGED = ("watch", "replace", "critical")
 
 
@@ -83,6 +84,36 @@ class Names:
         probability = found.probability_over_limit
         return said if probability is None else f"{said}\n({self.say.percent(probability, 0)})"
 
+    def advice(self, found: LandDiagnosis) -> str:
+        """What would settle a decision that the measurement leaves open; nothing where it is settled."""
+        sure = found.uncertainty
+        rule = sure.deciding if sure else None
+        remedy = sure.remedy(rule) if sure and rule else None
+        judged = found.deciding
+        if sure is None or rule is None or remedy is None or judged is None:
+            return ""
+        say = self.say
+        side = "over" if rule.decision == "conditional_fail" else "under"
+        guard = self._value(judged, sure.guard_factor * rule.standard_uncertainty)
+        limit = self._value(judged, rule.limit)
+        name = self._rule(judged)
+        said = say(f"advice.{side}", rule=name, value=self._value(judged, rule.value), limit=limit, guard=guard)
+        if remedy.reading_part < _MOSTLY:
+            return f"{said} {say('advice.elsewhere', fraction=say.percent(remedy.reading_part, 0))}"
+        if remedy.first is not None:
+            part, fraction = say(f"advice.{remedy.first}"), say.percent(remedy.fraction, 0)
+            said += f" {say('advice.first', part=part, fraction=fraction)}"
+        ways = []
+        if remedy.repeats is not None:
+            parts = say("advice.and").join(say(f"advice.{part}") for part in remedy.repeat_parts)
+            ways.append(say("advice.repeats", count=remedy.repeats, parts=parts))
+        for choice in remedy.instruments:
+            tools = (say("advice.tool", instrument=tool, part=say(f"advice.{part}")) for part, tool in choice)
+            ways.append(say("advice.and").join(tools))
+        if ways:
+            return f"{said} {say('advice.settled', ways=say('advice.or').join(ways))}"
+        return f"{said} {say('advice.judgement')}"
+
     def reason(self, found: LandDiagnosis) -> str:
         """The rule that gave the verdict with its limit's origin, then every other rule that reached a limit."""
         deciding = found.deciding
@@ -95,14 +126,17 @@ class Names:
 
     def _reached(self, key: str, rule: RuleResult) -> str:
         say = self.say
-        factor, unit = (UM, "µm") if rule.unit == "µm" else (PERCENT, "%")
         return say(
             key,
             rule=self._rule(rule),
-            value=f"{say.number(rule.value * factor, 1)}\u00a0{unit}",
-            limit=f"{say.plain(rule.limit * factor)}\u00a0{unit}",
+            value=self._value(rule, rule.value),
+            limit=self._value(rule, rule.limit),
             origin=say.get("origins", rule.origin),
         )
+
+    def _value(self, rule: RuleResult, value: float) -> str:
+        factor, unit = (UM, "µm") if rule.unit == "µm" else (PERCENT, "%")
+        return f"{self.say.number(value * factor, 1)}\u00a0{unit}"
 
     def _rule(self, rule: RuleResult) -> str:
         if not rule.rule.startswith("share_"):

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pypdfium2
@@ -294,3 +295,29 @@ def test_a_picture_that_unfolds_without_end_is_refused():
     Image.new("1", (20_000, 20_000)).save(target, "PNG")
     with pytest.raises(InputError):
         printable_picture("bomb.png", target.getvalue())
+
+
+def test_names_of_a_workshops_own_controller_stay_text(worn, hostile):
+    controller = worn.controller
+    for text in hostile:
+        named = MappingProxyType(dict.fromkeys(controller.components, text))
+        other = replace(worn, road=None, controller=replace(controller, name=text, components=named))
+        sections = ["picture", "flagged", "shares", "conditions"]
+        said = squeezed(text_of(write_pdf(other, sections=sections)))
+        if not any(unicodedata.bidirectional(sign) in ("R", "AL") for sign in text):
+            assert said.count(squeezed(text)) > len(worn.flagged), text
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
+    doubtful = [found for found in worn.flagged if found.decision == "conditional_fail"]
+    assert doubtful
+    text = text_of(write_pdf(worn, language=language, sections=["again"]))
+    say = wording(language)
+    assert say("sections.again") in text
+    for found in doubtful:
+        assert f"{found.state.land.component} {worn.controller.components[found.state.land.component]}" in text
+    assert (
+        say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
+        in text
+    )
