@@ -27,6 +27,7 @@ from atleak.road_test import QUANTITIES, Channel, RoadTest
 
 POINTS = 3000  # of a log that are drawn, edges of gaps aside
 EVENTS = 60  # of a log that are marked at most
+LABELLED = 20  # events whose names have room
 MARKED = 800  # suspect samples and breaks of a log that are marked at most
 COLOURS = {
     "ok": "#2f9e62",
@@ -309,26 +310,34 @@ def road_channels(
             _line_of(figure, other, over[0], convert, row, points, shift=over[1])
         label = QUANTITIES[channel.quantity].label
         figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row, col=1)
-    for before, after in pairwise(test.segments[:MARKED]):
-        figure.add_vline(x=(before.stop + after.start) / 2.0, line={"dash": "dot", "width": 1, "color": PUMP})
-    _events(figure, test, marked)
+    _mark(figure, test, marked)
     figure.update_xaxes(title="time [s]", row=max(len(channels), 1), col=1)
     return _dressed(figure, 90 + 130 * max(len(channels), 1), hovermode="x unified", showlegend=False)
 
 
-def _events(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
+def _mark(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
+    """Breaks and events over the whole height; set in one go, since plotly takes seconds to add some hundred."""
     first, last = float(test.time[0]), float(test.time[-1])
-    inside = [event for event in marked if event.stop >= first and event.start <= last]
-    for event in inside[:EVENTS]:
+    upright = {"type": "line", "xref": "x", "yref": "paper", "y0": 0.0, "y1": 1.0}
+    shapes: list[dict[str, Any]] = []
+    notes: list[dict[str, Any]] = []
+    for before, after in pairwise(test.segments[:MARKED]):
+        at = (before.stop + after.start) / 2.0
+        shapes.append({**upright, "x0": at, "x1": at, "line": {"dash": "dot", "width": 1, "color": PUMP}})
+    inside = [event for event in marked if event.stop >= first and event.start <= last][:EVENTS]
+    for event in inside:
         shift = event.kind == "gear_shift"
         begin, end = max(event.start, first), min(event.stop, last)
         if not shift:
-            figure.add_vrect(x0=begin, x1=end, fillcolor=SHARE, opacity=0.08, line_width=0)
-        figure.add_vline(x=begin, line={"dash": "dash", "width": 1, "color": SHARE})
-        figure.add_annotation(
-            x=begin, y=1.0, yref="paper", xanchor="left", yanchor="bottom", showarrow=False, font={"size": 10},
-            text=f"{event.from_gear}→{event.to_gear}" if shift else event.kind.replace("_", " "),
+            shade = {"type": "rect", "fillcolor": SHARE, "opacity": 0.08, "line": {"width": 0}}
+            shapes.append({**upright, **shade, "x0": begin, "x1": end})
+        shapes.append({**upright, "x0": begin, "x1": begin, "line": {"dash": "dash", "width": 1, "color": SHARE}})
+        text = f"{event.from_gear}→{event.to_gear}" if shift else event.kind.replace("_", " ")
+        notes.append(
+            {"x": begin, "y": 1.0, "xref": "x", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
+             "showarrow": False, "font": {"size": 10}, "text": text}
         )  # fmt: skip
+    figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
 
 
 def _channel(

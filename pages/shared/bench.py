@@ -115,7 +115,7 @@ def controller_of(bench: Bench) -> Controller:
     return catalogue_object("controller", bench.controller)
 
 
-@st.cache_resource(max_entries=8, show_spinner="Reading the road-test log …")
+@st.cache_resource(max_entries=4, show_spinner="Reading the road-test log …")
 def _understood(key: str, _log: File, _columns: dict[str, str], _units: dict[str, str]) -> Understood:
     return understand(_log.data, name=_log.name, mapping=_columns, units=_units, remembered=default_path())
 
@@ -131,7 +131,7 @@ def remember_columns(log: File, columns: dict[str, str], units: dict[str, str]) 
     _understood.clear()
 
 
-@st.cache_resource(max_entries=16, show_spinner="Computing …")
+@st.cache_resource(max_entries=6, show_spinner="Computing …")
 def _diagnosis(key: str, _bench: Bench) -> Diagnosis:
     controller = controller_of(_bench)
     fluid, limits, spool, sleeve = (

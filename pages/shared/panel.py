@@ -18,6 +18,7 @@ from pages.shared.state import choose, put_file, session, settle, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
+WHERE = {"sheet": "Readings", "log": "Road test"}
 FILES = {
     "sheet": (
         "Measuring sheet",
@@ -175,7 +176,8 @@ def _notices() -> None:
         if slot in now.refused:
             kept = getattr(now.good, slot)
             still = f"Shown are still the results of {kept.name}." if kept else "The job is as it was."
-            show.refusal(label.lower(), now.refused[slot], still)
+            hint = f"What was read of it, and how to have it read otherwise: page {WHERE[slot]}."
+            show.refusal(label.lower(), now.refused[slot], f"{still} {hint}")
     for slot in ("catalogue", "settings"):
         if slot in now.refused:
             show.refusal("These choices cannot be computed.", now.refused[slot], "Shown is the last job that could.")

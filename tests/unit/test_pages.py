@@ -235,3 +235,12 @@ def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, 
     assert not app.exception
     assert "not taken" not in texts(app)
     assert "two.xlsx**, sheet Second try" in texts(app)
+
+
+def test_a_files_name_is_shown_sign_for_sign(app: AppTest, sample_log: Path) -> None:
+    name = "<b>x $y$ :red[z] *w* [a](b) `c`.csv"
+    uploader(app, "Road-test log").upload(name, sample_log.read_bytes(), "text/csv").run()
+    assert not app.exception
+    shown = next(found.value for found in app.sidebar.caption if "1201 rows" in found.value)
+    for sign in ("\\<b\\>", "\\$y\\$", "\\:red\\[z\\]", "\\*w\\*", "\\`c\\`"):
+        assert sign in shown
