@@ -139,7 +139,7 @@ def _component(
     edge = SHADES[worst].line if worst in {"watch", "replace", "critical"} else "#C5CDD5"
     thick = {"watch": 1.2, "replace": 1.8, "critical": 2.6}.get(worst, 0.8)
     short = shortened(name, _NUMBER)
-    lines = _wrapped(controller.components[name], max(int((cell - 30.0 - 9.5 * len(short)) / 6.2), 6), 2)
+    lines = _wrapped(controller.components[name], max(int((cell - 30.0 - 9.5 * len(short)) / 5.8), 6), 2)
     label = "".join(
         _text(x + 12 + 9.5 * len(short) + 8, y + 20 + 13 * number, line, 11.5, anchor="start")
         for number, line in enumerate(lines)

@@ -174,7 +174,7 @@ class LiveSheets:
         drawn, flows = self._gap_span(at, 12), self._gap_span(at, 11)
         leakage = f'SUMIF({drawn},"yes",{flows})*6E-5' if found.gaps else "0"
         yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, found.leakage * DM3_MIN, "flow"
-        share = f"IF({at('capacity')}>0,{at('leakage')}/{at('capacity')}*100,9.99E99)"
+        share = _share(at("leakage"), at("capacity"))
         yield "share of pump capacity", "%", "share", share, found.share * PERCENT, "percent"
         yield "pressure holds from", "1/min", "n_min", lowest, found.minimum_speed * RPM, "rpm"
         band = '"green"'
@@ -433,7 +433,7 @@ class _Columns:
                     yield self._leakage(found, prefix)
                 case ("share", prefix):
                     at = next(each for each in sheets.conditions if each.prefix == prefix)
-                    text = f"IF({at('capacity')}>0,{here(('q', prefix))}/{at('capacity')}*100,9.99E99)"
+                    text = _share(here(("q", prefix)), at("capacity"))
                     share = at.projection.share_of(at.projection.leakage_of(found.key))
                     yield "percent", text, share * PERCENT, {}
                 case "U":
@@ -537,6 +537,11 @@ def _limit_name(rule: RuleResult) -> str:
 def _choose(rank: str) -> str:
     words = ",".join(f'"{verdict_word(verdict)}"' for verdict in _RANKED)
     return f"CHOOSE({rank},{words})"
+
+
+def _share(leakage: str, capacity: str) -> str:
+    """A share [%]; no leakage has no share of a pump that delivers nothing, any other has one without bounds."""
+    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,9.99E99,0))"
 
 
 def _drop(high: Pressure, low: Pressure, at: _At) -> str:

@@ -9,6 +9,7 @@ import io
 import math
 from typing import Any
 
+import numpy as np
 import openpyxl
 from openpyxl.formula import Tokenizer
 from openpyxl.utils import range_boundaries
@@ -62,7 +63,8 @@ class SheetCalculator:
         key = (sheet, address.replace("$", ""))
         if key not in self.known:
             cell = self.book[sheet][key[1]]
-            self.known[key] = self._calculate(sheet, cell.value) if cell.data_type == "f" else cell.value
+            found = self._calculate(sheet, cell.value) if cell.data_type == "f" else cell.value
+            self.known[key] = np.float64(found) if isinstance(found, int | float) else found
         return self.known[key]
 
     def _calculate(self, sheet: str, formula: str) -> Any:
@@ -85,7 +87,8 @@ class SheetCalculator:
                     pass
                 case _:
                     raise AssertionError(f"unknown token {token.value!r} in {formula}")
-        return eval(text, {"__builtins__": {}, "float": float}, {"_f": _FUNCTIONS, "_r": self._range})
+        with np.errstate(all="ignore"):  # the branch of an IF that is not taken may divide by zero
+            return eval(text, {"__builtins__": {}, "float": np.float64}, {"_f": _FUNCTIONS, "_r": self._range})
 
     def _range(self, sheet: str, text: str) -> Any:
         if "!" not in text and text in self.book.defined_names:

@@ -18,9 +18,12 @@ import pytest
 from PIL import Image
 
 import atleak.report.wording
+from atleak.controller import load_controller
+from atleak.diagnosis import diagnose
 from atleak.drawing import SHADES
 from atleak.errors import InputError
 from atleak.job import Job
+from atleak.profile import PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.pdf.pictures import printable_picture
@@ -321,3 +324,16 @@ def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
         say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
         in text
     )
+
+
+def test_a_pump_that_delivers_nothing_and_another_controller(worn):
+    standing = replace(worn.projection.condition, name="stated", engine_speed=1e-3)
+    still = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, condition=standing)
+    assert still.projection.pump_capacity == 0.0
+    text = text_of(write_pdf(still))
+    assert "∞" in text
+    minimal = load_controller("minimal_example")
+    other = diagnose(minimal, worn.fluid, worn.limits, profile=PAPER)
+    assert minimal.name in text_of(write_pdf(other, paper="letter"))
+    for each in (still, other):
+        assert is_archival(write_pdf(each, language="de"))

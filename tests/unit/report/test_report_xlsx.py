@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 from python_calamine import CalamineWorkbook
 
+from atleak.controller import load_controller
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.job import Job
 from atleak.profile import PAPER, WORKSHOP
@@ -221,3 +222,18 @@ def test_unit_without_hot_idle(worn):
     other: Diagnosis = replace(worn, hot_idle=None, road=None)
     sheets = pd.read_excel(io.BytesIO(write_workbook(other)), sheet_name=None, engine="calamine")
     assert "Gaps hot idle" not in sheets
+
+
+def test_a_pump_that_delivers_nothing_and_another_controller(worn, calculator):
+    standing = replace(worn.projection.condition, name="stated", engine_speed=1e-3)
+    still = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, condition=standing)
+    minimal = load_controller("minimal_example")
+    other = diagnose(minimal, worn.fluid, worn.limits)
+    for each in (still, other):
+        sheets = calculator(write_workbook(each))
+        wrong = [
+            (sheet, address, sheets.value(sheet, address), sheets.cached[sheet][address].value)
+            for sheet, address in sheets.formulas()
+            if not same(sheets.value(sheet, address), sheets.cached[sheet][address].value)
+        ]
+        assert wrong == []
