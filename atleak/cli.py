@@ -45,7 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except OSError as error:
         if not isinstance(error, BrokenPipeError) and error.errno != errno.EINVAL:  # EINVAL: the same on Windows
-            raise
+            print(f"atleak: {error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
+            return 2
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _BROKEN_PIPE
     except KeyboardInterrupt:
@@ -58,12 +59,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _diagnose(options: argparse.Namespace) -> int:
     from atleak.limits import VERDICTS
 
-    for name in ("xlsx", "pdf"):
+    for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
-            problem = "a workbook or PDF cannot be written to standard output"
+            problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
-    inputs = (options.readings, options.road_test, options.controller, options.fluid, options.limits)
-    _check_targets(inputs, (options.json, options.xlsx, options.pdf))
+    inputs = (options.readings, options.road_test, options.job, options.controller, options.fluid, options.limits)
+    _check_targets(inputs, (options.json, options.xlsx, options.pdf, options.job_file))
     diagnosis = _diagnosis(options)
     written = _write_reports(diagnosis, options)
     if options.json != "-":
@@ -112,6 +113,11 @@ def _diagnosis(options: argparse.Namespace) -> Diagnosis:
 def _write_reports(diagnosis: Diagnosis, options: argparse.Namespace) -> list[str]:
     """The files asked for; their names."""
     written = []
+    job = None
+    if options.job is not None:
+        from atleak.job_file import load_job
+
+        job = load_job(options.job)
     if options.json is not None:
         from atleak.report.record import diagnosis_record, to_json
 
@@ -119,12 +125,60 @@ def _write_reports(diagnosis: Diagnosis, options: argparse.Namespace) -> list[st
     if options.xlsx is not None:
         from atleak.report.xlsx import write_workbook
 
-        written += _write(options.xlsx, write_workbook(diagnosis, paper=options.paper))
+        written += _write(options.xlsx, write_workbook(diagnosis, job, paper=options.paper))
     if options.pdf is not None:
         from atleak.report.pdf import write_pdf
 
-        written += _write(options.pdf, write_pdf(diagnosis, language=options.language, paper=options.paper))
+        written += _write(options.pdf, write_pdf(diagnosis, job, language=options.language, paper=options.paper))
+    if options.job_file is not None:
+        from atleak.job_file import write_job_file
+
+        content = write_job_file(
+            diagnosis,
+            job,
+            readings=Path(options.readings).read_bytes(),
+            road_test=None if options.road_test is None else Path(options.road_test).read_bytes(),
+            reading_choices={"sheet": options.sheet, "unit": options.sheet_unit},
+            road_test_choices=None if options.road_test is None else _columns(options),
+        )
+        written += _write(options.job_file, content)
     return written
+
+
+def _columns(options: argparse.Namespace) -> dict[str, Any]:
+    """How the log's columns were told, now or earlier, so that the job reads the same elsewhere."""
+    from atleak.intake.road_test import default_path, recall, understand
+
+    log = understand(Path(options.road_test), remembered=default_path())
+    settled = recall(default_path(), log.signature)
+    known = (
+        {"mapping": dict(settled.mapping), "units": dict(settled.units)} if settled else {"mapping": {}, "units": {}}
+    )
+    return {"mapping": known["mapping"] | dict(options.map), "units": known["units"] | dict(options.unit)}
+
+
+def _report(options: argparse.Namespace) -> int:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from atleak.batch import write_reports
+
+    sources = [Path(name) for name in options.jobs]
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("reports", total=len(sources))
+        reported = write_reports(
+            sources,
+            Path(options.output),
+            formats=options.formats,
+            language=options.language,
+            paper=options.paper,
+            progress=lambda done, total, last: bar.update(task, completed=done, total=total),
+        )
+    for found in reported:
+        _say([str(path) for path in found.written])
+        if found.error is not None:
+            print(f"atleak: {found.error}", file=sys.stderr)
+    return 2 if any(found.error is not None for found in reported) else 0
 
 
 def _road_test(options: argparse.Namespace) -> RoadTest:
@@ -354,8 +408,9 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--json", metavar="FILE|-")
     diagnose.add_argument("--xlsx", metavar="FILE")
     diagnose.add_argument("--pdf", metavar="FILE")
-    diagnose.add_argument("--language", choices=["en", "pl", "de"], default="en", help="of the PDF")
-    diagnose.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
+    _add_print(diagnose)
+    diagnose.add_argument("--job", metavar="FILE", help="job record (TOML or JSON) for the reports")
+    diagnose.add_argument("--job-file", metavar="FILE.zip", help="the whole job as one file")
     diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])
 
     variants = add("variants", _variants, "W1 to W8 of the source study, as printed and as computed")
@@ -370,6 +425,14 @@ def _parser() -> argparse.ArgumentParser:
     log.add_argument("--json", metavar="FILE|-")
     log.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")
     log.add_argument("--forget", action="store_true", help="do not remember --map and --unit for logs with this header")
+
+    report = add("report", _report, "the reports of job files")
+    report.add_argument("jobs", metavar="JOB.zip", nargs="+", help="as diagnose --job-file writes them")
+    report.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    report.add_argument(
+        "--formats", metavar="LIST", type=_formats, default=["pdf"], help="pdf, xlsx, json, or several with commas"
+    )
+    _add_print(report)
 
     template = add("template", _template, "a measuring sheet to fill in")
     _add_controller(template)
@@ -402,6 +465,11 @@ def _add_controller(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--controller", metavar="ID|FILE", default=DEFAULT_CONTROLLER)
 
 
+def _add_print(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--language", choices=["en", "pl", "de"], default="en", help="of the PDF")
+    parser.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
+
+
 def _add_columns(parser: argparse.ArgumentParser) -> None:
     for name, what in (("map", "COLUMN"), ("unit", "UNIT")):
         parser.add_argument(
@@ -428,6 +496,14 @@ def _mileage(text: str) -> float:
     if not 0.0 <= value < 1e7:
         raise argparse.ArgumentTypeError(f"{text!r} is not a mileage in km")
     return value
+
+
+def _formats(text: str) -> list[str]:
+    names = [name.strip().lower() for name in text.split(",")]
+    for name in names:
+        if name not in {"pdf", "xlsx", "json"}:
+            raise argparse.ArgumentTypeError(f"{name!r} is not one of pdf, xlsx, json")
+    return names
 
 
 def _pair(text: str) -> tuple[str, str]:
