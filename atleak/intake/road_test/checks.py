@@ -43,7 +43,12 @@ _FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 
 
 def _ends(values: np.ndarray) -> tuple[float, float]:
     """Least and greatest value, NaN left out."""
-    return float(np.fmin.reduce(values, initial=np.inf)), float(np.fmax.reduce(values, initial=-np.inf))
+    if not len(values):
+        return np.inf, -np.inf
+    least, most = float(values.min()), float(values.max())
+    if least != least:  # the slower way only where there are NaN
+        least, most = float(np.fmin.reduce(values, initial=np.inf)), float(np.fmax.reduce(values, initial=-np.inf))
+    return least, most
 
 
 def sentinel(series: pd.Series) -> pd.Series:
@@ -115,12 +120,15 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
     result = np.zeros(len(values), bool)
     if len(values) < 20:
         return pd.Series(result, series.index)
-    # a long run shows in every tenth sample already: cheap for the usual, lively channel
-    probes = values[::10]
+    # a long run shows in a few probes already: cheap for the usual, lively channel
+    usual = len(values) * seconds / max(float(time[-1] - time[0]), seconds)
+    stride = int(np.clip(usual / 8, 10, 1000))
+    probes = values[::stride]
     probe_edges = np.flatnonzero(np.concatenate([[True], probes[1:] != probes[:-1], [True]]))
-    begin = time[np.maximum(probe_edges[:-1] - 1, 0) * 10]
-    end = time[np.minimum(probe_edges[1:] * 10, len(time) - 1)]
-    if not (end - begin > seconds).any():
+    begin = time[np.maximum(probe_edges[:-1] - 1, 0) * stride]
+    end = time[np.minimum(probe_edges[1:] * stride, len(time) - 1)]
+    alike = np.diff(probe_edges) > 1 if len(values) > 2 * stride else np.ones(len(probe_edges) - 1, bool)
+    if not (alike & (end - begin > seconds)).any():
         return pd.Series(result, series.index)
     edges = np.flatnonzero(np.concatenate([[True], values[1:] != values[:-1], [True]]))
     starts, stops = edges[:-1], edges[1:] - 1
@@ -166,14 +174,15 @@ def suspect(
     kind = info.unit_kind
     if kind == "temperature":
         found["failed sensor"] = failed_sensor(clean)
-        if found["failed sensor"].any():
+        if found["failed sensor"].to_numpy().any():
             clean = clean.mask(found["failed sensor"])
         found["start-up"] = start_up(clean, 8.0)
     if kind in _STEP:
         found["spike"] = spikes(clean, _STEP[kind])
     if kind in _FROZEN_SECONDS:
         found["frozen"] = frozen(clean, _FROZEN_SECONDS[kind], moving)
-    return {name: mask.to_numpy() for name, mask in found.items() if mask.any()}
+    arrays = {name: mask.to_numpy() for name, mask in found.items()}
+    return {name: mask for name, mask in arrays.items() if mask.any()}
 
 
 def repeats(values: np.ndarray) -> np.ndarray:

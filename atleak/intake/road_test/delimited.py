@@ -145,7 +145,9 @@ class Delimited:
                 )
         except (ValueError, UnicodeDecodeError):  # pandas' parser errors are ValueErrors
             return None
-        if self.source.digest.has_nul:
+        self.source.digest.start()
+        # a zero byte among numbers would have stopped the reader; in text it must be looked for
+        if any(frame[index].dtype.kind not in "fiub" for index in columns) and self.source.digest.has_nul:
             return None
         return frame[list(columns)] if whole and len(columns) < self.layout.width else frame
 

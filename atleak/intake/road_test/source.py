@@ -60,7 +60,17 @@ class Digest:
         self._nul, self._error = False, ""
         self.has_nul_unpacked = False
         self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
+        self._started = False
+
+    def start(self) -> None:
+        """Begins, if it has not begun yet: beside work that leaves a core free."""
+        if not self._started:
+            self._started = True
+            self._thread.start()
+
+    def _finish(self) -> None:
+        self.start()
+        self._thread.join()
 
     def _run(self) -> None:
         if isinstance(self._source, bytes):
@@ -78,7 +88,7 @@ class Digest:
             self._error = str(error.strerror)
 
     def __str__(self) -> str:
-        self._thread.join()
+        self._finish()
         if self._error:
             raise RoadTestError(f"cannot be read: {self._error}")
         return self._hash.hexdigest()
@@ -86,7 +96,7 @@ class Digest:
     @property
     def has_nul(self) -> bool:
         """Whether the file on disk holds zero bytes."""
-        self._thread.join()
+        self._finish()
         return self._nul or self.has_nul_unpacked
 
 
