@@ -22,6 +22,7 @@ from atleak.shipped import shipped
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
+    from atleak.job import Job
     from atleak.road_test import RoadTest
 
 DEFAULT_CONTROLLER = "four_speed_2023"
@@ -65,8 +66,15 @@ def _diagnose(options: argparse.Namespace) -> int:
             raise InputError(problem, value=f"--{name} -", expected="a file name")
     inputs = (options.readings, options.road_test, options.job, options.controller, options.fluid, options.limits)
     _check_targets(inputs, (options.json, options.xlsx, options.pdf, options.job_file))
+    job = None
+    if options.job is not None:
+        from atleak.job_file import load_job
+
+        job = load_job(options.job)
+        if options.mileage is None:
+            options.mileage = job.vehicle.mileage_km
     diagnosis = _diagnosis(options)
-    written = _write_reports(diagnosis, options)
+    written = _write_reports(diagnosis, job, options)
     if options.json != "-":
         from atleak.report.text import print_diagnosis
 
@@ -110,14 +118,9 @@ def _diagnosis(options: argparse.Namespace) -> Diagnosis:
     )
 
 
-def _write_reports(diagnosis: Diagnosis, options: argparse.Namespace) -> list[str]:
+def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Namespace) -> list[str]:
     """The files asked for; their names."""
     written = []
-    job = None
-    if options.job is not None:
-        from atleak.job_file import load_job
-
-        job = load_job(options.job)
     if options.json is not None:
         from atleak.report.record import diagnosis_record, to_json
 
@@ -129,7 +132,9 @@ def _write_reports(diagnosis: Diagnosis, options: argparse.Namespace) -> list[st
     if options.pdf is not None:
         from atleak.report.pdf import write_pdf
 
-        written += _write(options.pdf, write_pdf(diagnosis, job, language=options.language, paper=options.paper))
+        sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
+        content = write_pdf(diagnosis, job, language=options.language, paper=options.paper, sections=sections)
+        written += _write(options.pdf, content)
     if options.job_file is not None:
         from atleak.job_file import write_job_file
 
@@ -409,6 +414,7 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--xlsx", metavar="FILE")
     diagnose.add_argument("--pdf", metavar="FILE")
     _add_print(diagnose)
+    diagnose.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of them unless given")
     diagnose.add_argument("--job", metavar="FILE", help="job record (TOML or JSON) for the reports")
     diagnose.add_argument("--job-file", metavar="FILE.zip", help="the whole job as one file")
     diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])

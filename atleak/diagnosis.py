@@ -60,7 +60,9 @@ class LandDiagnosis:
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[RuleResult, ...]
-    replace_mileage: float | None  # [km] at which the wear limit for replacing is reached, wear ∝ mileage
+    replace_mileage: (
+        float | None
+    )  # [km] at which the wear limit for replacing is reached, wear ∝ mileage; None in doubt
     uncertainty: LandUncertainty | None  # None where nothing was measured
     messages: tuple[Message, ...]
 
@@ -277,6 +279,7 @@ def _land(
         for now, new in zip(projections, when_new, strict=True)
     )
     leakage = stated.leakage_of(land.key)
+    known = sure.land(land.key) if sure is not None and state.measured else None
     return LandDiagnosis(
         state=state,
         wear=wear,
@@ -287,8 +290,8 @@ def _land(
         excess_share=excess,
         verdict=worst([rule.verdict for rule in rules]) if state.measured else "not_measured",
         rules=rules,
-        replace_mileage=_replace_mileage(wear, limits, mileage),
-        uncertainty=sure.land(land.key) if sure is not None and state.measured else None,
+        replace_mileage=_replace_mileage(state, wear, limits, mileage, known),
+        uncertainty=known,
         messages=state.messages,
     )
 
@@ -316,8 +319,14 @@ def _apply(rule: str, label: str, value: float, unit: str, steps: Steps) -> Rule
     return RuleResult(rule, label, value, limit, unit, verdict, steps.origin, steps.source)  # type: ignore[arg-type]
 
 
-def _replace_mileage(wear: float | None, limits: Limits, mileage: float | None) -> float | None:
+def _replace_mileage(
+    state: LandClearance, wear: float | None, limits: Limits, mileage: float | None, known: LandUncertainty | None
+) -> float | None:
+    """Only where the wear is more than the readings' own doubt: two standard uncertainties."""
     if wear is None or mileage is None or limits.wear is None:
+        return None
+    doubt = known.u_clearance if known is not None and known.u_clearance is not None else 0.0
+    if state.radial_clearance - state.land.mounting_clearance <= 2.0 * doubt:
         return None
     return mileage_at_wear(mileage, wear, dict(limits.wear.levels).get("replace", limits.wear.levels[-1][1]))
 

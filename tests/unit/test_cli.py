@@ -538,3 +538,53 @@ def test_a_file_written_by_a_process_reads_back(tmp_path: Path, four_speed: Cont
     assert found.returncode == 0
     with pytest.raises(Exception, match="sheet"):  # nothing is filled in yet
         read_readings(tmp_path / "sheet.xlsx", four_speed)
+
+
+# --- job record, job file, many reports
+
+
+def test_a_job_travels_as_one_file_and_reads_the_same_elsewhere(
+    run: Run, sample_readings: Path, sample_log: Path, tmp_path: Path
+) -> None:
+    record = tmp_path / "job.toml"
+    record.write_text('number = "A-17"\n[workshop]\nname = "Werkstatt Łódź"\n', encoding="utf-8")
+    bundle = tmp_path / "a-17.zip"
+    first = record_of(run, sample_readings, "--road-test", sample_log, "--job", record, "--job-file", bundle)
+    status, out, _ = run("report", bundle, "-o", tmp_path / "reports", "--formats", "json,xlsx")
+    assert status == 0
+    assert "a-17.json" in out
+    again = json.loads((tmp_path / "reports" / "a-17.json").read_text(encoding="utf-8"))
+    assert again["lands"] == first["lands"]
+    assert again["road_test"] == first["road_test"]
+    assert (tmp_path / "reports" / "a-17.xlsx").stat().st_size > 10_000
+
+
+def test_one_bad_job_does_not_stop_the_others(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    good, bad = tmp_path / "good.zip", tmp_path / "bad.zip"
+    run("diagnose", sample_readings, "--job-file", good)
+    bad.write_bytes(b"PK nothing")
+    status, out, err = run("report", bad, good, "-o", tmp_path / "out", "--formats", "json")
+    assert status == 2
+    assert "bad.zip" in err
+    assert (tmp_path / "out" / "good.json").is_file()
+
+
+def test_columns_settled_earlier_travel_with_the_job(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    log = tmp_path / "two.csv"
+    rows = "".join(f"{i / 10:.1f};1500;8.0;8.1;80;2\n" for i in range(30))
+    log.write_text(
+        "time [s];engine_speed [rpm];p_g one [bar];p_g two [bar];atf_temperature [°C];gear\n" + rows, encoding="utf-8"
+    )
+    mapping = ("--map", "main_pressure=p_g two [bar]")
+    assert run("import-log", log, *mapping)[0] == 0
+    bundle = tmp_path / "job.zip"
+    assert run("diagnose", sample_readings, "--road-test", log, "--job-file", bundle)[0] == 0
+    from atleak.job_file import read_job_file
+
+    assert read_job_file(bundle).choices.road_test["mapping"]["main_pressure"] == "p_g two [bar]"
+
+
+def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:
+    status, _, err = run("report", tmp_path / "x.zip", "-o", tmp_path, "--formats", "docx")
+    assert status == 2
+    assert "'docx' is not one of pdf, xlsx, json" in err
