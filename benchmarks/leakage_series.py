@@ -43,9 +43,10 @@ def main() -> None:
         loop = _median(lambda model=model: loop_over_gaps(model, *log), rounds=3)
         total, slow = model.series(*log).total, loop_over_gaps(model, *log)
         difference = float(np.max(np.abs(total - slow) / np.abs(slow)))
-        few, many = (_median(lambda model=_model(gaps, profile): model.series(*log)) for gaps in (6, 600))
+        small, large = _model(6, profile), _model(600, profile)
+        few, many = _median(lambda model=small: model.series(*log)), _median(lambda model=large: model.series(*log))
         print(f"{profile.name}: {SAMPLES} samples x {len(model.controller.gaps)} gaps")
-        print(f"  series / copying its arrays   {series / copies:6.2f}   ({series * 1e3:.0f} ms / {copies * 1e3:.0f} ms)")
+        print(f"  series / copying its arrays   {series / copies:6.2f}   ({series * 1e3:.0f} / {copies * 1e3:.0f} ms)")
         print(f"  loop over gaps / series       {loop / series:6.1f}   ({loop * 1e3:.0f} ms)")
         print(f"  largest relative difference   {difference:.1e}")
         print(f"  600 gaps / 6 gaps             {many / few:6.2f}   ({many * 1e3:.0f} ms / {few * 1e3:.0f} ms)")
@@ -63,9 +64,7 @@ def loop_over_gaps(model: LeakageModel, p_g: Any, p_k: Any, temperature: Any, ge
         if profile.pump_draw == "into_sump" and not gap.into_sump:
             continue
         state = states[gap.key]
-        high, low = (
-            pressures[end.section] * end.coefficient if end.section else 0.0 for end in (gap.high, gap.low)
-        )
+        high, low = (pressures[end.section] * end.coefficient if end.section else 0.0 for end in (gap.high, gap.low))
         rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
         clearance = state.radial_clearance + rate * (temperature - 20.0)
         diameter = state.spool_diameter + (clearance if profile.diameter == "mean" else 0.0)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from atleak import figures
+from atleak.figures import diagnosis as figures
 from atleak.report.record import diagnosis_record, to_json
 from atleak.report.xlsx import write_workbook
 from pages.shared import panel, show, words

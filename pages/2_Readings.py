@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak import figures
+from atleak.figures import diagnosis as figures
 from atleak.report.clearances import clearance_rows
 from atleak.report.template import write_template
 from pages.shared import panel, sheet_form, show, words

@@ -2,8 +2,8 @@
 
 import streamlit as st
 
-from atleak import uncertainty_figures as figures
 from atleak.drawing import spool_svg
+from atleak.figures import uncertainty as figures
 from atleak.uncertainty.table import budget_rows
 from pages.shared import panel, show, words
 

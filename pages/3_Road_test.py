@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import streamlit as st
 
-from atleak import figures
 from atleak.errors import AtleakError
 from atleak.events import events
+from atleak.figures import diagnosis as figures
 from atleak.intake.road_test import tidy_csv
 from atleak.report.window import event_rows, window_rows
 from pages.shared import log_form, panel, show

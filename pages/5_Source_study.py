@@ -3,16 +3,14 @@
 import pandas as pd
 import streamlit as st
 
-from atleak import variant_charts as charts
-from atleak import variant_tables as tables
 from atleak.controller import load_controller
 from atleak.errors import AtleakError
+from atleak.figures.variants import figure
 from atleak.intake.road_test import read_road_test
 from atleak.report.record import to_json
 from atleak.report.variants import variants_record
-from atleak.source_study import compare_points
-from atleak.variant_figures import figure
-from atleak.variants import compare_options, run_variants, sample_log, temperature_curves
+from atleak.variants import charts, compare_options, run_variants, sample_log, tables, temperature_curves
+from atleak.variants.article import compare_points
 from pages.shared import panel, show
 
 STUDY, JOB = "the study's controller and test", "this job's controller and log"

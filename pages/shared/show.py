@@ -14,7 +14,7 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.drawing import controller_svg
 from atleak.errors import AtleakError, Message
-from atleak.figures import BAND_SYMBOLS, COLOURS
+from atleak.figures.diagnosis import BAND_SYMBOLS, COLOURS
 from atleak.limits import VERDICTS
 from atleak.report.text import SYMBOLS, WORDS
 from pages.shared.state import Refusal

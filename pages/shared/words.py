@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.figures import BAND_SYMBOLS
+from atleak.figures.diagnosis import BAND_SYMBOLS
 from atleak.limits import Verdict
 from atleak.report.record import PERCENT
 from pages.shared.show import plain, verdict

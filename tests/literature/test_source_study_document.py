@@ -10,8 +10,8 @@ import pytest
 
 from atleak.controller import Controller
 from atleak.intake.road_test import read_road_test
-from atleak.variant_tables import option_changes, option_rows
 from atleak.variants import compare_options, run_variants
+from atleak.variants.tables import option_changes, option_rows
 
 DM3_MIN = 6e4
 

@@ -13,8 +13,8 @@ from atleak.equations import clearance, fluid, gap, pressure, pump
 from atleak.fluid import load_fluid
 from atleak.intake.road_test import read_road_test
 from atleak.profile import PAPER
-from atleak.source_study import ERRATA
 from atleak.variants import VariantResult, run_variants
+from atleak.variants.article import ERRATA
 
 DM3_MIN = 6e4
 

@@ -15,8 +15,8 @@ import pytest
 
 from atleak.controller import Controller
 from atleak.intake.road_test import read_road_test
-from atleak.source_study import ComparedPoint, compare_points
 from atleak.variants import VARIANTS, VariantResult, run_variants
+from atleak.variants.article import ComparedPoint, compare_points
 
 # variant: fluid temperature °C, wear %, kinematic viscosity mm²/s, density g/cm³
 TABLE_2 = {

@@ -563,7 +563,7 @@ def test_one_bad_job_does_not_stop_the_others(run: Run, sample_readings: Path, t
     good, bad = tmp_path / "good.zip", tmp_path / "bad.zip"
     run("diagnose", sample_readings, "--job-file", good)
     bad.write_bytes(b"PK nothing")
-    status, out, err = run("report", bad, good, "-o", tmp_path / "out", "--formats", "json")
+    status, _, err = run("report", bad, good, "-o", tmp_path / "out", "--formats", "json")
     assert status == 2
     assert "bad.zip" in err
     assert (tmp_path / "out" / "good.json").is_file()

@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
-from atleak import figures
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.events import Event
+from atleak.figures import diagnosis as figures
 from atleak.report.record import DM3_MIN, PERCENT
 
 ALL = {

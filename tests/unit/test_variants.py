@@ -23,7 +23,6 @@ from atleak.readings import clearances
 from atleak.report.record import to_json
 from atleak.report.variants import variants_record
 from atleak.road_test import RoadTest
-from atleak.source_study import compare_points
 from atleak.variants import (
     VARIANTS,
     VariantResult,
@@ -34,6 +33,7 @@ from atleak.variants import (
     variant_fluid,
     variant_road_test,
 )
+from atleak.variants.article import compare_points
 
 DM3_MIN = 6e4
 

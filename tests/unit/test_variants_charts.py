@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from atleak.controller import Controller
+from atleak.figures.variants import figure
 from atleak.intake.road_test import read_road_test
 from atleak.road_test import RoadTest
-from atleak.variant_charts import (
+from atleak.variants import VariantResult, run_variants, temperature_curves
+from atleak.variants.charts import (
     Chart,
     gear_spans,
     leakage_chart,
@@ -18,8 +20,6 @@ from atleak.variant_charts import (
     temperature_chart,
     thinned,
 )
-from atleak.variant_figures import figure
-from atleak.variants import VariantResult, run_variants, temperature_curves
 
 NAMES = [f"W{number}" for number in range(1, 9)]
 DM3_MIN = 6e4

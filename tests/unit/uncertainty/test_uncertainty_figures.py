@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from atleak import uncertainty_figures as figures
 from atleak.controller import Controller
+from atleak.figures import uncertainty as figures
 from atleak.limits import Limits, Steps
 from atleak.uncertainty import DEFAULTS, UnitUncertainty
 

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from atleak.road_leakage import Instant
-from atleak.variants import DM3_MIN, TemperatureCurve, VariantResult
+from atleak.variants.run import DM3_MIN, TemperatureCurve, VariantResult
 
 MOST_POINTS = 2000  # of a line before thinning
 _BREAKS = 400

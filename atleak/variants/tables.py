@@ -7,8 +7,8 @@ from decimal import Decimal
 from typing import Any, Literal
 
 from atleak.road_leakage import Instant
-from atleak.source_study import ERRATA, ComparedPoint
-from atleak.variants import DM3_MIN, OptionRow, VariantResult, reaches_digits
+from atleak.variants.article import ERRATA, ComparedPoint
+from atleak.variants.run import DM3_MIN, OptionRow, VariantResult, reaches_digits
 
 Quantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
 

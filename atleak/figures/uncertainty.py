@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import plotly.graph_objects as go
 
-from atleak.figures import BAND_COLOURS, BAND_SYMBOLS
+from atleak.figures.diagnosis import BAND_COLOURS, BAND_SYMBOLS
 from atleak.limits import Limits, Steps
 from atleak.uncertainty import DECISIONS, Decision, LandUncertainty, UnitUncertainty
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from atleak.variant_charts import Chart, Line
+from atleak.variants.charts import Chart, Line
 
 _HEIGHT, _UPPER = 520, 0.28
 _GRID = "rgba(128,128,128,0.25)"  # seen on white and on black
 
 
 def figure(chart: Chart) -> go.Figure:
-    """A chart of `atleak.variant_charts` as a plotly figure."""
+    """A chart of `atleak.variants.charts` as a plotly figure."""
     rows = 2 if chart.has_upper else 1
     drawn = make_subplots(
         rows=rows,

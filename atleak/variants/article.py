@@ -12,7 +12,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from atleak.variants import DM3_MIN, VariantResult
+from atleak.variants.run import DM3_MIN, VariantResult
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Results → plotly figures; nothing is computed here, and nothing is shown."""

@@ -1,0 +1,37 @@
+"""The source study's eight variants: run through the engine, laid beside what the article prints, and charted."""
+
+from __future__ import annotations
+
+from atleak.variants.run import (
+    DM3_MIN,
+    VARIANTS,
+    OptionRow,
+    TemperatureCurve,
+    Variant,
+    VariantResult,
+    VariantRun,
+    compare_options,
+    reaches_digits,
+    run_variants,
+    sample_log,
+    temperature_curves,
+    variant_fluid,
+    variant_road_test,
+)
+
+__all__ = [
+    "DM3_MIN",
+    "VARIANTS",
+    "OptionRow",
+    "TemperatureCurve",
+    "Variant",
+    "VariantResult",
+    "VariantRun",
+    "compare_options",
+    "reaches_digits",
+    "run_variants",
+    "sample_log",
+    "temperature_curves",
+    "variant_fluid",
+    "variant_road_test",
+]
