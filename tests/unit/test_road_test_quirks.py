@@ -261,6 +261,10 @@ CASES: dict[str, Case] = {
     "failed sensor": Case(table(_HEAD, _ROW).replace(",84,", ",-40,", 3), has=_BASIC, codes=("suspect_samples",)),
     "spike": Case(table(_HEAD, _ROW).replace(f",{800 + 37 * 7},", ",14000,"), has=_BASIC, codes=("suspect_samples",)),
     "small decimal cells in one column only": Case(table("Time;RPM;Load", "{i};{rpm};12,5"), duration=39.0, has={"engine_speed": (RPM, "rpm")}),
+    "interval in the head, empty time column": Case(
+        "Separator\tTab\nX_Columns\tNo\n***End_of_Header***\nDelta_X\t1.0E-1\t1.0E-1\n***End_of_Header***\n" + table("X_Value\tTemp1\tRPM (rpm)\tComment", "\t20.5\t{rpm}"), has={"engine_speed": (RPM, "rpm")}, codes=("time_counted",)),
+    "blank cells for most channels": Case(
+        table('"Interval"|"ms"|0|0|1,"RPM"|""|0|8000|25,"Speed"|"MPH"|0|150|10,"Gear"|""|0|5|10', "{ms},{rpm},,"), has={"engine_speed": (RPM, "rpm")}, codes=("column_empty",)),
     "nothing known": Case(table("Time (s),Lambda,MAF (g/s)", "{t:.2f},1.0,3.4"), codes=("no_quantity",)),
 }  # fmt: skip
 
@@ -312,6 +316,7 @@ REFUSED: dict[str, tuple[bytes, str]] = {
         "another header",
     ),
     "decimal comma as delimiter": (table("Time (s),RPM,Speed (km/h)", "{i},5,{rpm},0,{kmh:.0f},5").encode(), "twice as many cells"),
+    "CAN trace": (b";$FILEVERSION=1.1\n;$STARTTIME=42000.5\n" + b"".join(b"%6d) %9.1f  Rx  0280  8  01 1E 2B\n" % (i, i * 1.1) for i in range(50)), "DBC"),
     "clock that stands": (table("Time (s),RPM", "5.0,{rpm}").encode(), "no time column"),
     "interval, not time": (("Interval (ms),RPM\n" + "".join(f"{100 + 7 * i % 13},{800 + i}\n" for i in range(60))).encode(), "no time column"),
     "MDF cut off": (b"MDF     4.10    TGT 15.0" + bytes(400), "MDF"),

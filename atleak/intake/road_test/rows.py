@@ -66,7 +66,9 @@ def _without_blank_rows(frame: pd.DataFrame) -> tuple[pd.DataFrame, int]:
     if frame.empty or not frame.iloc[-1].isna().all():
         return frame, len(frame)
     filled = frame.notna().any(axis=1).to_numpy()
-    end = len(filled) - int(np.argmax(filled[::-1])) if filled.any() else 0
+    if not filled.any():  # the columns read are blank throughout, the rows are there all the same
+        return frame, len(frame)
+    end = len(filled) - int(np.argmax(filled[::-1]))
     attributes = frame.attrs
     frame = frame.iloc[:end]
     frame.attrs = attributes

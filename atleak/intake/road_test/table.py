@@ -277,6 +277,7 @@ def _headings(header: list[Row], width: int) -> tuple[Heading, ...]:
         if unit is None and index < len(units) and clean_unit(units[index]):
             unit = clean_unit(units[index])
         label = written[0].replace("\ufeff", "").strip() if written else f"column {index + 1}"
+        label = split[0].text if label.count("|") >= 2 else label
         headings.append(Heading(index, label, tuple(dict.fromkeys(part.text for part in split)), unit))
     return tuple(headings)
 

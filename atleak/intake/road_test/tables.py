@@ -59,7 +59,7 @@ def _read_wide(table: Table, found: list[Candidate], assigner: Assigner) -> Read
     times = _time_candidates(table, found)
     channels = [one for one in found if one.quantity != "time"]
     chosen = [one.heading.index for one in (*times, *channels)]
-    frame = table.read(sorted(set(chosen))) if chosen else pd.DataFrame()
+    frame = table.read(sorted(set(chosen)) or [0])
     frame, rows = without_other_lines(frame, times, channels, table, assigner)
     columns = {one.heading.index: column_numbers(one, frame, table.decimal, assigner) for one in channels}
     motions = motions_beside(channels, columns)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -116,7 +117,19 @@ def _understand(job: _Job) -> Understood:
     return _delimited(job)
 
 
+_BUS_TRACE = re.compile(
+    rb"^;\$FILEVERSION=|^\s*\(\d+\.\d+\)\s+\w*can\d+\s|^date .*\nbase (?:hex|dec)|^\s*\d+\)\s+[\d.]+\s+(?:Rx|Tx)\s",
+    re.MULTILINE,
+)
+
+
 def _delimited(job: _Job) -> Understood:
+    if _BUS_TRACE.search(job.source.head[:8192]):
+        raise RoadTestError(
+            "is a recording of a CAN bus: turning its frames into quantities needs the car's database (DBC)",
+            place=Place(file=job.source.file),
+            expected="the logger's export with decoded channels",
+        )
     table = open_delimited(job.source)
     if table is None:
         raise RoadTestError(
