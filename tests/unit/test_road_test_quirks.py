@@ -207,6 +207,7 @@ CASES: dict[str, Case] = {
     "GPS speed beside speed": Case(table("Time (s),GPS Speed (m/s),Speed (OBD)(km/h),RPM", "{t:.2f},99,{kmh},{rpm}"), has={"vehicle_speed": (KMH, "km/h")}),
     "column always missing": Case(table("Time (s),RPM,Transmission Temperature(Method 1)(°C)", "{t:.2f},{rpm},-"), absent=("atf_temperature",), codes=("column_empty",)),
     "ATF always zero": Case(table("Time (s),RPM,transf", "{t:.2f},{rpm},0"), absent=("atf_temperature",), codes=("column_empty",)),
+    "ATF always at the end of the scale": Case(table("Time (s),RPM,ATF Temp (°C)", "{t:.2f},{rpm},-40"), absent=("atf_temperature",), codes=("column_empty",)),
     "composite cells": Case(table("Time (s),RPM,EGR", "{t:.2f},{rpm},EGR A:34/34/0 % / EGR B:20/20/0 %"), has={"engine_speed": (RPM, "rpm")}),
     "sentinel": Case(table(_HEAD, _ROW).replace(f",{800 + 37 * 7},", ",65535,"), has=_BASIC, codes=("suspect_samples",)),
     "start-up rubbish": Case(table(_HEAD, _ROW, rows=60).replace("0.00,800,80", "0.00,800,236").replace("0.10,837,81", "0.10,837,125").replace("0.20,874,82", "0.20,874,118"), rows=60, duration=5.9, has={"atf_temperature": (ATF, "°C")}, codes=("suspect_samples",)),

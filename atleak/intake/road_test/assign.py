@@ -183,9 +183,8 @@ class Assigner:
         if not np.isfinite(part).any() and not np.isfinite(values).any():
             self.say("column_empty", f"{candidate.label!r} holds no values", "info", candidate.label)
             return None
-        never_zero = kind in ("temperature", "pressure") and not candidate.mapped
-        if never_zero and not np.nan_to_num(part).any() and not np.nan_to_num(values).any():
-            text = f"{candidate.label!r} is zero throughout: the car or logger does not deliver it"
+        if not candidate.mapped and (dead := _dead_value(kind, part)) is not None and _only(values, dead):
+            text = f"{candidate.label!r} is {dead:g} throughout: the car or logger does not deliver it"
             self.say("column_empty", text, "warning", candidate.label)
             return None
         if candidate.quantity in self.units:
@@ -280,6 +279,16 @@ class Assigner:
                 self.say("pressure_absolute", f"{label!r} is absolute; 101.325 kPa are taken off", "info", label)
             else:
                 self.say("pressure_gauge", f"{label!r} is taken as gauge pressure", "info", label)
+
+
+def _dead_value(kind: str | None, part: np.ndarray) -> float | None:
+    """The value a sample of the column holds throughout, if it is one that stands for *no sensor*."""
+    dead = {"temperature": (0.0, -40.0, 215.0, 255.0), "pressure": (0.0,)}.get(kind or "", ())
+    return next((value for value in dead if _only(part, value)), None)
+
+
+def _only(values: np.ndarray, value: float) -> bool:
+    return bool(((values == value) | np.isnan(values)).all())
 
 
 def with_time(signal: Signal, time: np.ndarray | None) -> Signal:

@@ -208,6 +208,8 @@ def _plain_head(source: Source) -> Text | None:
 
 def open_delimited(source: Source) -> Delimited | None:
     """Finds the table in a delimited text, or None when there is none."""
+    if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
+        return None  # one endless line
     plain = _plain_head(source)
     text = plain or prepared(source)
     head = _lines(text.data[:_LONG_HEAD])

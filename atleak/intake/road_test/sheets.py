@@ -150,7 +150,11 @@ def open_sheets(source: Source) -> list[Sheet]:
             cells = workbook.get_sheet_by_name(name).to_python(skip_empty_area=True)
         except Exception as error:
             raise RoadTestError(f"cannot be read: {error}", place=Place(file=source.file, sheet=name)) from error
-        rows = [[None if cell == "" else cell for cell in row] for row in cells]
+        rows: list[list[object]] = cells
+        for row in rows:  # in place: a large sheet is held once
+            for index, cell in enumerate(row):
+                if cell == "":
+                    row[index] = None
         while rows and all(cell is None for cell in rows[-1]):
             rows.pop()
         sheet = _sheet(name, rows)
@@ -163,7 +167,8 @@ def _sheet(name: str, rows: list[list[object]]) -> Sheet | None:
     width = max((index + 1 for row in rows[:_LOOK] for index, cell in enumerate(row) if cell is not None), default=0)
     if width < 2:
         return None
-    rows = [row[:width] for row in rows]
+    for row in rows:
+        del row[width:]
     for decimal in (".", ","):
         look = [[_text(cell, decimal) for cell in row] for row in rows[:_LOOK]]
         layout = find_table([_shorn(row) for row in look], decimal)

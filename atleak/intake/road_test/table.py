@@ -260,10 +260,11 @@ def _headings(header: list[Row], width: int) -> tuple[Heading, ...]:
     units: Row = []
     names = list(header)
     if len(header) > 1:
-        candidates = sorted(header[1:], key=_units_share, reverse=True)
-        if _units_share(candidates[0]) >= 0.5:
-            units = candidates[0]
-            names = [row for row in header if row is not units]
+        shares = [(_units_share(row), index) for index, row in enumerate(header)]
+        share, place = max(shares)
+        others = [row for index, row in enumerate(header) if index != place]
+        if share >= 0.5 and (place > 0 or max(map(_known, others)) >= _known(header[0])):
+            units, names = header[place], others
     # a row of descriptions shifted against the data says nothing about columns
     straight = [row for row in names if abs(_reach(row) - width) <= 1]
     names = straight or names

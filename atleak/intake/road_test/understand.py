@@ -181,7 +181,7 @@ def finish(blank: Understood, assigner: Assigner, reading: Reading, constants: M
     asked = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
     labels = list(reading.used) if reading.long else _labels(blank.headings)
     unused = tuple(dict.fromkeys(label for label in labels if label not in used | asked))
-    if not assigner.signals:
+    if not assigner.signals and not assigner.ambiguous:
         text = "none of the columns is a known quantity: name them, such as engine_speed or main_pressure"
         assigner.say("no_quantity", text, "warning")
     for ambiguous in assigner.ambiguous:
