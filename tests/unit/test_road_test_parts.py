@@ -40,7 +40,7 @@ SEEN = {
     "output_speed": ["tailshaft_rpm", "Driveshaft RPM", "Trans Output Shaft RPM", "TCM.TOSS", "TCM.OSS", "ECM.TOS", "OSS"],
     "atf_temperature": [
         "ATF Temperature (C)", "Trans Temp (°F)", "transf", "Transmission Temperature(Method 1)(°C)", "Transmission Temperature(Method 2)(°C)", "TFT", "Transmission fluid temp", "Trans Fluid Temp",
-        "Trans Temp (°C)", "TCM.TFT", "AT – ATF Temperature", "ATF Temperature 2", "ATF Temperature (Lookup)", "Automatic Transmission Fluid Temp (ATF)", "A/T Oil Temperature 1",
+        "Trans Temp (°C)", "Transmission Fluid Temperature Sensor 1 (°F)", "TCM.TFT", "AT – ATF Temperature", "ATF Temperature 2", "ATF Temperature (Lookup)", "Automatic Transmission Fluid Temp (ATF)", "A/T Oil Temperature 1",
         "Getriebeöltemperatur", "Getriebeoeltemperatur", "Transmissionsoljetemperatur", "Temperatura oleju w skrzyni biegów", "Température huile boîte", "Temperatura do óleo da transmissão",
     ],
     "main_pressure": ["P/L Solenoid Valve Pressure (kPa)", "Line Pressure", "Trans Line Pressure", "TCM.LINEPRS_D", "TCM.LINEPRS_A", "TCM.LINEPRSD", "TCM.LINEPRSA", "EPC", "hydraulic oil pressure actual", "MPC", "p_g"],

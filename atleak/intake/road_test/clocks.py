@@ -78,7 +78,7 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
 def _from(values: np.ndarray, factor: float) -> np.ndarray:
     finite = values[np.isfinite(values) & (values > 0)]
     start = float(finite[0]) if len(finite) else 0.0
-    seconds = (values - start) * factor
+    seconds = np.round((values - start) * factor, 6)  # an epoch in double precision is good for a microsecond
     return np.where(values > 0, seconds, np.nan)  # an epoch of zero: the clock was not set yet
 
 
