@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -19,10 +22,19 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
     """The channels of a road test, in the order of `QUANTITIES`."""
     made: dict[str, Channel] = {}
     speed = assigner.signals.get("engine_speed") or assigner.signals.get("vehicle_speed")
+    logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
+
+    def check(signal: Signal) -> _Checked:
+        return _checked(signal, timeline, speed if signal is not speed else None)
+
+    if len(timeline.time) > _LONG:  # numpy leaves the other cores free for the next channel
+        with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
+            checked = dict(zip(logged, pool.map(check, logged.values()), strict=True))
+    else:
+        checked = {name: check(signal) for name, signal in logged.items()}
     for quantity in QUANTITIES:
-        if quantity in assigner.signals and quantity != "time":
-            signal = assigner.signals[quantity]
-            made[quantity] = _channel(assigner, signal, timeline, speed if signal is not speed else None)
+        if quantity in logged:
+            made[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
         elif quantity in constants:
             made[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
     unknown = [name for name in constants if name not in QUANTITIES or name == "time"]
@@ -33,8 +45,19 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
     return MappingProxyType(made)
 
 
-def _channel(assigner: Assigner, signal: Signal, timeline: Timeline, speed: Signal | None) -> Channel:
-    candidate, raw, time = signal.candidate, signal.values, signal.time
+_LONG = 200_000
+
+
+@dataclass(frozen=True)
+class _Checked:
+    raw: np.ndarray
+    si: np.ndarray
+    time: np.ndarray
+    found: dict[str, np.ndarray]
+
+
+def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Checked:
+    raw, time = signal.values, signal.time
     if time is None:
         time = timeline.time
         if timeline.order is not None:
@@ -50,7 +73,11 @@ def _channel(assigner: Assigner, signal: Signal, timeline: Timeline, speed: Sign
         beside = speed.values if timeline.order is None else speed.values[timeline.order]
         return np.concatenate([[False], np.diff(beside) != 0])
 
-    found = checks.suspect(candidate.quantity, raw, si, time, moving)
+    return _Checked(raw, si, time, checks.suspect(signal.candidate.quantity, raw, si, time, moving))
+
+
+def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:
+    candidate, raw, si, time, found = signal.candidate, checked.raw, checked.si, checked.time, checked.found
     doubt = np.zeros(len(raw), bool)
     for name, mask in found.items():
         doubt |= mask
