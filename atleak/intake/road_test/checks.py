@@ -167,7 +167,7 @@ def suspect(
     info = QUANTITIES[quantity]
     found: Mapping[str, pd.Series] = {}
     series = pd.Series(si, time, copy=False)
-    found = {"sentinel": sentinel(pd.Series(raw, time, copy=False))}
+    found = {"sentinel": sentinel(series if raw is si else pd.Series(raw, time, copy=False))}
     found["out of range"] = out_of_range(series, info.low, info.high)
     doubted = found["sentinel"].to_numpy() | found["out of range"].to_numpy()
     clean = pd.Series(np.where(doubted, np.nan, si), time) if doubted.any() else series

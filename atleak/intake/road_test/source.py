@@ -53,11 +53,11 @@ _PICTURES = {
 
 
 class Digest:
-    """SHA-256 of a file, computed beside the reading; notes on its way whether there are zero bytes."""
+    """SHA-256 of a file, computed beside the reading."""
 
     def __init__(self, source: bytes | Path) -> None:
         self._hash, self._source = hashlib.sha256(), source
-        self._nul, self._error = False, ""
+        self._error = ""
         self.has_nul_unpacked = False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._started = False
@@ -83,7 +83,6 @@ class Digest:
                 mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped,
             ):
                 self._hash.update(mapped)
-                self._nul = mapped.find(b"\x00") >= 0
         except OSError as error:
             self._error = str(error.strerror)
 
@@ -95,9 +94,11 @@ class Digest:
 
     @property
     def has_nul(self) -> bool:
-        """Whether the file on disk holds zero bytes."""
-        self._finish()
-        return self._nul or self.has_nul_unpacked
+        """Whether the file on disk holds zero bytes; looked for only when asked."""
+        if isinstance(self._source, bytes):
+            return self.has_nul_unpacked
+        with self._source.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped:
+            return mapped.find(b"\x00") >= 0
 
 
 @dataclass(frozen=True)

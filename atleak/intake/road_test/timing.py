@@ -103,7 +103,8 @@ def best_clock(
     best = read[0]
     if len(read) > 1:
         best = max(read, key=lambda pair: (pair[0].mapped, -pair[0].tier, _stamps(pair[1].seconds)))
-    _compare_clocks(best, read, assigner)
+    if len(read) > 1:
+        _compare_clocks(best, read, assigner)
     for note in best[1].notes:
         assigner.say("clock", note, "warning", best[0].label)
     if best[1].unit_assumed:
