@@ -22,7 +22,7 @@ def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
         monkeypatch.setenv(name, str(tmp_path))
     main = tmp_path / "main.py"
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    return go(AppTest.from_file(str(main), default_timeout=60).run(), "4_Report")
+    return go(AppTest.from_file(str(main), default_timeout=60).run(), "5_Report")
 
 
 def go(app: AppTest, page: str) -> AppTest:
@@ -45,7 +45,7 @@ def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
     field(app, "Complaint").set_value("late 1-2 shift: 12.715")
     app.run()
     go(app, "2_Readings")
-    go(app, "4_Report")
+    go(app, "5_Report")
     assert not app.exception
     assert field(app, "Job number").value == "A-17"
     assert field(app, "Complaint").value == "late 1-2 shift: 12.715"
@@ -66,7 +66,7 @@ def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
     assert job.fault_codes == ("P0730", "P0741")
     assert job.repair_decisions[0].reason == "too dear"
     go(app, "2_Readings")
-    go(app, "4_Report")
+    go(app, "5_Report")
     assert app.session_state["job"].repair_decisions == job.repair_decisions
 
 
@@ -96,5 +96,5 @@ def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     job: Job = app.session_state["job"]
     assert list(job.pictures) == ["photos/a.png"]
     go(app, "2_Readings")
-    go(app, "4_Report")
+    go(app, "5_Report")
     assert list(app.session_state["job"].pictures) == ["photos/a.png"]

@@ -3,35 +3,16 @@
 import pandas as pd
 import streamlit as st
 
-from atleak.controller import load_controller
 from atleak.errors import AtleakError
 from atleak.figures.variants import figure
-from atleak.intake.road_test import read_road_test
 from atleak.report.record import to_json
 from atleak.report.variants import variants_record
-from atleak.variants import charts, compare_options, run_variants, sample_log, tables, temperature_curves
+from atleak.variants import charts, tables
 from atleak.variants.article import compare_points
 from pages.shared import panel, show
+from pages.shared.study import CITED, computed, table
 
 STUDY, JOB = "the study's controller and test", "this job's controller and log"
-CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en16227667](https://doi.org/10.3390/en16227667)"
-
-
-@st.cache_resource(max_entries=8, show_spinner="Running W1 to W8 …")
-def computed(key: str, _controller, _road_test):
-    """A controller and a road test, without them the study's, with results, options and temperature curves."""
-    if _controller is None:
-        _controller, _road_test = load_controller("four_speed_2023"), read_road_test(sample_log())
-    job = _controller, _road_test
-    return *job, run_variants(*job), compare_options(*job), temperature_curves(*job)
-
-
-def table(rows, digits: str = "{:.4g}") -> None:
-    frame = pd.DataFrame(rows)
-    style = frame.style.format(digits, subset=frame.select_dtypes("number").columns)
-    pinned = {frame.columns[0]: st.column_config.Column(pinned=True)}
-    st.dataframe(style, column_config=pinned, hide_index=True, height="content", placeholder="–")
-
 
 bench, diagnosis = panel.shown()
 st.title("The source study, reproduced")
