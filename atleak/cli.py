@@ -121,10 +121,6 @@ def _diagnosis(options: argparse.Namespace) -> Diagnosis:
 def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Namespace) -> list[str]:
     """The files asked for; their names."""
     written = []
-    if options.json is not None:
-        from atleak.report.record import diagnosis_record, to_json
-
-        written += _write(options.json, to_json(diagnosis_record(diagnosis)).encode())
     if options.xlsx is not None:
         from atleak.report.xlsx import write_workbook
 
@@ -147,6 +143,10 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Name
             road_test_choices=None if options.road_test is None else _columns(options),
         )
         written += _write(options.job_file, content)
+    if options.json is not None:  # last: nothing stands on standard output when another file fails
+        from atleak.report.record import diagnosis_record, to_json
+
+        written += _write(options.json, to_json(diagnosis_record(diagnosis)).encode())
     return written
 
 

@@ -74,13 +74,13 @@ class LandDiagnosis:
     def decision(self) -> Decision | None:
         """How sure the verdict is, about the limit of the rule that gave it; None where not measured."""
         found = self.deciding_uncertainty
-        return found.decision if found else None
+        return found.decision if found and self.verdict != "not_measured" else None
 
     @property
     def probability_over_limit(self) -> float | None:
         """That the true value is over the limit of the rule that gave the verdict."""
         found = self.deciding_uncertainty
-        return found.probability_over_limit if found else None
+        return found.probability_over_limit if found and self.verdict != "not_measured" else None
 
     @property
     def deciding_uncertainty(self) -> RuleDecision | None:
@@ -150,7 +150,8 @@ class Diagnosis:
 
     @property
     def measured(self) -> int:
-        return sum(land.state.measured for land in self.lands)
+        """Lands of which both parts were measured."""
+        return sum(land.state.status == "measured" for land in self.lands)
 
 
 def diagnose(
@@ -288,12 +289,18 @@ def _land(
         drawn_from_pump=stated.drawn_by(land.key),
         share=stated.share_of(leakage),
         excess_share=excess,
-        verdict=worst([rule.verdict for rule in rules]) if state.measured else "not_measured",
+        verdict=_verdict(state, rules),
         rules=rules,
         replace_mileage=_replace_mileage(state, wear, limits, mileage, known),
         uncertainty=known,
         messages=state.messages,
     )
+
+
+def _verdict(state: LandClearance, rules: Iterable[RuleResult]) -> Verdict:
+    """The worst rule's; with one part at its nominal diameter a limit can be passed, but ``ok`` cannot be claimed."""
+    found = worst([rule.verdict for rule in rules])
+    return "not_measured" if found == "ok" and state.status != "measured" else found
 
 
 def _rules(

@@ -100,6 +100,12 @@ class Fluid:
         if model == "regression" and self.id != "hipol_atf_iid":
             text = f"The study's viscosity regression describes HIPOL ATF IID, not {self.name}."
             found.append(Message("warning", "viscosity_of_another_fluid", text))
+        if model == "tabulated" and not self.table:
+            text = (
+                f"{self.name} has no table of viscosities: straight lines of log ν join its data-sheet points, which "
+                "between 40 and 100 °C can lie some 10 % above ASTM D341."
+            )
+            found.append(Message("warning", "viscosity_between_few_points", text))
         if self.representative:
             text = f"{self.name}: representative, not from the data sheet: {', '.join(self.representative)}."
             found.append(Message("info", "fluid_representative", text))

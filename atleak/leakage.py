@@ -71,7 +71,7 @@ class LeakageSeries:
     sections: dict[str, np.ndarray]
     reversed_samples: dict[str, int] = field(default_factory=lambda: dict.fromkeys(SECTIONS, 0))
     outside_fluid: int = 0  # samples at a temperature the fluid's data do not cover
-    other_gear: int = 0  # samples in a gear the controller does not have, or in none
+    other_gear: int = 0  # samples in a gear the controller does not have
 
     def add_counts(self, other: LeakageSeries) -> None:
         """Add what was counted in some part."""
@@ -323,7 +323,8 @@ class LeakageModel:
             if number not in self._plans:
                 lines[:, samples] = np.nan
                 viscous[samples] = 1.0  # left out for its gear, not for its temperature too
-                count.other_gear += log.gear[samples].size
+                if number is not None:
+                    count.other_gear += log.gear[samples].size
                 continue
             if number not in ready:
                 plan = self._plans[number].within(span)
@@ -533,7 +534,8 @@ def _by_gear(gear: np.ndarray) -> Iterator[tuple[int | None, Any]]:
 
 
 def _gear_number(value: float) -> int | None:
-    return int(value) if value.is_integer() else None
+    """The gear as the plans name it; None where it is not known."""
+    return None if np.isnan(value) else int(value) if value.is_integer() else -1
 
 
 def _eccentric(profile: Profile) -> float:

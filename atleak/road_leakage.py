@@ -104,6 +104,13 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         capacity = None
     else:
         capacity = np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
+        idle = int(np.count_nonzero((capacity <= 0.0) & (series.total > 0.0)))
+        if idle:
+            text = (
+                f"In {idle} of {len(road_test.time)} samples the pump delivers nothing while pressure stands: no share "
+                "can be given there, and the largest share is that of the other samples."
+            )
+            messages.append(Message("warning", "pump_delivers_nothing", text))
     messages += _series_messages(series, len(road_test.time), model)
     for section, above in model.controller.above_main(main).items():
         if above.any():

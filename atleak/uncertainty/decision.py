@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from atleak.equations.uncertainty import guard_band, normal_cdf
-from atleak.limits import VERDICTS, Steps
+from atleak.limits import VERDICTS, Steps, reaches
 
 Decision = Literal["pass", "conditional_pass", "conditional_fail", "fail"]
 DECISIONS: tuple[Decision, ...] = ("pass", "conditional_pass", "conditional_fail", "fail")  # the worst last
@@ -95,7 +95,7 @@ def decide(
     Returns
     -------
     {"pass", "conditional_pass", "conditional_fail", "fail"}
-        y ≤ T − k u; ≤ T; ≤ T + k u; above.
+        y ≤ T − k u; < T; ≤ T + k u; above. A value at its limit has reached it, as for the verdict.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def decide(
         sure_above = sure_above and value > limit + guard
     elif probability_over is None:
         sure_below = sure_above = False
-    if value <= limit:
+    if not reaches(value, limit):
         return "pass" if sure_below else "conditional_pass"
     return "fail" if sure_above else "conditional_fail"
 

@@ -78,11 +78,9 @@ class _Condition:
     def at(self, deviates: dict[str, Any]) -> _Drawn:
         """Fluid, pressures and pump at given standard deviates of `FACTORS`."""
         model, point, u = self.model, self.point, self.assumptions
-        low, high = model.fluid.span(model.profile.viscosity)
-        temperature = np.clip(point.temperature + u.temperature * deviates["temperature"], low, high)
-        nu = model.fluid.kinematic_viscosity(temperature, model.profile.viscosity)
+        temperature = point.temperature + u.temperature * deviates["temperature"]
+        nu, rho = _fluid_at(model, temperature)
         nu = nu * np.exp(u.viscosity * deviates["viscosity"])
-        rho = model.fluid.density(temperature, model.profile.viscosity)
         main = point.main_pressure * np.maximum(1.0 + u.main_pressure * deviates["main pressure"], 0.0)
         converter = point.converter_pressure * np.maximum(
             1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
@@ -101,6 +99,21 @@ class _Condition:
             slip, draw = 0.0, pump.displacement * efficiency
         rise = temperature - REFERENCE_TEMPERATURE
         return _Drawn(self, rise, nu, rho, pressures, capacity, slip, draw)
+
+
+def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:
+    """ν and ρ; a draw beyond the end of the fluid's data follows the slope of ln ν and of ρ over the last kelvin."""
+    fluid, kind = model.fluid, model.profile.viscosity
+    low, high = fluid.span(kind)
+    inside = np.clip(temperature, low, high)
+    nu, rho = fluid.kinematic_viscosity(inside, kind), fluid.density(inside, kind)
+    beyond = temperature - inside
+    if np.any(beyond):
+        ends = np.array([low, low + 1.0, high - 1.0, high])
+        ln_nu, densities = np.log(fluid.kinematic_viscosity(ends, kind)), fluid.density(ends, kind)
+        nu = nu * np.exp(beyond * np.where(beyond < 0.0, ln_nu[1] - ln_nu[0], ln_nu[3] - ln_nu[2]))
+        rho = rho + beyond * np.where(beyond < 0.0, densities[1] - densities[0], densities[3] - densities[2])
+    return nu, rho
 
 
 class _Drawn:

@@ -61,7 +61,7 @@ def test_wear_of_exactly_a_tenth_through_floating_point_is_watch(
     controller = load_controller(path)
     found = diagnose(controller, hipol, limits, readings=readings_of(controller, {TCC: (12.000e-3, 12.066e-3)}))
     land = next(land for land in found.lands if land.key == TCC)
-    assert land.wear == pytest.approx(0.10, rel=1e-9)
+    assert land.wear == pytest.approx(0.10, rel=1e-9, abs=0.0)
     assert land.rules[0].verdict == "watch"
     assert land.verdict in {"watch", "replace", "critical"}
 
@@ -115,7 +115,7 @@ def test_a_clearance_limit_of_the_workshop_s_own_limits(
     deciding = next(land.deciding for land in found.lands if land.key == PISTON)
     assert deciding is not None
     assert (deciding.rule, deciding.unit, deciding.origin) == ("radial_clearance", "µm", "set by the workshop")
-    assert deciding.value == pytest.approx(20e-6, rel=1e-9)
+    assert deciding.value == pytest.approx(20e-6, rel=1e-9, abs=0.0)
 
 
 def test_a_clearance_limit_of_one_land_goes_before_that_of_all(
@@ -164,7 +164,7 @@ def test_half_a_measurement_is_judged_and_flagged(
     found = diagnose(minimal, hipol, limits, readings=readings_of(minimal, {TCC: (nominal - 20e-6, None)}))
     land = next(land for land in found.lands if land.key == TCC)
     assert land.state.status == "spool_only"
-    assert land.wear == pytest.approx(10.0 / 16.0, rel=1e-6)
+    assert land.wear == pytest.approx(10.0 / 16.0, rel=1e-6, abs=0.0)
     assert land.verdict in {"replace", "critical"}
     assert "sleeve_missing" in codes(found)
 
@@ -319,7 +319,7 @@ def test_mileage_at_which_a_land_reaches_its_limit(sample: Diagnosis) -> None:
         assert land.uncertainty is not None
         doubt = 2.0 * land.uncertainty.u_clearance / land.state.land.mounting_clearance
         if land.wear > doubt:
-            assert land.replace_mileage == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9)
+            assert land.replace_mileage == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9, abs=0.0)
         else:  # less wear than the readings' own doubt projects nothing
             assert land.replace_mileage is None
         if land.verdict == "replace":
@@ -342,3 +342,26 @@ def test_a_land_that_no_gap_names_is_said(four_speed: Controller, hipol: Fluid, 
     codes = {message.code: message.text for message in diagnose(fewer, hipol, limits).messages}
     assert "25/1" in codes["land_without_gap"]
     assert "land_without_gap" not in {message.code for message in diagnose(four_speed, hipol, limits).messages}
+
+
+# --- half a pair
+
+
+@pytest.mark.parametrize(("part", "status"), [("spool", "spool_only"), ("sleeve", "sleeve_only")])
+def test_of_half_a_pair_ok_is_not_claimed(
+    sample: Diagnosis, hipol: Fluid, limits: Limits, part: str, status: str
+) -> None:
+    """With one part at its nominal diameter nothing is known of the other one's wear."""
+    readings = sample.readings
+    assert readings is not None
+    kept = tuple(
+        reading for reading in readings.readings if reading.component not in {"5", "25"} or reading.part == part
+    )
+    found = diagnose(sample.controller, hipol, limits, readings=replace(readings, readings=kept))
+    half = {land.key: land for land in found.lands if land.state.status == status}
+    assert half[("5", 1)].verdict == "not_measured"
+    assert half[("5", 1)].decision is None
+    assert half[("5", 1)].rules
+    assert found.measured == len(found.lands) - len(half)
+    if part == "sleeve":  # the worn bore of land 25/1 crosses its limit whatever its spool
+        assert half[("25", 1)].verdict == "replace"

@@ -17,7 +17,7 @@ from atleak.controller import REFERENCE_TEMPERATURE, Pressure
 from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
 from atleak.equations.pump import slip_flow
 from atleak.leakage import GapLeakage
-from atleak.limits import ROUNDING, VERDICTS
+from atleak.limits import ROUNDING, VERDICTS, Verdict
 from atleak.projection import Projection
 from atleak.readings import Reading
 from atleak.report.record import DM3_MIN, KPA, MM, MM3_S, PERCENT, RPM, UM
@@ -408,7 +408,8 @@ class _Columns:
                     yield "plain", None, land.land, {"align": "center"}
                 case "verdict":
                     rows = sheets.rule_rows.get(found.key)
-                    ranks = None if rows is None else _choose(f"MAX({span(*rows, 9, 'Rules')})")
+                    fine = "ok" if state.status == "measured" else "not_measured"  # ok is not claimed of half a pair
+                    ranks = None if rows is None else _choose(f"MAX({span(*rows, 9, 'Rules')})", fine)
                     yield "plain", ranks, verdict_word(found.verdict), {"bold": True}
                 case "status":
                     yield "plain", None, state.status.replace("_", " "), {}
@@ -534,8 +535,8 @@ def _limit_name(rule: RuleResult) -> str:
     return "pair_share" if rule.rule.startswith("share_") else rule.rule
 
 
-def _choose(rank: str) -> str:
-    words = ",".join(f'"{verdict_word(verdict)}"' for verdict in _RANKED)
+def _choose(rank: str, fine: Verdict = "ok") -> str:
+    words = ",".join(f'"{verdict_word(verdict)}"' for verdict in (fine, *_RANKED[1:]))
     return f"CHOOSE({rank},{words})"
 
 

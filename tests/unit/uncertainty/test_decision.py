@@ -25,8 +25,8 @@ UM = 1e-6
     [
         (30.0 - 1.645, "pass"),
         (30.0 - 1.644, "conditional_pass"),
-        (30.0, "conditional_pass"),
-        (30.001, "conditional_fail"),
+        (29.999, "conditional_pass"),
+        (30.0, "conditional_fail"),  # at the limit is past it, as for the verdict
         (30.0 + 1.645, "conditional_fail"),
         (30.0 + 1.646, "fail"),
     ],
@@ -35,11 +35,19 @@ def test_guard_band_of_one_standard_uncertainty(value: float, decision: str) -> 
     assert decide(value, 30.0, 1.0) == decision
 
 
+@pytest.mark.parametrize("mounting", [20.0, 25.0, 30.0, 35.0, 40.0])
+def test_a_value_at_its_limit_but_for_rounding_is_on_the_verdict_s_side(mounting: float) -> None:
+    clearance = mounting * 1.1
+    wear = (clearance - mounting) / mounting
+    assert Steps((("watch", 0.1),), "published", "").judge(wear, "ok")[0] == "watch"
+    assert decide(wear, 0.1, 0.01) == "conditional_fail"
+
+
 def test_guard_band_can_be_set_and_be_none() -> None:
     assert decide(29.0, 30.0, 1.0, guard_factor=0.9) == "pass"
     assert decide(29.0, 30.0, 1.0, guard_factor=2.0) == "conditional_pass"
-    assert decide(30.0, 30.0, 0.0) == "pass"
-    assert decide(30.0000001, 30.0, 0.0) == "fail"
+    assert decide(29.9999, 30.0, 0.0) == "pass"
+    assert decide(30.0001, 30.0, 0.0) == "fail"
     with pytest.raises(DomainError):
         decide(29.0, 30.0, -1.0)
 
