@@ -28,15 +28,15 @@ def test_1_viscosity_in_pascal_seconds_would_be_a_factor_of_1000() -> None:
     """10⁶ Δp π d c³ / (12 μ l) with kPa and mm is mm³/s for μ in mPa·s."""
     exact = gap.annular_flow(800e3, 10e-3, 30e-6, 10.93e-6, 783.0, 4e-3) * 1e9  # mm³/s
     printed = 1e6 * 800 * np.pi * 10 * 0.030**3 / (12 * 10.93 * 0.783 * 4)
-    assert printed == pytest.approx(exact, rel=1e-12)
+    assert printed == pytest.approx(exact, rel=1e-12, abs=0.0)
     in_pascal_seconds = 1e6 * 800 * np.pi * 10 * 0.030**3 / (12 * 10.93e-3 * 0.783 * 4)
-    assert in_pascal_seconds / exact == pytest.approx(1000.0, rel=1e-12)
+    assert in_pascal_seconds / exact == pytest.approx(1000.0, rel=1e-12, abs=0.0)
 
 
 def test_2_leakage_is_inversely_proportional_to_viscosity() -> None:
     at = [gap.annular_flow(800e3, 10e-3, 30e-6, nu, 783.0, 4e-3) for nu in (5e-6, 10e-6, 20e-6)]
-    assert at[0] / at[1] == pytest.approx(2.0, rel=1e-12)
-    assert at[1] - at[0] != pytest.approx((at[2] - at[1]) / 2, rel=0.1)  # as a straight line would have it
+    assert at[0] / at[1] == pytest.approx(2.0, rel=1e-12, abs=0.0)
+    assert at[1] - at[0] != pytest.approx((at[2] - at[1]) / 2, rel=0.1, abs=0.0)  # as a straight line would have it
 
 
 def test_3_pump_at_2500_rpm() -> None:
@@ -48,19 +48,19 @@ def test_3_pump_at_2500_rpm() -> None:
 
 
 def test_4_kilopascal_times_square_millimetre_is_millinewton() -> None:
-    assert pressure.pressure_force(1e3, 1e-6) == pytest.approx(1e-3)
+    assert pressure.pressure_force(1e3, 1e-6) == pytest.approx(1e-3, rel=1e-9, abs=0.0)
 
 
 def test_5_spring_rate_needs_megapascal() -> None:
     """0.8·10⁵ GPa would make a spring of 1 mm wire a thousand times stiffer: 1953 instead of 1.953 N/mm."""
-    assert pressure.spring_rate(80_000e6, 1e-3, 10, 8e-3) * 1e-3 == pytest.approx(1.953125)
-    assert pressure.spring_rate(80_000e9, 1e-3, 10, 8e-3) * 1e-3 == pytest.approx(1953.125)
+    assert pressure.spring_rate(80_000e6, 1e-3, 10, 8e-3) * 1e-3 == pytest.approx(1.953125, rel=1e-9, abs=0.0)
+    assert pressure.spring_rate(80_000e9, 1e-3, 10, 8e-3) * 1e-3 == pytest.approx(1953.125, rel=1e-9, abs=0.0)
 
 
 def test_6_deflection_counts_from_the_free_length() -> None:
     """Free 30 mm, built in at 25, working at 20: 10 mm, of which the pre-tensioned length shows only 5."""
-    assert pressure.spring_deflection(30e-3, 20e-3) == pytest.approx(10e-3)
-    assert pressure.spring_deflection(25e-3, 20e-3) == pytest.approx(5e-3)
+    assert pressure.spring_deflection(30e-3, 20e-3) == pytest.approx(10e-3, rel=1e-9, abs=0.0)
+    assert pressure.spring_deflection(25e-3, 20e-3) == pytest.approx(5e-3, rel=1e-9, abs=0.0)
 
 
 def test_7_printed_form_of_the_control_pressure(four_speed: Controller) -> None:
@@ -70,7 +70,9 @@ def test_7_printed_form_of_the_control_pressure(four_speed: Controller) -> None:
     solved = pressure.control_pressure(800e3, force, a_1, area[10], area[9], area[10], area[9])
     balance = pressure.spool_balance(solved, 800e3, force, a_1, area[10], area[9], area[10], area[9])
     assert (
-        solved == pytest.approx(four_speed.section_pressures(800e3, 0.0)["p_s"]) == pytest.approx(320.5437e3, abs=0.05)
+        solved
+        == pytest.approx(four_speed.section_pressures(800e3, 0.0)["p_s"], rel=1e-9, abs=0.0)
+        == pytest.approx(320.5437e3, abs=0.05)
     )
     assert balance == pytest.approx(0.0, abs=1e-9)
     printed = 800e3 * area[10] / area[12] + force / a_1
@@ -117,7 +119,7 @@ def test_13_cold_viscosity() -> None:
 def test_14_slope_of_the_density() -> None:
     assert abs((0.768 - 0.870) / 140 + 0.00073) <= 5e-6
     assert fluid.study_density(15.0) * 1e-3 == pytest.approx(0.830, abs=5e-4)
-    assert load_fluid("mobil_atf_220").density(15.0) * 1e-3 == pytest.approx(0.870)
+    assert load_fluid("mobil_atf_220").density(15.0) * 1e-3 == pytest.approx(0.870, rel=1e-9, abs=0.0)
 
 
 def test_15_w3_and_w4_follow_from_the_used_oil(results: dict[str, VariantResult]) -> None:
@@ -163,13 +165,16 @@ def test_21_lower_viscosity_and_higher_leakage(results: dict[str, VariantResult]
 def test_22_a_bore_measured_across_its_wear_hides_it() -> None:
     """A bore worn 10 µm to one side: across it still measures 10.060 mm, so a clearance of 30 µm, along it 35."""
     across, along = (clearance.radial_clearance(bore, 10.000e-3) for bore in (10.060e-3, 10.070e-3))
-    assert (across * 1e6, along * 1e6) == (pytest.approx(30.0), pytest.approx(35.0))
+    assert (across * 1e6, along * 1e6) == (
+        pytest.approx(30.0, rel=1e-9, abs=0.0),
+        pytest.approx(35.0, rel=1e-9, abs=0.0),
+    )
 
 
 def test_23_repeats_of_table_1_swap_the_coordinates() -> None:
     first, second = (89.605, 79.666), (79.666, 89.605)
     assert second == first[::-1]
-    assert abs(first[0] - first[1]) == abs(second[0] - second[1]) == pytest.approx(9.939)
+    assert abs(first[0] - first[1]) == abs(second[0] - second[1]) == pytest.approx(9.939, rel=1e-9, abs=0.0)
 
 
 def test_every_erratum_is_told_in_the_document_in_the_same_words(root: Path) -> None:

@@ -50,7 +50,9 @@ def test_only_the_printed_gaps_are_called_published(four_speed: Controller) -> N
 def test_pump_and_spool_6_as_printed(four_speed: Controller) -> None:
     assert four_speed.pump.displacement * 1e9 == pytest.approx(17100.3, abs=0.05)
     assert four_speed.pump.volumetric_efficiency == 0.95
-    assert [land.nominal_diameter * 1e3 for land in four_speed.lands_of("6")] == pytest.approx([9.939, 9.942])
+    assert [land.nominal_diameter * 1e3 for land in four_speed.lands_of("6")] == pytest.approx(
+        [9.939, 9.942], rel=1e-9, abs=0.0
+    )
 
 
 def test_everything_else_says_representative(four_speed: Controller) -> None:

@@ -129,8 +129,8 @@ def test_clearance_and_its_budget(assessed: UnitUncertainty, two_lands: Controll
     cold, _, elementary = _referee(two_lands, hipol)
     for land in assessed.lands:
         found = cold[land.key[0]]
-        assert land.sources.state.radial_clearance == pytest.approx(GTC.value(found), rel=1e-9)
-        assert land.u_clearance == pytest.approx(GTC.uncertainty(found), rel=1e-9)
+        assert land.sources.state.radial_clearance == pytest.approx(GTC.value(found), rel=1e-9, abs=0.0)
+        assert land.u_clearance == pytest.approx(GTC.uncertainty(found), rel=1e-9, abs=0.0)
         expected = {
             source.label: (GTC.component(found, source) / GTC.uncertainty(found)) ** 2 for source in elementary.values()
         }
@@ -141,8 +141,8 @@ def test_clearance_and_its_budget(assessed: UnitUncertainty, two_lands: Controll
             referee = max(
                 (GTC.component(found, s) / GTC.uncertainty(found)) ** 2 for s in elementary.values() if s.label == label
             )
-            assert fraction == pytest.approx(referee, rel=1e-6)
-        assert sum(fraction for _, fraction in land.budget) == pytest.approx(1.0, rel=1e-12)
+            assert fraction == pytest.approx(referee, rel=1e-6, abs=0.0)
+        assert sum(fraction for _, fraction in land.budget) == pytest.approx(1.0, rel=1e-12, abs=0.0)
         assert set(expected) >= {label for label, _ in land.budget if not label.endswith("resolution")}
 
 
@@ -150,9 +150,9 @@ def test_share_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, 
     _, share, elementary = _referee(two_lands, hipol)
     for land in assessed.lands:
         found, stated = share[land.key[0]], land.conditions[0]
-        assert stated.share == pytest.approx(GTC.value(found), rel=1e-9)
+        assert stated.share == pytest.approx(GTC.value(found), rel=1e-9, abs=0.0)
         # draws see the cube's curvature and scatter themselves, the linear sum does neither
-        assert stated.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03)
+        assert stated.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03, abs=0.0)
         for label, fraction in stated.budget:
             same = [GTC.component(found, s) for s in elementary.values() if s.label == label]
             referee = max((part**2 / GTC.uncertainty(found) ** 2 for part in same), default=0.0)
@@ -162,8 +162,8 @@ def test_share_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, 
 def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, hipol: Fluid) -> None:
     _, share, elementary = _referee(two_lands, hipol)
     found, total = share["a"] + share["b"], assessed.totals[0]
-    assert total.share == pytest.approx(GTC.value(found), rel=1e-9)
-    assert total.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03)
+    assert total.share == pytest.approx(GTC.value(found), rel=1e-9, abs=0.0)
+    assert total.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03, abs=0.0)
     variance = GTC.uncertainty(found) ** 2
     expected = {
         name: GTC.component(found, elementary[source]) ** 2 / variance
@@ -182,7 +182,7 @@ def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, 
     budget = dict(total.budget)
     for name, fraction in expected.items():
         assert budget[name] == pytest.approx(fraction, rel=1e-4, abs=1e-9), name
-    assert math.fsum(expected.values()) == pytest.approx(1.0, rel=1e-9)
+    assert math.fsum(expected.values()) == pytest.approx(1.0, rel=1e-9, abs=0.0)
     assert not set(budget) - set(expected)
 
 
@@ -195,4 +195,4 @@ def test_linear_interval_is_wrong_where_the_cube_bends(two_lands: Controller) ->
     assert linear < 0.0
     assert cube_quantile(0.025, 10.0, 2.0) > 0.0
     drawn = np.quantile(np.random.default_rng(1).normal(10.0, 2.0, 400_000) ** 3, 0.025)
-    assert cube_quantile(0.025, 10.0, 2.0) == pytest.approx(drawn, rel=0.02)
+    assert cube_quantile(0.025, 10.0, 2.0) == pytest.approx(drawn, rel=0.02, abs=0.0)

@@ -29,8 +29,8 @@ def _expectation(function, mean: float, spread: float) -> float:
 def test_moments_of_the_cube_against_quadrature(c: float, s: float) -> None:
     mean = _expectation(lambda x: x**3, c, s)
     square = _expectation(lambda x: (x**3 - mean) ** 2, c, s)
-    assert equations.cube_mean(c, s) == pytest.approx(mean, rel=1e-9)
-    assert equations.cube_variance(c, s) == pytest.approx(square, rel=1e-9)
+    assert equations.cube_mean(c, s) == pytest.approx(mean, rel=1e-9, abs=0.0)
+    assert equations.cube_variance(c, s) == pytest.approx(square, rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize(("c", "s"), [*CASES, (-2.0, 1.5), (0.0, 1.0)])
@@ -46,8 +46,8 @@ def test_moments_of_the_truncated_cube_against_quadrature(c: float, s: float) ->
         )
 
     mean, variance = equations.truncated_cube_moments(c, s)
-    assert mean == pytest.approx(moment(3), rel=1e-9)
-    assert variance == pytest.approx(moment(6) - moment(3) ** 2, rel=1e-9)
+    assert mean == pytest.approx(moment(3), rel=1e-9, abs=0.0)
+    assert variance == pytest.approx(moment(6) - moment(3) ** 2, rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize("correlation", [-0.7, 0.0, 0.5, 1.0])
@@ -68,9 +68,11 @@ def test_covariance_of_cubes_against_exact_hermite_quadrature(correlation: float
 def test_quantiles_of_the_cube_against_scipy(probability: float) -> None:
     c, s = 25.0, 4.0
     assert equations.normal_quantile(probability) == pytest.approx(special.ndtri(probability), rel=1e-9, abs=1e-12)
-    assert equations.cube_quantile(probability, c, s) == pytest.approx(stats.norm.ppf(probability, c, s) ** 3, rel=1e-9)
+    assert equations.cube_quantile(probability, c, s) == pytest.approx(
+        stats.norm.ppf(probability, c, s) ** 3, rel=1e-9, abs=0.0
+    )
     limit = equations.cube_quantile(probability, c, s)
-    assert equations.cube_probability_over(limit, c, s) == pytest.approx(1.0 - probability, rel=1e-9)
+    assert equations.cube_probability_over(limit, c, s) == pytest.approx(1.0 - probability, rel=1e-9, abs=0.0)
 
 
 def test_normal_cdf_against_scipy_in_both_tails() -> None:
@@ -122,7 +124,7 @@ def test_pooled_standard_deviation_is_that_of_the_residuals() -> None:
     groups = [rng.normal(m, 2.0, n) for m, n in ((0.0, 2), (5.0, 4), (9.0, 7))]
     pooled = equations.pooled_standard_deviation([g.std(ddof=1) for g in groups], [len(g) - 1 for g in groups])
     residuals = np.concatenate([g - g.mean() for g in groups])
-    assert pooled == pytest.approx(math.sqrt(np.sum(residuals**2) / (len(residuals) - 3)), rel=1e-12)
+    assert pooled == pytest.approx(math.sqrt(np.sum(residuals**2) / (len(residuals) - 3)), rel=1e-12, abs=0.0)
     assert math.isnan(equations.pooled_standard_deviation([], []))
 
 

@@ -276,7 +276,7 @@ def test_decimal_comma_in_options(run: Run, sample_readings: Path) -> None:
     )
     assert with_comma == with_point
     assert with_comma["projection"]["temperature_c"] == 85.5
-    assert with_comma["projection"]["engine_rpm"] == pytest.approx(1200.5, rel=1e-12)
+    assert with_comma["projection"]["engine_rpm"] == pytest.approx(1200.5, rel=1e-12, abs=0.0)
     assert with_comma["profile"]["eccentricity"] == 0.5
 
 
@@ -284,7 +284,11 @@ def test_a_stated_condition_reaches_the_projection_and_leaves_hot_idle(run: Run,
     plain = record_of(run, sample_readings)
     stated = record_of(run, sample_readings, "--gear", "3", "--temperature", "60", "--rpm", "2000")
     found = stated["projection"]
-    assert (found["gear"], found["temperature_c"], found["engine_rpm"]) == (3, 60.0, pytest.approx(2000.0, rel=1e-12))
+    assert (found["gear"], found["temperature_c"], found["engine_rpm"]) == (
+        3,
+        60.0,
+        pytest.approx(2000.0, rel=1e-12, abs=0.0),
+    )
     assert stated["hot_idle"] == plain["hot_idle"]
     assert plain["projection"]["name"] == "driving_second"
 

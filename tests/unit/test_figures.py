@@ -59,22 +59,26 @@ def test_total_share_stands_over_the_bands_of_the_limit_set(sample: Diagnosis) -
     figure = figures.total_share(sample)
     points = figure.data[0]
     expected = [point.share * PERCENT for point in sample.projections]
-    assert list(points.x[: len(expected)]) == pytest.approx(expected)
-    assert points.x[-1] == pytest.approx(sample.road.max_share.share * PERCENT)
+    assert list(points.x[: len(expected)]) == pytest.approx(expected, rel=1e-9, abs=0.0)
+    assert points.x[-1] == pytest.approx(sample.road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
     edges = sorted({shape.x0 for shape in figure.layout.shapes})
-    assert edges == pytest.approx([0.0, *(level * PERCENT for _, level in sample.limits.total_share.levels)])
+    assert edges == pytest.approx(
+        [0.0, *(level * PERCENT for _, level in sample.limits.total_share.levels)], rel=1e-9, abs=0.0
+    )
     assert [note.text.split("<br>")[1] for note in figure.layout.annotations] == ["green", "amber", "red", "critical"]
 
 
 def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Diagnosis) -> None:
     figure, road = figures.road_leakage(sample.road, sample.limits), sample.road
     leakage, share = trace(figure, "leakage"), trace(figure, "share")
-    assert np.nanmax(leakage.y) == pytest.approx(road.max_leakage.leakage * DM3_MIN)
-    assert np.nanmin(leakage.y) == pytest.approx(road.min_leakage.leakage * DM3_MIN)
-    assert np.nanmax(share.y) == pytest.approx(road.max_share.share * PERCENT)
+    assert np.nanmax(leakage.y) == pytest.approx(road.max_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
+    assert np.nanmin(leakage.y) == pytest.approx(road.min_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
+    assert np.nanmax(share.y) == pytest.approx(road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
     assert len({trace(figure, name).line.dash for name in ("leakage", "pump flow", "share")}) == 3
     marked = trace(figure, f"largest share, {road.max_share.time:.2f} s")
-    assert (marked.x[0], marked.y[0]) == pytest.approx((road.max_share.time, road.max_share.share * PERCENT))
+    assert (marked.x[0], marked.y[0]) == pytest.approx(
+        (road.max_share.time, road.max_share.share * PERCENT), rel=1e-9, abs=0.0
+    )
 
 
 def test_a_log_without_engine_speed_shows_leakage_alone(four_speed, hipol, limits, log_of) -> None:
@@ -101,7 +105,7 @@ def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(four_speed, hipol,
     for figure in (figures.road_leakage(found.road, found.limits), figures.road_channels(log, {})):
         assert all(len(one.x) <= 4000 for one in figure.data)
     leakage = trace(figures.road_leakage(found.road, found.limits), "leakage")
-    assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(found.road.leakage) * DM3_MIN)
+    assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(found.road.leakage) * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.isclose(leakage.x, 312.34).any()
     channel = next(one for one in figures.road_channels(log, {}).data if np.nanmax(one.y) == 950e3)
     assert np.isnan(np.asarray(channel.y, dtype=float)).any()
@@ -114,7 +118,9 @@ def test_channels_are_drawn_in_the_unit_asked_for_and_suspect_samples_are_crosse
     log.channels["main_pressure"].suspect[2] = True
     figure = figures.road_channels(log, {"main_pressure": ("kPa", lambda value: value / 1e3)})
     line, crosses = figure.data
-    assert np.asarray(line.y, dtype=float) == pytest.approx([600.0, 610.0, np.nan, 620.0], nan_ok=True)
+    assert np.asarray(line.y, dtype=float) == pytest.approx(
+        [600.0, 610.0, np.nan, 620.0], nan_ok=True, rel=1e-9, abs=0.0
+    )
     assert (list(crosses.x), list(crosses.y)) == ([2.0], [5000.0])
     assert "[kPa]" in figure.layout.yaxis.title.text
 

@@ -81,3 +81,19 @@ def test_public_names_are_all_there() -> None:
     assert set(atleak.__all__) <= set(dir(atleak))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = atleak.nothing
+
+
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
+
+
+@pytest.mark.parametrize("path", TESTS, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_comparisons_say_their_absolute_tolerance(path: Path) -> None:
+    """Left to itself it is 1e-12, which hides any error of a flow [m³/s], a cube [m³] or a variance [m²]."""
+    silent = [
+        call.lineno
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(call, ast.Call)
+        and (call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")) == "approx"
+        and not any(keyword.arg == "abs" for keyword in call.keywords)
+    ]
+    assert not silent, f"approx() without abs= in lines {silent}; abs=0.0 where the expected value is not 0"

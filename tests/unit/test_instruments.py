@@ -17,10 +17,10 @@ def test_shipped_instruments_state_their_source_and_what_is_representative() -> 
         assert found.source
         assert found.date
         assert 0.0 < found.resolution <= 1e-6
-        assert found.common**2 + found.own**2 == pytest.approx(found.calibration**2, rel=1e-12)
+        assert found.common**2 + found.own**2 == pytest.approx(found.calibration**2, rel=1e-12, abs=0.0)
         assert found.representative, found.id
     assert "resolution_um" not in shipped["workshop_microscope"].representative  # published by the source study
-    assert shipped["workshop_microscope"].resolution == pytest.approx(1e-6, rel=1e-12)
+    assert shipped["workshop_microscope"].resolution == pytest.approx(1e-6, rel=1e-12, abs=0.0)
 
 
 def test_the_study_measured_spools_with_a_microscope() -> None:
@@ -66,7 +66,7 @@ def test_a_wrong_value_is_named(tmp_path: Path, line: str, said: str) -> None:
     file.write_text("\n".join(f"{name} = {value}" for name, value in good.items()), encoding="utf-8")
     own = load_instrument(file)
     assert own.repeatability is None
-    assert own.calibration == pytest.approx(0.8e-6, rel=1e-12)
+    assert own.calibration == pytest.approx(0.8e-6, rel=1e-12, abs=0.0)
     rest = [f"{name} = {value}" for name, value in good.items() if name != key]
     file.write_text("\n".join([*rest, line]), encoding="utf-8")
     with pytest.raises(CatalogueError, match=said):

@@ -17,9 +17,14 @@ Edited = Callable[..., Path]
 
 def test_default_limits_and_their_origins(limits: Limits) -> None:
     assert limits.wear is not None
-    assert dict(limits.wear.levels) == {"watch": pytest.approx(0.10), "replace": pytest.approx(0.50)}
+    assert dict(limits.wear.levels) == {
+        "watch": pytest.approx(0.10, rel=1e-9, abs=0.0),
+        "replace": pytest.approx(0.50, rel=1e-9, abs=0.0),
+    }
     assert limits.wear.origin == "published"
-    assert dict(limits.total_share.levels) == pytest.approx({"amber": 0.10, "red": 0.20, "critical": 0.50})
+    assert dict(limits.total_share.levels) == pytest.approx(
+        {"amber": 0.10, "red": 0.20, "critical": 0.50}, rel=1e-9, abs=0.0
+    )
     assert limits.total_share.origin == "choice of this project"
     assert limits.pair_share is not None
     assert limits.pair_share.origin == "choice of this project"
@@ -87,7 +92,7 @@ def test_a_workshop_s_own_clearance_limit(edited: Edited) -> None:
     clearance = load_limits(path).clearance
     assert clearance is not None
     assert clearance.origin == "set by the workshop"
-    assert clearance.judge(60e-6, "ok") == ("replace", pytest.approx(60e-6))
+    assert clearance.judge(60e-6, "ok") == ("replace", pytest.approx(60e-6, rel=1e-9, abs=0.0))
     assert clearance.judge(59.9e-6, "ok")[0] == "ok"
 
 

@@ -127,7 +127,9 @@ def test_wear_scales_the_cold_clearance_and_leaves_the_spool(increment: float, f
     for old, new in zip(before, with_wear(before, increment), strict=True):
         assert new.radial_clearance == pytest.approx(old.radial_clearance * (1.0 + increment), rel=1e-12, abs=0.0)
         assert new.spool_diameter == old.spool_diameter
-        assert (new.sleeve_diameter - new.spool_diameter) / 2.0 == pytest.approx(new.radial_clearance, rel=1e-9)
+        assert (new.sleeve_diameter - new.spool_diameter) / 2.0 == pytest.approx(
+            new.radial_clearance, rel=1e-9, abs=0.0
+        )
 
 
 def test_wear_leaves_the_thermal_term_unscaled(four_speed: Controller, hipol: Fluid) -> None:
@@ -163,7 +165,7 @@ def test_repairing_a_new_unit_changes_nothing(minimal: Controller, readings_of: 
     again = repaired(states, [state.land.key for state in states])
     for old, new in zip(states, again, strict=True):
         assert new.radial_clearance == old.radial_clearance
-        assert new.sleeve_diameter == pytest.approx(old.sleeve_diameter, rel=1e-15)
+        assert new.sleeve_diameter == pytest.approx(old.sleeve_diameter, rel=1e-15, abs=0.0)
 
 
 # --- mileage

@@ -183,7 +183,7 @@ def test_shares_and_bands_of_the_conditions(record: dict[str, Any]) -> None:
 
 def test_road_test_sections_are_parts_of_one_whole(record: dict[str, Any]) -> None:
     road = record["road_test"]
-    assert sum(road["sections"].values()) == pytest.approx(1.0, rel=1e-12)
+    assert sum(road["sections"].values()) == pytest.approx(1.0, rel=1e-12, abs=0.0)
     assert all(share > 0.0 for share in road["sections"].values())
     assert road["gears"] == [1, 2, 3, 4]
     assert road["min_leakage"]["leakage_dm3_min"] < road["max_leakage"]["leakage_dm3_min"]
@@ -238,10 +238,10 @@ def test_limits_state_unit_and_origin(edited: Callable[..., Path], minimal: Cont
         ("# Total leakage", '[clearance_um]\nreplace = 60.0\norigin = "set by the workshop"\nsource = "own"\n# Total'),
     )
     rules = diagnosis_record(diagnose(minimal, hipol, load_limits(path)))["limits"]["rules"]
-    assert rules["radial_clearance"]["replace_um"] == pytest.approx(60.0, rel=1e-12)
+    assert rules["radial_clearance"]["replace_um"] == pytest.approx(60.0, rel=1e-12, abs=0.0)
     assert rules["radial_clearance"]["origin"] == "set by the workshop"
-    assert rules["wear"]["replace_percent"] == pytest.approx(50.0, rel=1e-12)
-    assert rules["total_share"]["critical_percent"] == pytest.approx(50.0, rel=1e-12)
+    assert rules["wear"]["replace_percent"] == pytest.approx(50.0, rel=1e-12, abs=0.0)
+    assert rules["total_share"]["critical_percent"] == pytest.approx(50.0, rel=1e-12, abs=0.0)
 
 
 def test_a_rule_of_clearance_is_in_micrometres(
@@ -256,8 +256,8 @@ def test_a_rule_of_clearance_is_in_micrometres(
     record = diagnosis_record(diagnose(minimal, hipol, load_limits(path), readings=readings))
     land = next(land for land in record["lands"] if land["component"] == "tcc_regulator")
     rule = next(rule for rule in land["rules"] if rule["rule"] == "radial_clearance_um")
-    assert rule["value"] == pytest.approx(20.0, rel=1e-9)
-    assert rule["limit"] == pytest.approx(15.0, rel=1e-9)
+    assert rule["value"] == pytest.approx(20.0, rel=1e-9, abs=0.0)
+    assert rule["limit"] == pytest.approx(15.0, rel=1e-9, abs=0.0)
     assert rule["origin"] == "set by the workshop"
 
 

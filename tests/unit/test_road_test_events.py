@@ -100,7 +100,7 @@ def test_hot_idle_needs_a_hot_fluid() -> None:
 def test_stall_needs_a_turbine_at_rest_or_a_gear() -> None:
     channels = drive()
     (event,) = stalls(road_test(**channels))
-    assert (event.start, event.stop) == (pytest.approx(10.0), pytest.approx(11.9))
+    assert (event.start, event.stop) == (pytest.approx(10.0, rel=1e-9, abs=0.0), pytest.approx(11.9, rel=1e-9, abs=0.0))
     spinning = {**channels, "turbine_speed": channels["engine_speed"]}
     assert stalls(road_test(**spinning)) == []
     bare = {name: channels[name] for name in ("engine_speed", "vehicle_speed")}
@@ -117,7 +117,7 @@ def test_lock_up_by_slip_and_else_by_command() -> None:
     command = np.zeros(len(bare["engine_speed"]))
     command[300:400] = 260e3
     (event,) = lock_ups(road_test(**bare, lock_up=command))
-    assert (event.start, event.stop) == (pytest.approx(30.0), pytest.approx(39.9))
+    assert (event.start, event.stop) == (pytest.approx(30.0, rel=1e-9, abs=0.0), pytest.approx(39.9, rel=1e-9, abs=0.0))
     assert "commanded" in event.note
 
 
@@ -162,7 +162,7 @@ def test_gear_is_derived_from_the_ratio_and_marked() -> None:
 def test_ratio_levels_find_every_gear(ratios: list[float]) -> None:
     noise = np.random.default_rng(1).normal(1, 0.004, 200 * len(ratios))
     found = ratio_levels(np.repeat(sorted(ratios, reverse=True), 200) * noise)
-    assert found == pytest.approx(sorted(ratios, reverse=True), rel=0.02)
+    assert found == pytest.approx(sorted(ratios, reverse=True), rel=0.02, abs=0.0)
 
 
 def test_thresholds_can_be_set() -> None:
@@ -190,7 +190,7 @@ def test_window_cuts_every_channel_and_segment() -> None:
     test = road_test(halves, **drive())
     part = test.window(25.0, 35.0)
     assert part.rows == len(part.time) == 101
-    assert part.duration == pytest.approx(10.0)
+    assert part.duration == pytest.approx(10.0, rel=1e-9, abs=0.0)
     assert [segment.rows for segment in part.segments] == [50, 51]
     assert part.values("engine_speed").tolist() == test.values("engine_speed")[250:351].tolist()
     assert test.window(1e6, 2e6).rows == 0

@@ -38,9 +38,9 @@ FIXTURES = Path(__file__).parent / "road_test_fixtures"
 def test_workshop_csv() -> None:
     test = read_road_test(FIXTURES / "workshop.csv")
     assert (test.rows, test.duration, test.delimiter, test.decimal) == (12, 1.1, ";", ",")
-    assert test.values("engine_speed")[0] == pytest.approx(800 / 60)
-    assert test.values("main_pressure")[-1] == pytest.approx(5.5e5)
-    assert test.values("atf_temperature")[0] == pytest.approx(80.0)
+    assert test.values("engine_speed")[0] == pytest.approx(800 / 60, rel=1e-9, abs=0.0)
+    assert test.values("main_pressure")[-1] == pytest.approx(5.5e5, rel=1e-9, abs=0.0)
+    assert test.values("atf_temperature")[0] == pytest.approx(80.0, rel=1e-9, abs=0.0)
     assert test.kind("main_pressure") == "measured"
     assert test.file == "workshop.csv"
     assert len(test.sha256) == 64
@@ -49,11 +49,11 @@ def test_workshop_csv() -> None:
 def test_own_clock_per_channel_is_held_not_moved() -> None:
     test = read_road_test(FIXTURES / "clock_per_channel.csv")
     speed = test.channels["vehicle_speed"]
-    assert speed.time.tolist() == pytest.approx([0.05, 0.45, 0.85, 1.25])
+    assert speed.time.tolist() == pytest.approx([0.05, 0.45, 0.85, 1.25], rel=1e-9, abs=0.0)
     # at the first row's stamp the speed is not sampled yet; then the last own sample stands
     held = test.values("vehicle_speed")
     assert np.isnan(held[0])
-    assert held[1:] * 3.6 == pytest.approx([10.0, 11.0, 12.0])
+    assert held[1:] * 3.6 == pytest.approx([10.0, 11.0, 12.0], rel=1e-9, abs=0.0)
 
 
 def test_sparse_columns_hold_within_limits() -> None:
@@ -62,10 +62,10 @@ def test_sparse_columns_hold_within_limits() -> None:
     test = read_road_test("\n".join(rows).encode())
     atf = test.channels["atf_temperature"]
     assert atf.samples == 8
-    assert atf.sampling_hz == pytest.approx(2.0)
+    assert atf.sampling_hz == pytest.approx(2.0, rel=1e-9, abs=0.0)
     held = test.values("atf_temperature")
     assert held[4] == 80.0
-    assert held[49] == pytest.approx(80.35)
+    assert held[49] == pytest.approx(80.35, rel=1e-9, abs=0.0)
     assert np.isnan(held[51:]).all(), "a sample older than three intervals is no longer true"
 
 
@@ -96,7 +96,7 @@ def test_headerless_needs_names_and_takes_them() -> None:
         HEADERLESS, mapping=mapping, units={"time": "s", "engine_speed": "rpm", "main_pressure": "kPa"}
     )
     assert test.rows == 30
-    assert test.duration == pytest.approx(2.9)
+    assert test.duration == pytest.approx(2.9, rel=1e-9, abs=0.0)
     assert test.values("main_pressure")[0] == 400e3
 
 
@@ -107,7 +107,7 @@ def test_mapping_settles_an_ambiguity() -> None:
     told = understand(text.encode())
     assert told.ambiguous[0].candidates == ("Front Wheel Speed (km/h)", "Rear Wheel Speed (km/h)")
     test = read_road_test(text.encode(), mapping={"vehicle_speed": "Rear Wheel Speed"})
-    assert test.values("vehicle_speed")[-1] * 3.6 == pytest.approx(38.0)
+    assert test.values("vehicle_speed")[-1] * 3.6 == pytest.approx(38.0, rel=1e-9, abs=0.0)
 
 
 def test_mapping_keeps_that_a_pressure_is_commanded() -> None:
@@ -201,7 +201,7 @@ def test_workbook_with_preamble_and_gaps() -> None:
     columns = {column["quantity"]: column for column in told["columns"]}
     assert columns["atf_temperature"]["unit"] == "°F"
     assert columns["atf_temperature"]["samples"] == 8
-    assert columns["engine_speed"]["max"] == pytest.approx(829)
+    assert columns["engine_speed"]["max"] == pytest.approx(829, rel=1e-9, abs=0.0)
 
 
 def test_workbook_with_a_sheet_per_signal() -> None:
@@ -213,7 +213,7 @@ def test_workbook_with_a_sheet_per_signal() -> None:
     )
     test = read_road_test(data)
     assert set(test.channels) == {"engine_speed", "vehicle_speed"}
-    assert test.channels["vehicle_speed"].sampling_hz == pytest.approx(4.0)
+    assert test.channels["vehicle_speed"].sampling_hz == pytest.approx(4.0, rel=1e-9, abs=0.0)
     assert test.channels["engine_speed"].samples == 20
 
 
@@ -225,7 +225,7 @@ def test_workbook_with_text_numbers_and_times() -> None:
     rows += [[start + dt.timedelta(seconds=i), f"{800 + i},5", 80.5] for i in range(20)]
     test = read_road_test(workbook({"Blatt": rows}))
     assert test.duration == pytest.approx(19.0, abs=1e-5)
-    assert test.values("engine_speed")[0] * 60 == pytest.approx(800.5)
+    assert test.values("engine_speed")[0] * 60 == pytest.approx(800.5, rel=1e-9, abs=0.0)
 
 
 def test_zip_that_is_no_workbook_and_a_bomb() -> None:
@@ -269,7 +269,7 @@ def test_mdf_physical_channels() -> None:
         assert test.format.startswith("MDF 4")
         assert test.rows == 50
         assert test.channels["atf_temperature"].samples == 25
-        assert test.values("atf_temperature")[10] == pytest.approx(80.0)
+        assert test.values("atf_temperature")[10] == pytest.approx(80.0, rel=1e-9, abs=0.0)
 
 
 def test_without_the_extra_the_way_to_get_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -347,7 +347,7 @@ def test_json_form_and_tidy_table_agree() -> None:
     again = read_road_test(tidy_csv(told.road_test).encode())
     assert set(again.channels) == set(told.road_test.channels)
     for quantity in again.channels:
-        assert again.values(quantity) == pytest.approx(told.road_test.values(quantity), rel=1e-9)
+        assert again.values(quantity) == pytest.approx(told.road_test.values(quantity), rel=1e-9, abs=0.0)
 
 
 def test_extension_and_name_do_not_matter(tmp_path: Path) -> None:
@@ -370,7 +370,9 @@ def test_large_file_reads_as_its_bytes_do(tmp_path: Path) -> None:
         there, here = read_road_test(path), read_road_test(text.encode())
         assert there.rows == here.rows == 39_999
         assert there.sha256 == here.sha256
-        assert there.values("engine_speed") == pytest.approx(here.values("engine_speed"), nan_ok=True)
+        assert there.values("engine_speed") == pytest.approx(
+            here.values("engine_speed"), nan_ok=True, rel=1e-9, abs=0.0
+        )
 
 
 MEASURE = """
@@ -443,10 +445,10 @@ def test_any_dialect_gives_the_same_road_test(
         lines.append(delimiter.join(cell.replace(".", ",") if comma else cell for cell in cells))
     test = read_road_test((end.join(lines) + end).encode(encoding))
     assert test.rows == rows
-    assert test.duration == pytest.approx(0.05 * (rows - 1))
-    assert test.values("engine_speed") * 60 == pytest.approx(900 + 13.5 * np.arange(rows))
-    assert test.values("main_pressure") == pytest.approx(5e5 + 1e3 * np.arange(rows), rel=1e-5)
-    assert test.values("atf_temperature") == pytest.approx(75 + np.arange(rows) % 4)
+    assert test.duration == pytest.approx(0.05 * (rows - 1), rel=1e-9, abs=0.0)
+    assert test.values("engine_speed") * 60 == pytest.approx(900 + 13.5 * np.arange(rows), rel=1e-9, abs=0.0)
+    assert test.values("main_pressure") == pytest.approx(5e5 + 1e3 * np.arange(rows), rel=1e-5, abs=0.0)
+    assert test.values("atf_temperature") == pytest.approx(75 + np.arange(rows) % 4, rel=1e-9, abs=0.0)
 
 
 @settings(max_examples=150, deadline=None)

@@ -161,7 +161,9 @@ def test_clock_strings_agree_with_the_calendar(start: pd.Timestamp, steps: list[
 def test_clock_of_varying_width_and_missing_cells() -> None:
     clock = text_clock(pd.Series(["9:59:58.5", "9:59:59", None, "10:00:00.25", "rubbish", "10:00:01"]))
     assert clock is not None
-    assert clock.seconds.tolist() == pytest.approx([0.0, 0.5, np.nan, 1.75, np.nan, 2.5], nan_ok=True)
+    assert clock.seconds.tolist() == pytest.approx(
+        [0.0, 0.5, np.nan, 1.75, np.nan, 2.5], nan_ok=True, rel=1e-9, abs=0.0
+    )
 
 
 def test_hours_and_minutes_alone_are_no_clock() -> None:
@@ -194,7 +196,7 @@ def test_jitter_is_put_in_order_and_restarts_are_kept_apart() -> None:
     assert len(line.segments) == 1
     line = build(np.concatenate([np.arange(20) * 0.1, np.arange(30) * 0.1]))
     assert [segment.rows for segment in line.segments] == [20, 30]
-    assert line.duration == pytest.approx(1.9 + 2.9)
+    assert line.duration == pytest.approx(1.9 + 2.9, rel=1e-9, abs=0.0)
     assert (np.diff(line.time) >= 0).all()
 
 
@@ -210,9 +212,9 @@ def test_time_base_is_always_ascending(stamps: list[float]) -> None:
 
 
 def test_gap_limit() -> None:
-    assert gap_limit(np.full(100, 0.32)) == pytest.approx(1.12)
+    assert gap_limit(np.full(100, 0.32)) == pytest.approx(1.12, rel=1e-9, abs=0.0)
     uneven = np.tile([0.002, 0.002, 0.6], 100)
-    assert gap_limit(uneven) == pytest.approx(3.0)
+    assert gap_limit(uneven) == pytest.approx(3.0, rel=1e-9, abs=0.0)
 
 
 # --- units by value -----------------------------------------------------------------------------------------

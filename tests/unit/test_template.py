@@ -162,7 +162,7 @@ def test_readings_are_written_and_read_back_with_their_places(controller):
         }
         for one in found.readings:
             wanted = given[[(each.part, each.direction) for each in given].index((one.part, one.direction))]
-            assert one.diameter == pytest.approx(wanted.diameter, rel=1e-12)
+            assert one.diameter == pytest.approx(wanted.diameter, rel=1e-12, abs=0.0)
             sheet = opened(data)[SHEET]
             column = openpyxl.utils.column_index_from_string(one.place.column)
             assert isinstance(sheet.cell(one.place.row, column).value, float | int)

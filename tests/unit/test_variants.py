@@ -78,7 +78,7 @@ def test_a_sample_equals_the_sum_of_its_gaps_one_by_one(
             land.contact_length,
         )  # fmt: skip
     result = next(found for found in results if found.variant is variant)
-    assert result.computed.leakage[index] == pytest.approx(total, rel=1e-12)
+    assert result.computed.leakage[index] == pytest.approx(total, rel=1e-12, abs=0.0)
 
 
 def test_the_logs_own_temperature_is_not_used(four_speed: Controller, road_test: RoadTest, results) -> None:
@@ -98,9 +98,13 @@ def test_a_variant_gives_the_road_test_one_temperature(road_test: RoadTest) -> N
 def test_fluid_of_a_variant(variant) -> None:
     computed, tabulated = variant_fluid(variant), variant_fluid(variant, as_tabulated=True)
     at = variant.temperature
-    assert computed.kinematic_viscosity(at, "tabulated") == pytest.approx(variant.viscosity_of_results, rel=1e-12)
-    assert tabulated.kinematic_viscosity(at, "tabulated") == pytest.approx(variant.kinematic_viscosity, rel=1e-12)
-    assert computed.density(at, "tabulated") == pytest.approx(variant.density, rel=1e-12)
+    assert computed.kinematic_viscosity(at, "tabulated") == pytest.approx(
+        variant.viscosity_of_results, rel=1e-12, abs=0.0
+    )
+    assert tabulated.kinematic_viscosity(at, "tabulated") == pytest.approx(
+        variant.kinematic_viscosity, rel=1e-12, abs=0.0
+    )
+    assert computed.density(at, "tabulated") == pytest.approx(variant.density, rel=1e-12, abs=0.0)
     assert (computed.id == "hipol_atf_iid_used") == (variant.name in {"W2", "W3", "W4"})
     assert (tabulated.id == "hipol_atf_iid_used") == (variant.name == "W2")
 
@@ -108,7 +112,7 @@ def test_fluid_of_a_variant(variant) -> None:
 def test_used_oil_leaks_in_inverse_proportion_to_viscosity(results) -> None:
     w3 = next(found for found in results if found.variant.name == "W3")
     ratio = w3.as_tabulated.leakage / w3.computed.leakage
-    assert ratio == pytest.approx(8.40 / 10.93, rel=1e-9)
+    assert ratio == pytest.approx(8.40 / 10.93, rel=1e-9, abs=0.0)
 
 
 def test_reaches_digits() -> None:
@@ -124,7 +128,7 @@ def test_a_workshops_own_controller_runs_through_the_same_variants(minimal: Cont
     found = run_variants(minimal, road_test)
     assert [result.variant.name for result in found] == [variant.name for variant in VARIANTS]
     leakage = [result.computed.max_leakage.leakage for result in found]
-    assert leakage[1] / leakage[0] == pytest.approx(10.93 / 8.40, rel=1e-9)
+    assert leakage[1] / leakage[0] == pytest.approx(10.93 / 8.40, rel=1e-9, abs=0.0)
     assert leakage[3] > leakage[2] > leakage[1]
 
 
@@ -135,7 +139,7 @@ def test_measured_clearances_can_count_as_no_wear(four_speed: Controller, road_t
         mounted.append(replace(state, radial_clearance=wide, sleeve_diameter=state.spool_diameter + 2 * wide))
     twice = run_variants(four_speed, road_test, mounted=mounted)
     w6 = 5  # at 20 °C, where no heat is added, leakage goes with the cube
-    assert twice[w6].computed.leakage == pytest.approx(8 * results[w6].computed.leakage, rel=1e-12)
+    assert twice[w6].computed.leakage == pytest.approx(8 * results[w6].computed.leakage, rel=1e-12, abs=0.0)
 
 
 def test_log_without_engine_speed_has_no_share(four_speed: Controller, road_test: RoadTest, results) -> None:
@@ -191,13 +195,13 @@ def test_temperature_curves_pass_through_the_variants(four_speed: Controller, ro
     for result in results:
         if result.variant.wear == 0.5:
             assert tabulated[result.variant.temperature] == pytest.approx(
-                result.as_tabulated.max_leakage.leakage, rel=1e-9
+                result.as_tabulated.max_leakage.leakage, rel=1e-9, abs=0.0
             )
     cold = curves["d341"].temperature < -20
     assert np.isnan(curves["d341"].max_leakage[cold]).all()
     assert np.isfinite(curves["d341"].max_leakage[~cold]).all()
     assert curves["regression"].max_leakage[-1] == pytest.approx(
-        tabulated[100.0] * 7.0 / 4.67 * 0.768 / 0.7709, rel=2e-3
+        tabulated[100.0] * 7.0 / 4.67 * 0.768 / 0.7709, rel=2e-3, abs=0.0
     )
 
 
@@ -218,11 +222,11 @@ def test_record_has_what_scripts_rely_on(four_speed: Controller, road_test: Road
         } <= set(row["computed"])  # fmt: skip
         assert {"max_leakage_dm3_min", "max_share_percent"} <= set(row["as_tabulated"])
     w3 = record["variants"][2]
-    assert w3["kinematic_viscosity_mm2_s"] == pytest.approx(10.93)
-    assert w3["kinematic_viscosity_used_mm2_s"] == pytest.approx(8.40)
-    assert w3["wear_percent"] == pytest.approx(10.0)
-    assert w3["computed"]["max_leakage_dm3_min"] == pytest.approx(3.64, rel=0.01)
-    assert w3["as_tabulated"]["max_leakage_dm3_min"] == pytest.approx(2.80, rel=0.01)
+    assert w3["kinematic_viscosity_mm2_s"] == pytest.approx(10.93, rel=1e-9, abs=0.0)
+    assert w3["kinematic_viscosity_used_mm2_s"] == pytest.approx(8.40, rel=1e-9, abs=0.0)
+    assert w3["wear_percent"] == pytest.approx(10.0, rel=1e-9, abs=0.0)
+    assert w3["computed"]["max_leakage_dm3_min"] == pytest.approx(3.64, rel=0.01, abs=0.0)
+    assert w3["as_tabulated"]["max_leakage_dm3_min"] == pytest.approx(2.80, rel=0.01, abs=0.0)
     assert "8.40" in w3["note"]
     assert record["variants"][0]["note"] is None
     assert record["controller"]["sha256"] == four_speed.sha256
@@ -256,7 +260,7 @@ def test_shipped_test_is_plausible(four_speed: Controller, road_test: RoadTest, 
     assert (pressures["p_s"] > 0.1 * p_g).all()
     assert 750 <= speed.min() * 60 <= 850
     assert speed.max() * 60 <= 2500
-    assert speed[0] == pytest.approx(speed.min(), rel=1e-3)
+    assert speed[0] == pytest.approx(speed.min(), rel=1e-3, abs=0.0)
     assert np.unique(gear).tolist() == [1, 2, 3, 4]
     assert (np.diff(gear) >= 0).all()
     assert not {message.code for result in results for message in result.messages}

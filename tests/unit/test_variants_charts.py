@@ -60,15 +60,15 @@ def line(chart: Chart, name: str):
 def test_leakage_of_every_variant_over_time(over_time: Chart, results) -> None:
     for result in results:
         drawn = line(over_time, result.variant.name)
-        assert drawn.x == pytest.approx(result.time)
-        assert drawn.y == pytest.approx(result.computed.leakage * DM3_MIN, rel=1e-12)
+        assert drawn.x == pytest.approx(result.time, rel=1e-9, abs=0.0)
+        assert drawn.y == pytest.approx(result.computed.leakage * DM3_MIN, rel=1e-12, abs=0.0)
 
 
 def test_pump_capacity_has_its_own_panel(over_time: Chart, results) -> None:
     pump = line(over_time, "pump capacity Q_p")
     assert pump.panel == "upper"
     assert pump.y.max() == pytest.approx(33.6, abs=0.05)
-    assert pump.y[0] == pytest.approx(results[0].computed.pump_capacity[0] * DM3_MIN)
+    assert pump.y[0] == pytest.approx(results[0].computed.pump_capacity[0] * DM3_MIN, rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -77,19 +77,22 @@ def test_least_and_most_of_a_variant_are_marked_on_its_line(name: str, over_time
     for word, extreme, symbol in (("least", np.argmin, "triangle-down"), ("most", np.argmax, "triangle-up")):
         mark = line(over_time, f"{name} {word}")
         index = extreme(drawn.y)
-        assert (mark.x[0], mark.y[0]) == (pytest.approx(drawn.x[index]), pytest.approx(drawn.y[index]))
+        assert (mark.x[0], mark.y[0]) == (
+            pytest.approx(drawn.x[index], rel=1e-9, abs=0.0),
+            pytest.approx(drawn.y[index], rel=1e-9, abs=0.0),
+        )
         assert (mark.symbol, mark.color, mark.dash) == (symbol, drawn.color, None)
 
 
 def test_instants_of_least_and_most_leakage(over_time: Chart) -> None:
-    assert [mark.x for mark in over_time.marks] == pytest.approx([0.96, 2.1])
+    assert [mark.x for mark in over_time.marks] == pytest.approx([0.96, 2.1], rel=1e-9, abs=0.0)
     assert [mark.text for mark in over_time.marks] == ["least leakage, 0.96 s", "most leakage, 2.1 s"]
     assert len({mark.dash for mark in over_time.marks}) == 2
 
 
 def test_gears_stand_over_the_test(over_time: Chart) -> None:
     assert [span[2] for span in over_time.spans] == ["gear 1", "gear 2", "gear 3", "gear 4"]
-    assert over_time.spans[1][:2] == (pytest.approx(0.9), pytest.approx(5.1))
+    assert over_time.spans[1][:2] == (pytest.approx(0.9, rel=1e-9, abs=0.0), pytest.approx(5.1, rel=1e-9, abs=0.0))
 
 
 def test_variants_differ_without_colour(over_time: Chart) -> None:
@@ -108,7 +111,7 @@ def test_variants_differ_without_colour(over_time: Chart) -> None:
 def test_share_is_marked_largest_at_idle(share: Chart) -> None:
     for name in NAMES:
         drawn, worst, most = (line(share, found) for found in (name, f"{name} largest share", f"{name} most leakage"))
-        assert worst.y[0] == pytest.approx(drawn.y.max())
+        assert worst.y[0] == pytest.approx(drawn.y.max(), rel=1e-9, abs=0.0)
         assert worst.x[0] < 0.1
         assert most.x[0] == pytest.approx(2.1, abs=0.05)
         assert worst.y[0] > 1.3 * most.y[0]
@@ -136,7 +139,7 @@ def test_most_leakage_over_temperature_with_three_viscosities(over_temperature: 
     study, _, d341 = (dict(zip(curve.x, curve.y, strict=True)) for curve in curves)
     assert study[100.0] == pytest.approx(11.23, abs=0.005)
     assert study[80.0] == pytest.approx(6.58, abs=0.005)  # fresh oil
-    assert d341[100.0] == pytest.approx(study[100.0], rel=2e-3)
+    assert d341[100.0] == pytest.approx(study[100.0], rel=2e-3, abs=0.0)
     assert np.isnan(d341[-40.0])
 
 
@@ -145,7 +148,7 @@ def test_variants_of_that_wear_printed_and_computed(over_temperature: Chart) -> 
     assert printed.x.tolist() == [-40.0, 20.0, 40.0, 80.0, 100.0]
     assert printed.y.tolist() == [0.021, 0.38, 1.43, 8.56, 11.23]
     assert computed.text == ("W5", "W6", "W7", "W4", "W8")
-    assert computed.y == pytest.approx(printed.y, rel=0.01)
+    assert computed.y == pytest.approx(printed.y, rel=0.01, abs=0.0)
     assert (printed.filled, computed.filled) == (False, True)
 
 

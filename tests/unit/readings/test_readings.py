@@ -34,7 +34,9 @@ def test_without_readings_every_land_is_at_its_mounting_clearance(controller):
         assert (found.status, found.measured) == ("not_measured", False)
         assert found.radial_clearance == found.min_clearance == found.max_clearance == found.land.mounting_clearance
         assert found.spool_diameter == found.land.nominal_diameter
-        assert found.sleeve_diameter == pytest.approx(found.land.nominal_diameter + 2 * found.land.mounting_clearance)
+        assert found.sleeve_diameter == pytest.approx(
+            found.land.nominal_diameter + 2 * found.land.mounting_clearance, rel=1e-9, abs=0.0
+        )
         assert found.stations == ()
         assert found.messages == ()
 
@@ -50,9 +52,9 @@ def test_mean_over_repeats_then_directions_then_planes(controller):
         *one("8", "sleeve", "2", 0.0, 10.070),
     )
     found = clearances(spool, controller)[2]
-    assert found.spool_diameter == pytest.approx(9.990e-3, rel=1e-12)
-    assert found.sleeve_diameter == pytest.approx((10.055e-3 + 10.070e-3) / 2, rel=1e-12)
-    assert found.radial_clearance == pytest.approx((10.0625e-3 - 9.990e-3) / 2, rel=1e-9)
+    assert found.spool_diameter == pytest.approx(9.990e-3, rel=1e-12, abs=0.0)
+    assert found.sleeve_diameter == pytest.approx((10.055e-3 + 10.070e-3) / 2, rel=1e-12, abs=0.0)
+    assert found.radial_clearance == pytest.approx((10.0625e-3 - 9.990e-3) / 2, rel=1e-9, abs=0.0)
     assert (found.status, found.measured) == ("measured", True)
     assert (found.spool_readings, found.sleeve_readings) == (5, 3)
     assert (found.spool_repeats, found.sleeve_repeats) == (1, 1)
@@ -69,9 +71,9 @@ def test_ovality_taper_and_spread_of_repeats(controller):
         ),
         controller,
     )[2]
-    assert found.spool_ovality == pytest.approx(4.5 * UM)  # plane 1: 9.9955 − 9.991
-    assert found.spool_taper == pytest.approx(9.99325e-3 - 9.98125e-3)
-    assert found.spool_repeat_spread == pytest.approx(2 * UM)
+    assert found.spool_ovality == pytest.approx(4.5 * UM, rel=1e-9, abs=0.0)  # plane 1: 9.9955 − 9.991
+    assert found.spool_taper == pytest.approx(9.99325e-3 - 9.98125e-3, rel=1e-9, abs=0.0)
+    assert found.spool_repeat_spread == pytest.approx(2 * UM, rel=1e-9, abs=0.0)
     assert (found.sleeve_ovality, found.sleeve_taper, found.sleeve_repeat_spread) == (None, None, None)
 
 
@@ -85,9 +87,9 @@ def test_worst_direction_and_the_range_over_directions(controller):
         ),
         controller,
     )[0]
-    assert found.min_clearance == pytest.approx(30 * UM)
-    assert found.max_clearance == pytest.approx(47 * UM)
-    assert found.radial_clearance == pytest.approx(38.5 * UM)
+    assert found.min_clearance == pytest.approx(30 * UM, rel=1e-9, abs=0.0)
+    assert found.max_clearance == pytest.approx(47 * UM, rel=1e-9, abs=0.0)
+    assert found.radial_clearance == pytest.approx(38.5 * UM, rel=1e-9, abs=0.0)
     assert found.worst_direction == 90.0
     assert [(station.direction, station.plane) for station in found.stations] == [(0.0, "1"), (90.0, "1")]
 
@@ -102,7 +104,7 @@ def test_a_spool_without_directions_meets_each_direction_of_the_sleeve(controlle
         controller,
     )[0]
     assert [station.spool_diameter for station in found.stations] == [9.940e-3, 9.940e-3]
-    assert found.max_clearance == pytest.approx(40 * UM)
+    assert found.max_clearance == pytest.approx(40 * UM, rel=1e-9, abs=0.0)
 
 
 def test_missing_sleeve_takes_its_nominal_diameter_and_says_so(controller):
@@ -111,7 +113,7 @@ def test_missing_sleeve_takes_its_nominal_diameter_and_says_so(controller):
     ]
     assert (found.status, found.measured) == ("spool_only", True)
     assert found.sleeve_diameter == found.land.nominal_diameter + 2 * found.land.mounting_clearance
-    assert found.radial_clearance == pytest.approx(27 * UM)
+    assert found.radial_clearance == pytest.approx(27 * UM, rel=1e-9, abs=0.0)
     message = next(message for message in found.messages if message.code == "sleeve_missing")
     assert message.level == "warning"
     assert "9.989 mm" in message.text
@@ -124,7 +126,7 @@ def test_missing_spool_takes_its_nominal_diameter_and_says_so(controller):
     )[3]
     assert (found.status, found.spool_readings) == ("sleeve_only", 0)
     assert found.spool_diameter == found.land.nominal_diameter
-    assert found.radial_clearance == pytest.approx(40 * UM)
+    assert found.radial_clearance == pytest.approx(40 * UM, rel=1e-9, abs=0.0)
     message = next(message for message in found.messages if message.code == "spool_missing")
     assert "piston" in message.text
 
@@ -172,7 +174,7 @@ def test_mirrored_and_copied_coordinates_are_no_independent_repeats(controller):
     real = [coordinate(1, 0.089605, 0.079666), coordinate(2, 0.079667, 0.089605)]
     found = clearances(readings(*real), controller)[0]
     assert (found.spool_repeats, codes(found).count("mirrored_repeats")) == (2, 0)
-    assert found.spool_repeat_spread == pytest.approx(1 * UM, rel=1e-6)
+    assert found.spool_repeat_spread == pytest.approx(1 * UM, rel=1e-6, abs=0.0)
 
 
 def test_equal_diameters_without_coordinates_are_independent(controller):
@@ -202,7 +204,7 @@ def test_a_direction_in_which_the_sleeve_is_smaller_is_negative_there_and_flagge
         ),
         controller,
     )[0]
-    assert found.min_clearance == pytest.approx(-1 * UM)
+    assert found.min_clearance == pytest.approx(-1 * UM, rel=1e-9, abs=0.0)
     assert found.radial_clearance > 0
     assert "tight_direction" in codes(found)
 

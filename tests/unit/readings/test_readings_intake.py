@@ -197,7 +197,7 @@ def test_table_1_as_a_workbook_with_merged_cells(controller, make_workbook):
     found = read_readings(make_workbook(rows, merge=merge), controller)
     assert sizes(found) == EXPECTED
     assert found.layout == "table"
-    assert found.readings[0].coordinates == pytest.approx((59.939e-3, 50e-3))
+    assert found.readings[0].coordinates == pytest.approx((59.939e-3, 50e-3), rel=1e-9, abs=0.0)
     assert found.readings[4].place.row == 7
 
 
@@ -436,7 +436,9 @@ def test_a_sheet_can_be_named_and_a_hidden_one_is_left_aside(controller, save_bo
     hidden.sheet_state = "hidden"
     data = save_book(book)
     assert sizes(read_readings(data, controller)) == EXPECTED
-    assert read_readings(data, controller, sheet="old").readings[0].diameter == pytest.approx(9.941e-3)
+    assert read_readings(data, controller, sheet="old").readings[0].diameter == pytest.approx(
+        9.941e-3, rel=1e-9, abs=0.0
+    )
 
 
 def test_a_diameter_beside_its_coordinates_may_be_rounded(controller, make_workbook):
@@ -445,13 +447,13 @@ def test_a_diameter_beside_its_coordinates_may_be_rounded(controller, make_workb
         (6, "spool", 1, 59.9391, 50.0, 9.939),
     ]
     found = read_readings(make_workbook(rows), controller)
-    assert found.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12)
+    assert found.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12, abs=0.0)
 
 
 def test_coordinates_and_diameter_in_different_units(controller, make_workbook):
     rows = [("component", "part", "plane", "x1 [mm]", "x2 [mm]", "diameter [µm]"), (6, "spool", 1, 59.939, 50.0, 9939)]
     found = read_readings(make_workbook(rows), controller)
-    assert found.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12)
+    assert found.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12, abs=0.0)
 
 
 def test_a_formula_without_stored_result_does_not_matter_beside_its_coordinates(controller, save_book):
@@ -470,7 +472,9 @@ def test_a_formula_with_its_result(controller):
         sheet.write_row(0, 0, ["component", "part", "plane", "diameter [mm]"])
         sheet.write_row(1, 0, [6, "spool", 1])
         sheet.write_formula(1, 3, "=9.9+0.039", None, 9.939)
-    assert read_readings(buffer.getvalue(), controller).readings[0].diameter == pytest.approx(9.939e-3)
+    assert read_readings(buffer.getvalue(), controller).readings[0].diameter == pytest.approx(
+        9.939e-3, rel=1e-9, abs=0.0
+    )
 
 
 ODS_CONTENT = """<?xml version="1.0" encoding="UTF-8"?>

@@ -107,10 +107,10 @@ def test_clearances_are_means_of_means_in_thousandths(controller, rows):
                 part_means[part] = mean(planes)
         assert found.measured == bool(part_means)
         if part_means:
-            assert found.spool_diameter == pytest.approx(part_means["spool"] * 1e-6, rel=1e-12)
-            assert found.sleeve_diameter == pytest.approx(part_means["sleeve"] * 1e-6, rel=1e-12)
+            assert found.spool_diameter == pytest.approx(part_means["spool"] * 1e-6, rel=1e-12, abs=0.0)
+            assert found.sleeve_diameter == pytest.approx(part_means["sleeve"] * 1e-6, rel=1e-12, abs=0.0)
             assert found.radial_clearance == pytest.approx(
-                (part_means["sleeve"] - part_means["spool"]) * 0.5e-6, rel=1e-9
+                (part_means["sleeve"] - part_means["spool"]) * 0.5e-6, rel=1e-9, abs=0.0
             )
             same_planes = all(
                 len({row[3] for row in rows if row[:3] == (found.land.component, part, plane)}) == 2

@@ -336,7 +336,7 @@ def test_a_clearance_over_half_a_millimetre(refused, make_text):
 def test_a_clearance_of_half_a_millimetre_is_still_a_clearance(controller, make_text):
     rows = [("component", "part", "plane", "diameter_mm"), ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 14.99)]
     found = clearances(read_readings(make_text(rows), controller), controller)[3]
-    assert found.radial_clearance == pytest.approx(0.495e-3)
+    assert found.radial_clearance == pytest.approx(0.495e-3, rel=1e-9, abs=0.0)
 
 
 def test_a_spool_that_its_nominal_sleeve_does_not_take(refused, make_text):

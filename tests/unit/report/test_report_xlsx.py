@@ -47,12 +47,12 @@ def test_sheets_and_numbers_are_read_by_pandas(worn, content):
     lands = sheets["Lands"]
     assert lands["component"].astype(str).tolist() == [found.state.land.component for found in worn.lands]
     clearances = [found.state.radial_clearance * 1e6 for found in worn.lands]
-    assert lands["radial clearance c_r [µm]"].tolist() == pytest.approx(clearances, rel=1e-12)
+    assert lands["radial clearance c_r [µm]"].tolist() == pytest.approx(clearances, rel=1e-12, abs=0.0)
     shares = [found.share * 100 for found in worn.lands]
-    assert lands["share of pump capacity [%], stated condition"].tolist() == pytest.approx(shares, rel=1e-12)
+    assert lands["share of pump capacity [%], stated condition"].tolist() == pytest.approx(shares, rel=1e-12, abs=0.0)
     assert len(sheets["Gaps"]) == len(worn.projection.gaps)
     assert sheets["Gaps"]["leakage q [mm³/s]"].sum() == pytest.approx(
-        sum(gap.leakage for gap in worn.projection.gaps) * 1e9, rel=1e-12
+        sum(gap.leakage for gap in worn.projection.gaps) * 1e9, rel=1e-12, abs=0.0
     )
     assert len(sheets["Readings"]) == len(worn.readings.readings)
 
@@ -116,14 +116,14 @@ def test_a_changed_diameter_changes_clearance_flow_share_and_verdict(worn, conte
     }
     for heading, value in expected.items():
         found = sheets.value("Lands", f"{column_of(sheets.book, 'Lands', heading)}{row}")
-        assert found == pytest.approx(value, rel=1e-9), heading
+        assert found == pytest.approx(value, rel=1e-9, abs=0.0), heading
     assert worn.lands[0].verdict == "ok"
     assert other.lands[0].verdict != "ok"
     assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == verdict_word(
         other.lands[0].verdict
     )
     total = sheets.book.defined_names["stated_share"].attr_text.split("!")
-    assert sheets.value(*total) == pytest.approx(other.projection.share * 100, rel=1e-9)
+    assert sheets.value(*total) == pytest.approx(other.projection.share * 100, rel=1e-9, abs=0.0)
 
 
 def test_a_changed_reading_changes_the_mean_diameter(worn, content, calculator):
@@ -139,7 +139,7 @@ def test_a_changed_temperature_changes_the_viscosity(worn, content, calculator):
     at = sheets.book.defined_names["stated_T"].attr_text.split("!")
     sheets.set(at[0], at[1].replace("$", ""), 95.0)
     nu = sheets.book.defined_names["stated_nu"].attr_text.split("!")
-    assert sheets.value(*nu) == pytest.approx(worn.fluid.kinematic_viscosity(95.0) * 1e6, rel=1e-12)
+    assert sheets.value(*nu) == pytest.approx(worn.fluid.kinematic_viscosity(95.0) * 1e6, rel=1e-12, abs=0.0)
 
 
 def test_libreoffice_recalculates_atleaks_numbers(content, tmp_path):
@@ -210,7 +210,7 @@ def test_road_series_keeps_a_spike_and_the_gap(worn):
     series = sheets.iloc[first + 1 :].astype(float)
     assert len(series) <= 2500
     peak = series[1].max()
-    assert peak == pytest.approx(worn.road.max_leakage.leakage * 6e4, rel=1e-12)
+    assert peak == pytest.approx(worn.road.max_leakage.leakage * 6e4, rel=1e-12, abs=0.0)
     assert series[1].isna().any()
 
 

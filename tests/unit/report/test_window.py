@@ -15,11 +15,11 @@ def test_rows_hold_least_mean_and_largest_of_good_samples(worn: Diagnosis) -> No
     rows = {row["what"]: row for row in window_rows(road.road_test, road, {"engine_speed": ("rpm", lambda v: v * 60)})}
     speed = road.road_test.values("engine_speed") * 60.0
     assert rows["engine speed"]["unit"] == "rpm"
-    assert rows["engine speed"]["mean"] == pytest.approx(speed.mean())
-    assert rows["engine speed"]["largest"] == pytest.approx(speed.max())
+    assert rows["engine speed"]["mean"] == pytest.approx(speed.mean(), rel=1e-9, abs=0.0)
+    assert rows["engine speed"]["largest"] == pytest.approx(speed.max(), rel=1e-9, abs=0.0)
     assert rows["converter pressure"]["samples"] == len(speed) - 20  # the suspect stretch is left out
-    assert rows["leakage"]["largest"] == pytest.approx(road.max_leakage.leakage * 6e4)
-    assert rows["share"]["largest"] == pytest.approx(np.nanmax(road.share) * 100.0)
+    assert rows["leakage"]["largest"] == pytest.approx(road.max_leakage.leakage * 6e4, rel=1e-9, abs=0.0)
+    assert rows["share"]["largest"] == pytest.approx(np.nanmax(road.share) * 100.0, rel=1e-9, abs=0.0)
 
 
 def test_without_an_engine_only_the_channels_are_told(worn: Diagnosis) -> None:
@@ -38,5 +38,5 @@ def test_events_are_told_in_words() -> None:
     assert event_label(shift) == "shift 1 → 2, 0.9 to 1.4 s"
     rows = event_rows([shift, idle])
     assert [row["gears"] for row in rows] == ["1 → 2", None]
-    assert rows[1]["lasts [s]"] == pytest.approx(6.0)
+    assert rows[1]["lasts [s]"] == pytest.approx(6.0, rel=1e-9, abs=0.0)
     assert rows[1]["note"] == "warm"

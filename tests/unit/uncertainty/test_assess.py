@@ -55,7 +55,7 @@ def test_flow_is_three_times_as_uncertain_as_the_clearance(judge: Callable, twen
     assert land.u_clearance / (25 * UM) == pytest.approx(0.0424, abs=0.0005)
     stated = land.conditions[0]
     # the gap has opened with heat, its uncertainty has not grown
-    assert stated.u_leakage / stated.leakage == pytest.approx(3.0 * land.u_clearance / hot, rel=0.01)
+    assert stated.u_leakage / stated.leakage == pytest.approx(3.0 * land.u_clearance / hot, rel=0.01, abs=0.0)
 
 
 def test_closed_form_and_draws_agree_within_three_standard_errors(judge: Callable, twenty_lands: Controller) -> None:
@@ -71,9 +71,9 @@ def test_closed_form_and_draws_agree_within_three_standard_errors(judge: Callabl
     factor = gap.leakage / gap.effective_clearance**3
     u = case.unit.lands[0].u_clearance
     exact = factor * math.sqrt(equations.cube_variance(gap.effective_clearance, u))
-    assert land.u_leakage == pytest.approx(exact, rel=1e-9)
+    assert land.u_leakage == pytest.approx(exact, rel=1e-9, abs=0.0)
     ends = [factor * equations.cube_quantile(p, gap.effective_clearance, u) for p in (0.025, 0.975)]
-    assert land.leakage_interval == pytest.approx(ends, rel=1e-9)
+    assert land.leakage_interval == pytest.approx(ends, rel=1e-9, abs=0.0)
     assert abs(again.u_leakage / exact - 1.0) < 3.0 * math.sqrt(0.6 / draws)
     for p, drawn_end, end in zip((0.025, 0.975), again.leakage_interval, ends, strict=True):
         z = equations.normal_quantile(p)
@@ -92,7 +92,7 @@ def test_values_as_measured_are_the_engines_own(judge: Callable, four_speed: Con
             at = next(at for at in land.conditions if at.condition == projection.condition.name)
             assert at.leakage == pytest.approx(projection.leakage_of(land.key), rel=1e-12, abs=1e-30)
             concentric, eccentric = at.eccentric
-            assert eccentric == pytest.approx(2.5 * concentric, rel=1e-12)
+            assert eccentric == pytest.approx(2.5 * concentric, rel=1e-12, abs=0.0)
             assert concentric <= at.leakage * (1.0 + 1e-12)
             assert at.leakage <= eccentric
 
@@ -108,7 +108,7 @@ def test_total_is_the_sum_of_its_lands_draw_by_draw(judge: Callable, twenty_land
     total = case.unit.totals[0]
     for end in (0, 1):
         parts = math.fsum(land.leakage_interval[end] for land in case.unit.lands)
-        assert total.leakage_interval[end] == pytest.approx(parts, rel=2e-3)
+        assert total.leakage_interval[end] == pytest.approx(parts, rel=2e-3, abs=0.0)
 
 
 def test_same_input_gives_the_same_digits(judge: Callable, four_speed: Controller) -> None:
@@ -143,7 +143,7 @@ def test_draws_below_zero_leak_nothing(judge: Callable, twenty_lands: Controller
     assert not land.conditions[0].closed_form or gap.effective_clearance > 0
     _, variance = equations.truncated_cube_moments(gap.effective_clearance, land.u_clearance)
     exact = gap.leakage / gap.effective_clearance**3 * math.sqrt(variance)
-    assert land.conditions[0].u_leakage == pytest.approx(exact, rel=0.02)
+    assert land.conditions[0].u_leakage == pytest.approx(exact, rel=0.02, abs=0.0)
 
 
 def test_probability_and_decision_follow_the_reading(judge: Callable, four_speed: Controller, limits: Limits) -> None:
@@ -184,7 +184,7 @@ def test_bands_of_the_total_have_probabilities(judge: Callable, four_speed: Cont
     assert bands["critical"] == 0.0
     assert total.decision.decision in {"conditional_pass", "conditional_fail"}
     assert total.minimum_speed_interval[0] < total.minimum_speed_interval[1]
-    assert math.fsum(part for _, part in total.budget) == pytest.approx(1.0, rel=1e-9)
+    assert math.fsum(part for _, part in total.budget) == pytest.approx(1.0, rel=1e-9, abs=0.0)
 
 
 def test_pump_that_delivers_nothing_is_over_every_limit(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
@@ -204,10 +204,10 @@ def test_shape_shows_what_the_mean_hides(judge: Callable, four_speed: Controller
     land = judge(a_sheet(four_speed, clearance=30 * UM, ovality=12 * UM)).unit.lands[0]
     shape = land.shape
     assert shape.worst_direction == 0.0
-    assert shape.worst_clearance == pytest.approx(36 * UM, rel=1e-6)
+    assert shape.worst_clearance == pytest.approx(36 * UM, rel=1e-6, abs=0.0)
     mean = 0.5 * (30.0**3 + 36.0**3)
-    assert shape.effective_clearance == pytest.approx(mean ** (1 / 3) * UM, rel=1e-6)
-    assert shape.cube_factor == pytest.approx(mean / 33.0**3, rel=1e-6)
+    assert shape.effective_clearance == pytest.approx(mean ** (1 / 3) * UM, rel=1e-6, abs=0.0)
+    assert shape.cube_factor == pytest.approx(mean / 33.0**3, rel=1e-6, abs=0.0)
     assert not shape.lower_bound
 
 
@@ -249,8 +249,8 @@ def test_rows_speak_people_units(judge: Callable, four_speed: Controller) -> Non
     assert row["leakage_low_dm3_min"] == land.leakage_interval[0] * 6e4
     assert row["decision"] == land.decision
     budget = budget_rows(land)
-    assert sum(found["of_clearance_percent"] for found in budget) == pytest.approx(100.0, rel=1e-9)
-    assert sum(found["of_share_percent"] for found in budget) == pytest.approx(100.0, rel=1e-9)
+    assert sum(found["of_clearance_percent"] for found in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
+    assert sum(found["of_share_percent"] for found in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize(

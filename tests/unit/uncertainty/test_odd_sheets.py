@@ -46,7 +46,7 @@ def test_any_part_of_a_sheet_can_be_missing(judge: Callable, four_speed: Control
             assert (land.u_clearance, land.decision, land.advice, land.rules) == (None, None, None, ())
             continue
         assert land.u_clearance > 0.1 * UM
-        assert math.fsum(part for _, part in land.budget) == pytest.approx(1.0, rel=1e-9)
+        assert math.fsum(part for _, part in land.budget) == pytest.approx(1.0, rel=1e-9, abs=0.0)
         low, high = land.clearance_interval
         assert low <= land.sources.state.radial_clearance <= high
         assert (land.decision in DECISIONS) == bool(land.rules)

@@ -31,17 +31,17 @@ def _found(
 
 def test_a_micrometre_and_a_half_on_each_diameter(four_speed: Controller) -> None:
     land, _ = _found(four_speed, a_sheet(four_speed, clearance=25 * UM), two_instruments())
-    assert land.standard_uncertainty == pytest.approx(1.5 * UM / math.sqrt(2.0), rel=1e-6)
+    assert land.standard_uncertainty == pytest.approx(1.5 * UM / math.sqrt(2.0), rel=1e-6, abs=0.0)
     assert land.standard_uncertainty / land.state.radial_clearance == pytest.approx(0.04, abs=0.005)
-    assert math.fsum(fraction for _, fraction in land.budget) == pytest.approx(1.0, rel=1e-12)
-    assert land.part_fraction("sleeve") == pytest.approx(0.5, rel=1e-6)
+    assert math.fsum(fraction for _, fraction in land.budget) == pytest.approx(1.0, rel=1e-12, abs=0.0)
+    assert land.part_fraction("sleeve") == pytest.approx(0.5, rel=1e-6, abs=0.0)
 
 
 def test_resolution_of_one_reading_is_rectangular(four_speed: Controller) -> None:
     tools = two_instruments(calibration=0.0, resolution=1 * UM, repeatability=None)
     land, spreads = _found(four_speed, a_sheet(four_speed, directions=(0.0,)), tools)
     # half the difference of two diameters, each within half a micrometre either way
-    assert land.standard_uncertainty == pytest.approx(0.5 * math.sqrt(2.0) * UM / math.sqrt(12.0), rel=1e-9)
+    assert land.standard_uncertainty == pytest.approx(0.5 * math.sqrt(2.0) * UM / math.sqrt(12.0), rel=1e-9, abs=0.0)
     assert spreads["spool"].origin == "resolution"
 
 
@@ -50,23 +50,23 @@ def test_mirrored_and_identical_repeats_count_as_resolution_not_as_zero(four_spe
     once, _ = _found(four_speed, a_sheet(four_speed), tools)
     copied, spreads = _found(four_speed, a_sheet(four_speed, repeats=3), tools)
     assert spreads["sleeve"].degrees_of_freedom == 0
-    assert copied.standard_uncertainty == pytest.approx(once.standard_uncertainty, rel=1e-12)
+    assert copied.standard_uncertainty == pytest.approx(once.standard_uncertainty, rel=1e-12, abs=0.0)
     assert copied.standard_uncertainty > 0.2 * UM
     one, _ = _found(four_speed, a_sheet(four_speed, repeats=1, mirrored=True), tools)
     two, spreads = _found(four_speed, a_sheet(four_speed, repeats=2, mirrored=True), tools)
     assert spreads["spool"].degrees_of_freedom == 0
-    assert two.standard_uncertainty == pytest.approx(one.standard_uncertainty, rel=1e-12)
+    assert two.standard_uncertainty == pytest.approx(one.standard_uncertainty, rel=1e-12, abs=0.0)
     # a diameter from two coordinates is rounded twice
-    assert one.standard_uncertainty == pytest.approx(math.sqrt(2.0) * once.standard_uncertainty, rel=1e-9)
+    assert one.standard_uncertainty == pytest.approx(math.sqrt(2.0) * once.standard_uncertainty, rel=1e-9, abs=0.0)
 
 
 def test_no_independent_repeats_falls_back_on_the_instruments_own_repeatability(four_speed: Controller) -> None:
     tools = two_instruments(calibration=0.0, repeatability=1 * UM)
     one, spreads = _found(four_speed, a_sheet(four_speed, directions=(0.0,)), tools)
     assert spreads["spool"].origin == "instrument"
-    assert one.standard_uncertainty == pytest.approx(UM / math.sqrt(2.0), rel=1e-6)
+    assert one.standard_uncertainty == pytest.approx(UM / math.sqrt(2.0), rel=1e-6, abs=0.0)
     copied, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0,), repeats=2, mirrored=True), tools)
-    assert copied.standard_uncertainty == pytest.approx(one.standard_uncertainty, rel=1e-6)
+    assert copied.standard_uncertainty == pytest.approx(one.standard_uncertainty, rel=1e-6, abs=0.0)
 
 
 @pytest.mark.parametrize("step", [0.0, 1e-6, 2e-6])
@@ -77,10 +77,10 @@ def test_repeats_are_pooled_over_the_unit_and_freed_of_rounding(four_speed: Cont
     degrees = spreads["sleeve"].degrees_of_freedom
     assert degrees == 2 * 4 * sum(len(found.planes) for found in four_speed.lands)
     error = 4.0 / math.sqrt(2.0 * degrees)  # four standard errors of a standard deviation
-    assert spreads["sleeve"].standard_deviation == pytest.approx(0.9 * UM, rel=error)
+    assert spreads["sleeve"].standard_deviation == pytest.approx(0.9 * UM, rel=error, abs=0.0)
     plan = land.plans["sleeve"]
     assert plan.repeats == 5
-    assert plan.repeat_weight == pytest.approx(1.0 / (2 * 5 * len(land.state.land.planes)), rel=1e-12)
+    assert plan.repeat_weight == pytest.approx(1.0 / (2 * 5 * len(land.state.land.planes)), rel=1e-12, abs=0.0)
 
 
 def test_few_repeats_that_agree_by_chance_do_not_make_a_good_instrument(four_speed: Controller) -> None:
@@ -99,18 +99,18 @@ def test_common_error_of_one_instrument_for_both_parts_drops_out(four_speed: Con
     assert same.standard_uncertainty < 0.01 * UM
     two, _ = _found(four_speed, sheet, two_instruments(common_part=1.0))
     assert two.own_variance < (0.01 * UM) ** 2
-    assert two.standard_uncertainty == pytest.approx(1.0607 * UM, rel=1e-3)
+    assert two.standard_uncertainty == pytest.approx(1.0607 * UM, rel=1e-3, abs=0.0)
     heads = an_instrument(common_part=1.0, alike_inside_and_outside=False)
     apart, _ = _found(four_speed, sheet, Instruments(heads, heads))
-    assert apart.standard_uncertainty == pytest.approx(two.standard_uncertainty, rel=1e-9)
+    assert apart.standard_uncertainty == pytest.approx(two.standard_uncertainty, rel=1e-9, abs=0.0)
 
 
 def test_a_sheet_written_coarser_than_the_instrument_reads(four_speed: Controller) -> None:
     tools = two_instruments(calibration=0.0, resolution=0.1 * UM)
     _, fine = _found(four_speed, a_sheet(four_speed, noise=9 * UM, step=1 * UM), tools)
     _, coarse = _found(four_speed, a_sheet(four_speed, clearance=300 * UM, noise=40 * UM, step=10 * UM), tools)
-    assert fine["spool"].resolution == pytest.approx(1 * UM, rel=1e-12)
-    assert coarse["spool"].resolution == pytest.approx(10 * UM, rel=1e-12)
+    assert fine["spool"].resolution == pytest.approx(1 * UM, rel=1e-12, abs=0.0)
+    assert coarse["spool"].resolution == pytest.approx(10 * UM, rel=1e-12, abs=0.0)
 
 
 def test_one_direction_leaves_the_ovality_in_and_two_take_it_out(four_speed: Controller) -> None:
@@ -118,7 +118,9 @@ def test_one_direction_leaves_the_ovality_in_and_two_take_it_out(four_speed: Con
     seen = replace(NOTHING_ELSE, unseen_ovality=4 * UM)
     single, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0,)), tools, seen)
     # a two-lobe form of 4 µm across, at any phase: 4/2/√2 on each diameter
-    assert single.standard_uncertainty == pytest.approx(0.5 * math.sqrt(2.0) * 2 * UM / math.sqrt(2.0), rel=1e-4)
+    assert single.standard_uncertainty == pytest.approx(
+        0.5 * math.sqrt(2.0) * 2 * UM / math.sqrt(2.0), rel=1e-4, abs=0.0
+    )
     crossed, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0, 90.0)), tools, seen)
     assert crossed.standard_uncertainty < 0.01 * UM
     three, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0, 60.0, 120.0)), tools, seen)
@@ -126,7 +128,7 @@ def test_one_direction_leaves_the_ovality_in_and_two_take_it_out(four_speed: Con
     askew, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0, 45.0), ovality=4 * UM), tools, seen)
     assert askew.standard_uncertainty > 0.4 * UM
     rest, _ = _found(four_speed, a_sheet(four_speed, ovality=10 * UM), tools, replace(NOTHING_ELSE, form_residual=0.1))
-    assert rest.standard_uncertainty == pytest.approx(0.5 * 0.1 * 10 * UM, rel=1e-3)
+    assert rest.standard_uncertainty == pytest.approx(0.5 * 0.1 * 10 * UM, rel=1e-3, abs=0.0)
 
 
 def test_what_was_not_measured_has_the_uncertainty_of_its_catalogue_value(four_speed: Controller) -> None:
@@ -134,29 +136,29 @@ def test_what_was_not_measured_has_the_uncertainty_of_its_catalogue_value(four_s
     only_sleeves = replace(sheet, readings=tuple(r for r in sheet.readings if r.part == "sleeve"))
     given = replace(NOTHING_ELSE, nominal_diameter=3 * UM, mounting_clearance=0.5 * UM)
     land, _ = _found(four_speed, only_sleeves, two_instruments(calibration=0.0), given)
-    assert land.standard_uncertainty == pytest.approx(1.5 * UM, rel=1e-4)
+    assert land.standard_uncertainty == pytest.approx(1.5 * UM, rel=1e-4, abs=0.0)
     only_spools = replace(sheet, readings=tuple(r for r in sheet.readings if r.part == "spool"))
     land, _ = _found(four_speed, only_spools, two_instruments(calibration=0.0), given)
-    assert land.standard_uncertainty == pytest.approx(0.5 * math.hypot(3.0, 1.0) * UM, rel=1e-4)
+    assert land.standard_uncertainty == pytest.approx(0.5 * math.hypot(3.0, 1.0) * UM, rel=1e-4, abs=0.0)
     land, _ = _found(four_speed, None, two_instruments(), given)
-    assert land.standard_uncertainty == pytest.approx(0.5 * UM, rel=1e-9)
+    assert land.standard_uncertainty == pytest.approx(0.5 * UM, rel=1e-9, abs=0.0)
 
 
 def test_the_rooms_temperature_is_one_error_for_all_lands(four_speed: Controller) -> None:
     given = replace(NOTHING_ELSE, room_temperature=5.0)
     land, _ = _found(four_speed, a_sheet(four_speed), two_instruments(calibration=0.0), given)
     rate = land.state.land.thermal_rate(land.state.spool_diameter, land.state.sleeve_diameter)
-    assert land.groups["room temperature"] == pytest.approx(rate * 5.0 / math.sqrt(3.0), rel=1e-12)
+    assert land.groups["room temperature"] == pytest.approx(rate * 5.0 / math.sqrt(3.0), rel=1e-12, abs=0.0)
 
 
 def test_what_if_agrees_with_measuring_so(four_speed: Controller) -> None:
     tools = load_instruments()
     noisy = a_sheet(four_speed, repeats=2, noise=1 * UM, step=1 * UM)
     land, spreads = _found(four_speed, noisy, tools)
-    assert land.variance_with() == pytest.approx(land.standard_uncertainty**2, rel=1e-12)
+    assert land.variance_with() == pytest.approx(land.standard_uncertainty**2, rel=1e-12, abs=0.0)
     many = land.variance_with(repeats={"spool": 8, "sleeve": 8})
     repeats = sum(source.standard_uncertainty**2 for source in land.sources if source.kind == "repeats")
-    assert many == pytest.approx(land.standard_uncertainty**2 - 0.75 * repeats, rel=1e-9)
+    assert many == pytest.approx(land.standard_uncertainty**2 - 0.75 * repeats, rel=1e-9, abs=0.0)
     air = load_instruments("air_gauge", "air_gauge")
     better = land.variance_with(instruments={"spool": air.spool, "sleeve": air.sleeve})
     assert better < 0.2 * land.standard_uncertainty**2

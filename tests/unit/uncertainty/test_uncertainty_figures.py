@@ -36,23 +36,23 @@ def test_clearances_carry_their_intervals_and_limits(unit: UnitUncertainty, limi
             land = unit.land((component, int(number)))
             assert land.decision == decision.replace(" ", "_")
             assert x == pytest.approx(32.0, abs=1e-6)
-            assert x + above == pytest.approx(land.clearance_interval[1] * 1e6, rel=1e-12)
-            assert x - below == pytest.approx(land.clearance_interval[0] * 1e6, rel=1e-12)
+            assert x + above == pytest.approx(land.clearance_interval[1] * 1e6, rel=1e-12, abs=0.0)
+            assert x - below == pytest.approx(land.clearance_interval[0] * 1e6, rel=1e-12, abs=0.0)
             drawn += 1
     assert drawn == 10
     assert len(traces["mounting clearance"].x) == 10
     worst = max((land for land in unit.lands if land.deciding), key=lambda land: land.deciding.severity)
     index = list(traces["limit"].y).index(f"{worst.key[0]} · {worst.key[1]}")
     expected = worst.sources.state.land.mounting_clearance * (1.0 + worst.deciding.limit) * 1e6
-    assert traces["limit"].x[index] == pytest.approx(expected, rel=1e-12)
+    assert traces["limit"].x[index] == pytest.approx(expected, rel=1e-12, abs=0.0)
 
 
 def test_leakages_show_interval_and_eccentricity(unit: UnitUncertainty) -> None:
     line, points = figures.leakages(unit, lands=5).data
     largest = max(unit.lands, key=lambda land: land.conditions[0].leakage)
-    assert points.x[0] == pytest.approx(largest.conditions[0].leakage * 6e4)
-    assert points.x[0] + points.error_x.array[0] == pytest.approx(largest.leakage_interval[1] * 6e4)
-    assert line.x[1] == pytest.approx(2.5 * line.x[0])
+    assert points.x[0] == pytest.approx(largest.conditions[0].leakage * 6e4, rel=1e-9, abs=0.0)
+    assert points.x[0] + points.error_x.array[0] == pytest.approx(largest.leakage_interval[1] * 6e4, rel=1e-9, abs=0.0)
+    assert line.x[1] == pytest.approx(2.5 * line.x[0], rel=1e-9, abs=0.0)
     assert len(points.x) == 5
 
 
@@ -66,7 +66,7 @@ def test_totals_tell_how_likely_each_band_is(unit: UnitUncertainty, limits: Limi
 
 def test_budget_adds_up(unit: UnitUncertainty) -> None:
     bars = figures.budget(unit.lands[0], sources=50).data
-    assert [sum(bar.x) for bar in bars] == pytest.approx([100.0, 100.0], rel=1e-9)
+    assert [sum(bar.x) for bar in bars] == pytest.approx([100.0, 100.0], rel=1e-9, abs=0.0)
 
 
 def test_limit_of_a_clearance_is_drawn_where_it_decides(
@@ -76,4 +76,4 @@ def test_limit_of_a_clearance_is_drawn_where_it_decides(
     only = replace(limits, wear=None, clearance=steps, pair_share=None)
     unit = judge(a_sheet(four_speed, clearance=32 * UM), limits=only, draws=500).unit
     limit = next(trace for trace in figures.clearances(unit, only).data if trace.name == "limit")
-    assert list(limit.x) == pytest.approx([30.0] * len(limit.x), rel=1e-12)
+    assert list(limit.x) == pytest.approx([30.0] * len(limit.x), rel=1e-12, abs=0.0)
