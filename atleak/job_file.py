@@ -8,10 +8,10 @@ import json
 import tempfile
 import tomllib
 import zipfile
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
@@ -20,7 +20,7 @@ from atleak.controller import OperatingPoint, load_controller
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import InputError, Place, nearest_name
 from atleak.fluid import load_fluid
-from atleak.instruments import load_instruments
+from atleak.instruments import Instruments, load_instruments
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
 from atleak.job import Job, picture_name
@@ -37,6 +37,8 @@ _RECORD_LIMIT = 16 << 20
 _ENTRIES = 1000
 _STAMP = (1980, 1, 1, 0, 0, 0)  # of every file in the zip: the same job gives the same bytes
 _LISTED = 8  # faults of a record that are named
+
+Loaded = TypeVar("Loaded")
 
 
 # --- the record alone
@@ -132,15 +134,13 @@ class JobFile:
             a file that cannot be used.
         """
         choices = self.choices
-        with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
-            paths = {}
-            for name, found in self.catalogue.items():
-                paths[name] = Path(folder) / f"{name}.toml"
-                paths[name].write_bytes(found.content)
-            controller = load_controller(paths["controller"])
-            fluid, limits = load_fluid(paths["fluid"]), load_limits(paths["limits"])
-            tools = [paths[name] for name in ("spool_instrument", "sleeve_instrument") if name in paths]
-            instruments = load_instruments(*tools) if len(tools) == 2 else None
+        controller = load_source(load_controller, self.catalogue["controller"])
+        fluid, limits = (
+            load_source(load_fluid, self.catalogue["fluid"]),
+            load_source(load_limits, self.catalogue["limits"]),
+        )
+        tools = [self.catalogue[name] for name in CATALOGUE[3:] if name in self.catalogue]
+        instruments = load_source(load_instruments, *tools) if len(tools) == 2 else None
         readings = road_test = None
         if self.readings is not None:
             found = self.readings
@@ -161,6 +161,36 @@ class JobFile:
             assumptions=DEFAULTS.with_settings(choices.assumptions),
             guard_factor=GUARD_FACTOR if choices.guard_factor is None else choices.guard_factor,
         )
+
+
+def load_source(load: Callable[..., Loaded], *sources: SourceFile) -> Loaded:
+    """What a loader of the catalogue makes of files that are at hand as bytes.
+
+    A name that a user gave is only shown, in messages and records; no file of that name is written.
+
+    Raises
+    ------
+    InputError
+        as ``load``, naming the file as the user does.
+    """
+    with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
+        paths = [Path(folder) / f"own{number}.toml" for number, _ in enumerate(sources)]
+        names = {path.name: source.name for path, source in zip(paths, sources, strict=True)}
+        for path, source in zip(paths, sources, strict=True):
+            path.write_bytes(source.content)
+        try:
+            return _named(load(*paths), names)
+        except InputError as error:
+            for fault in (*error.others, error):
+                fault.place = replace(fault.place, file=names.get(fault.place.file or "", fault.place.file))
+                fault.args = (str(fault),)
+            raise
+
+
+def _named(found: Any, names: Mapping[str, str]) -> Any:
+    if isinstance(found, Instruments):
+        return Instruments(_named(found.spool, names), _named(found.sleeve, names))
+    return replace(found, origin=replace(found.origin, path=Path(names[found.origin.file])))
 
 
 def write_job_file(

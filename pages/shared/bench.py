@@ -7,7 +7,6 @@ two files that differ in one value never share a result.
 from __future__ import annotations
 
 import hashlib
-import tempfile
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUME
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, remember, understand
 from atleak.intake.units import unit
+from atleak.job_file import SourceFile, load_source
 from atleak.limits import load_limits
 from atleak.profile import find_profile
 from atleak.projection import stated_condition
@@ -100,10 +100,7 @@ def sample_job() -> Bench:
 def _catalogue_object(kind: str, key: str, _choice: str | File) -> Any:
     if isinstance(_choice, str):
         return LOADERS[kind](_choice)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / _choice.name
-        path.write_bytes(_choice.data)
-        return LOADERS[kind](path)
+    return load_source(LOADERS[kind], SourceFile(_choice.name, _choice.data))
 
 
 def catalogue_object(kind: str, choice: str | File) -> Any:

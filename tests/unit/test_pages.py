@@ -183,6 +183,24 @@ def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> 
     assert len(flagged(app)) == more
 
 
+@pytest.mark.parametrize("name", ["a:b?.toml", "con", "x" * 300 + ".toml", "two\nlines.toml"])
+def test_an_own_files_name_is_shown_and_never_a_path(app: AppTest, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[str] = []
+    write = Path.write_bytes
+    monkeypatch.setattr(Path, "write_bytes", lambda path, data: written.append(path.name) or write(path, data))
+    text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
+    choice(app, "Limits").select("own file (TOML) …").run()
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.set_value((name, text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain")).run()
+    assert not app.exception
+    assert len(flagged(app)) > 8
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.set_value((name, text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
+    assert any(name.replace("\n", "  \n") in found.value.replace("\\", "") for found in app.error)
+    assert len(written) == 2
+    assert {name} & set(written) == set()
+
+
 def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
     rows = "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
     log = "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n" + rows
