@@ -481,3 +481,17 @@ def test_odd_tables_never_crash(rows: list[list[str]], delimiter: str) -> None:
     except RoadTestError:
         return
     describe(told)
+
+
+def test_a_stray_cell_in_the_last_corner_is_told_not_followed() -> None:
+    """Laid out from first cell to last, such a sheet asks for half a terabyte."""
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.append(["time [s]", "p_g [kPa]"])
+    for i in range(20):
+        sheet.append([i / 10, 700.0])
+    sheet["XFD1048576"] = 1
+    stream = io.BytesIO()
+    book.save(stream)
+    with pytest.raises(RoadTestError, match="row 1048576 and column number 16384"):
+        read_road_test(stream.getvalue(), name="stray.xlsx")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from atleak.intake.road_test.understand import Understood
+from atleak.intake.road_test.understood import Understood
 from atleak.intake.units import Unit, unit
 from atleak.road_test import QUANTITIES, Channel, RoadTest
 

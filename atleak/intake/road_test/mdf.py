@@ -6,7 +6,7 @@ import io
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,10 +19,8 @@ from atleak.intake.road_test.protocol import Reading
 from atleak.intake.road_test.source import Source
 from atleak.intake.road_test.table import Heading
 from atleak.intake.road_test.timeline import build as build_timeline
+from atleak.intake.road_test.understood import Understood, finish
 from atleak.road_test import QUANTITIES
-
-if TYPE_CHECKING:
-    from atleak.intake.road_test.understand import Understood
 
 
 @dataclass(frozen=True)
@@ -106,8 +104,6 @@ def understand_mdf(
     RoadTestError
         when asammdf is not installed, the file is damaged, or it holds bus frames that need a database.
     """
-    from atleak.intake.road_test.understand import Understood, finish
-
     raws, frames, version = _load(source)
     form = f"MDF {version}"
     headings = tuple(raw.heading for raw in raws)

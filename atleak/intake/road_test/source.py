@@ -10,12 +10,14 @@ import tempfile
 import threading
 import zipfile
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import IO, Literal
 
 from atleak.errors import Place, RoadTestError
+from atleak.intake.workbook_cells import extent
 
 HEAD = 1 << 16
 """Bytes looked at to find out what a file is."""
@@ -24,6 +26,9 @@ LARGE = 1 << 18
 SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
 GROWTH = 4
+SPREAD = 4_000_000
+"""A sheet whose outermost cells span more than this, and `SPARSE` times the cells it has, is not opened."""
+SPARSE = 50
 
 Form = Literal["text", "workbook", "mdf"]
 
@@ -261,6 +266,28 @@ def _unpack(data: bytes, file: str, target: Path) -> bool:
     return nul
 
 
+def _pieces(stream: IO[bytes], left: int, limit: int, place: Place) -> Iterator[bytes]:
+    """A packed file's content, as long as it stays within what may be unpacked."""
+    while part := stream.read(1 << 20):
+        left -= len(part)
+        if left < 0:
+            raise RoadTestError(
+                f'unfolds to more than {limit >> 20} MB: this is no ordinary workbook (a "zip bomb"?)',
+                place=place,
+                expected="a workbook with the log; save a large log as CSV",
+            )
+        yield part
+
+
+def _refuse_stray_cells(rows: int, columns: int, cells: int, place: Place) -> None:
+    if rows * columns > SPREAD and rows * columns > SPARSE * cells:
+        raise RoadTestError(
+            f"its cells reach row {rows} and column number {columns}, though only {cells} are filled",
+            place=place,
+            expected="a log: delete the stray cells far outside the table",
+        )
+
+
 def _refuse_bomb(data: bytes, file: str) -> None:
     limit, total = GROWTH * len(data) + SPARE, 0
     place = Place(file=file)
@@ -276,13 +303,11 @@ def _refuse_bomb(data: bytes, file: str) -> None:
                 )
             for info in archive.infolist():
                 with archive.open(info) as stream:
-                    while part := stream.read(1 << 20):
-                        total += len(part)
-                        if total > limit:
-                            raise RoadTestError(
-                                f'unfolds to more than {limit >> 20} MB: this is no ordinary workbook (a "zip bomb"?)',
-                                place=place,
-                                expected="a workbook with the log; save a large log as CSV",
-                            )
+                    pieces = _pieces(stream, limit - total, limit, place)
+                    if info.filename.startswith("xl/worksheets/"):
+                        _refuse_stray_cells(*extent(pieces), place)
+                    for _ in pieces:
+                        pass
+                total += info.file_size
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
         raise RoadTestError(f"is a damaged workbook: {error}", place=place) from error

@@ -3,59 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from atleak.errors import InputError, Message, Place, RoadTestError
-from atleak.intake.road_test import build, memory
+from atleak.intake.road_test import memory
 from atleak.intake.road_test.assign import Ambiguous, Assigner, stated_units
 from atleak.intake.road_test.delimited import open_delimited
+from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import words
 from atleak.intake.road_test.protocol import Reading, Table
 from atleak.intake.road_test.sheets import Sheet, open_sheets
 from atleak.intake.road_test.source import Source, open_source
-from atleak.intake.road_test.table import Heading
 from atleak.intake.road_test.tables import read_table
 from atleak.intake.road_test.timeline import Timeline
 from atleak.intake.road_test.timeline import build as build_timeline
-from atleak.road_test import RoadTest, Segment
-
-
-@dataclass(frozen=True)
-class Understood:
-    """What was understood of a log; there even when questions are open.
-
-    ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
-    rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
-    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows.
-    """
-
-    file: str
-    sha256: str
-    format: str
-    encoding: str | None
-    delimiter: str | None
-    decimal: str | None
-    headings: tuple[Heading, ...]
-    preview: tuple[tuple[str, ...], ...]
-    signature: str
-    ambiguous: tuple[Ambiguous, ...] = ()
-    unused: tuple[str, ...] = ()
-    messages: tuple[Message, ...] = ()
-    road_test: RoadTest | None = None
-    problem: RoadTestError | None = None
-    time_label: str = ""
-    time_unit: str = ""
-    time_assumed: bool = False
-    segments: tuple[Segment, ...] = ()
-
-    @property
-    def rows(self) -> int:
-        """Data rows of the file, 0 while it is not read."""
-        return self.road_test.rows if self.road_test else 0
+from atleak.intake.road_test.understood import Understood, finish, labels_of
 
 
 @dataclass
@@ -111,8 +77,6 @@ def _understand(job: _Job) -> Understood:
     if opened.form == "workbook":
         return _workbook(job)
     if opened.form == "mdf":
-        from atleak.intake.road_test.mdf import understand_mdf
-
         return understand_mdf(opened, job.mapping, job.units, job.constants)
     return _delimited(job)
 
@@ -139,13 +103,9 @@ def _delimited(job: _Job) -> Understood:
         )
     blank = Understood(
         job.source.file, "", "delimited text", table.encoding, table.delimiter, table.decimal,
-        table.headings, tuple(tuple(row) for row in table.sample[:8]), memory.signature(_labels(table.headings)),
+        table.headings, tuple(tuple(row) for row in table.sample[:8]), memory.signature(labels_of(table.headings)),
     )  # fmt: skip
     return _one_table(table, blank, job)
-
-
-def _labels(headings: Sequence[Heading]) -> list[str]:
-    return [heading.label for heading in headings]
 
 
 def _one_table(table: Table, blank: Understood, job: _Job) -> Understood:
@@ -172,38 +132,6 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     return {**earlier, **mapping}, {**settled.units, **units}, [note]
 
 
-def finish(blank: Understood, assigner: Assigner, reading: Reading, constants: Mapping[str, float]) -> Understood:
-    """Signals and clock → the road test and everything to be said about it."""
-    timeline = reading.timeline
-    build.time_messages(assigner, timeline)
-    channels = build.channels(assigner, timeline, constants)
-    used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
-    asked = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
-    labels = list(reading.used) if reading.long else _labels(blank.headings)
-    unused = tuple(dict.fromkeys(label for label in labels if label not in used | asked))
-    if not assigner.signals and not assigner.ambiguous:
-        text = "none of the columns is a known quantity: name them, such as engine_speed or main_pressure"
-        assigner.say("no_quantity", text, "warning")
-    for ambiguous in assigner.ambiguous:
-        text = f"{ambiguous.quantity}: {ambiguous.why}: {', '.join(map(repr, ambiguous.candidates))}; choose one"
-        assigner.say("ambiguous", text, "warning")
-    road_test = RoadTest(
-        blank.file, blank.sha256, reading.rows, timeline.duration, timeline.time, channels, timeline.segments,
-        tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal,
-    )  # fmt: skip
-    return replace(
-        blank,
-        ambiguous=tuple(assigner.ambiguous),
-        unused=unused,
-        messages=road_test.messages,
-        road_test=road_test,
-        time_label=reading.time_label,
-        time_unit=reading.clock.unit,
-        time_assumed=reading.clock.unit_assumed,
-        segments=timeline.segments if reading.file_segments is None else reading.file_segments,
-    )
-
-
 # --- workbooks ----------------------------------------------------------------------------------------------
 
 
@@ -216,18 +144,18 @@ def _workbook(job: _Job) -> Understood:
             expected="a sheet with a header and rows of numbers",
         )
     if len(sheets) == 1:
-        return _one_table(sheets[0], _blank(job, sheets[0], _labels(sheets[0].headings)), job)
+        return _one_table(sheets[0], _blank(job, sheets[0], labels_of(sheets[0].headings)), job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
     tries = [(sheet, _try(sheet, job)) for sheet in titled]
     good = [(sheet, assigner, reading) for sheet, (assigner, reading) in tries if reading is not None]
     if not good:
         first = max(sheets, key=lambda sheet: len(sheet.rows))
-        return _one_table(first, _blank(job, first, _labels(first.headings)), job)
+        return _one_table(first, _blank(job, first, labels_of(first.headings)), job)
     whole = [one for one in good if len(one[1].signals) >= 2]
     if whole or len(good) == 1:
         best = max(whole or good, key=lambda one: (len(one[1].signals), one[2].rows))
         others = [sheet.name for sheet in sheets if sheet.name != best[0].name]
-        understood = _one_table(best[0], _blank(job, best[0], _labels(best[0].headings)), job)
+        understood = _one_table(best[0], _blank(job, best[0], labels_of(best[0].headings)), job)
         note = Message("info", "sheet_chosen", f"sheet {best[0].name!r} is read; also there: {', '.join(others)}")
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
