@@ -22,7 +22,8 @@ from atleak.errors import InputError, Place, nearest_name
 from atleak.fluid import load_fluid
 from atleak.instruments import Instruments, load_instruments
 from atleak.intake.readings import read_readings
-from atleak.intake.road_test import read_road_test
+from atleak.intake.road_test import Understood, read_road_test, recall
+from atleak.intake.road_test.names import words
 from atleak.job import Job, picture_name
 from atleak.limits import load_limits
 from atleak.profile import find_profile
@@ -161,6 +162,36 @@ class JobFile:
             assumptions=DEFAULTS.with_settings(choices.assumptions),
             guard_factor=GUARD_FACTOR if choices.guard_factor is None else choices.guard_factor,
         )
+
+
+def road_test_choices(
+    log: Understood,
+    mapping: Mapping[str, str],
+    units: Mapping[str, str],
+    *,
+    remembered: Path,
+    constants: Mapping[str, float] | None = None,
+) -> dict[str, Any]:
+    """How a log's columns were settled, now or earlier: what `write_job_file` takes, and `read_road_test` after it.
+
+    Parameters
+    ----------
+    log
+        as `atleak.intake.road_test.understand` understood it: earlier answers count only where it took them.
+    mapping, units, constants
+        as given with the log: they go before what was settled earlier.
+    remembered
+        the file in which earlier answers are kept.
+    """
+    consulted = any(message.code == "remembered" for message in log.messages)
+    earlier = recall(remembered, log.signature) if consulted else None
+    taken = {words(column) for column in mapping.values()}
+    columns = {} if earlier is None else {name: one for name, one in earlier.mapping.items() if words(one) not in taken}
+    found: dict[str, Any] = {
+        "mapping": {**columns, **mapping},
+        "units": {**({} if earlier is None else earlier.units), **units},
+    }
+    return found | ({"constants": dict(constants)} if constants else {})
 
 
 def load_source(load: Callable[..., Loaded], *sources: SourceFile) -> Loaded:

@@ -19,9 +19,10 @@ from atleak.errors import Place, RoadTestError
 from atleak.fluid import load_fluid
 from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUMENT, Instruments, load_instrument
 from atleak.intake.readings import read_readings
-from atleak.intake.road_test import Understood, default_path, remember, understand
+from atleak.intake.road_test import Understood, default_path, recall, remember, understand
+from atleak.intake.road_test.memory import Settled
 from atleak.intake.units import unit
-from atleak.job_file import SourceFile, load_source
+from atleak.job_file import SourceFile, load_source, road_test_choices
 from atleak.limits import load_limits
 from atleak.profile import find_profile
 from atleak.projection import stated_condition
@@ -112,20 +113,43 @@ def controller_of(bench: Bench) -> Controller:
     return catalogue_object("controller", bench.controller)
 
 
-@st.cache_resource(max_entries=4, show_spinner="Reading the road-test log …")
-def _understood(key: str, _log: File, _columns: dict[str, str], _units: dict[str, str]) -> Understood:
-    return understand(_log.data, name=_log.name, mapping=_columns, units=_units, remembered=default_path())
+@st.cache_resource(max_entries=6, show_spinner="Reading the road-test log …")
+def _understood(key: str, _log: File, _columns: dict[str, str], _units: dict[str, str], _memory: bool) -> Understood:
+    remembered = default_path() if _memory else None
+    return understand(_log.data, name=_log.name, mapping=_columns, units=_units, remembered=remembered)
 
 
 def understood(log: File, columns: tuple = (), units: tuple = ()) -> Understood:
-    """What a log holds, open questions included."""
-    return _understood(repr((log, columns, units)), log, dict(columns), dict(units))
+    """What a log holds, open questions included; with the answers that are remembered now."""
+    told = repr((log, columns, units))
+    found = _understood(told, log, dict(columns), dict(units), False)
+    earlier = recall(default_path(), found.signature)
+    if earlier is None:
+        return found
+    return _understood(f"{told} {earlier}", log, dict(columns), dict(units), True)
 
 
-def remember_columns(log: File, columns: dict[str, str], units: dict[str, str]) -> None:
-    """Keep how this log's columns were settled, for every log with the same header."""
-    remember(default_path(), understood(log).signature, columns, units)
-    _understood.clear()
+def remembered_columns(log: File) -> Settled | None:
+    """How the columns of logs with this header were settled earlier."""
+    return recall(default_path(), understood(log).signature)
+
+
+def log_choices(bench: Bench) -> dict[str, Any]:
+    """How the columns of the job's log are settled, for its job file."""
+    if bench.log is None:
+        return {}
+    columns, units = dict(bench.columns), dict(bench.units)
+    log = understood(bench.log, bench.columns, bench.units)
+    return road_test_choices(log, columns, units, remembered=default_path())
+
+
+def remember_columns(log: File, columns: dict[str, str], units: dict[str, str]) -> str:
+    """Keep how this log's columns were settled, for every log with the same header; why it cannot be kept, else ""."""
+    try:
+        remember(default_path(), understood(log).signature, columns, units)
+    except OSError as error:
+        return error.strerror or str(error)
+    return ""
 
 
 @st.cache_resource(max_entries=6, show_spinner="Computing …")
@@ -173,4 +197,10 @@ def diagnosis_of(bench: Bench) -> Diagnosis:
     AtleakError
         saying what of the job cannot be used.
     """
-    return _diagnosis(bench.key, bench)
+    return _diagnosis(result_key(bench), bench)
+
+
+def result_key(bench: Bench) -> str:
+    """What a result of this job is kept by: its files and choices, and what is remembered of its log's columns."""
+    earlier = None if bench.log is None else remembered_columns(bench.log)
+    return f"{bench.key} {earlier}"

@@ -10,11 +10,10 @@ from pydantic import ValidationError
 
 from atleak.controller import Controller
 from atleak.errors import InputError
-from atleak.intake.road_test import default_path, recall
 from atleak.job import Decision, Grade, Job
 from atleak.report.pdf.pictures import printable_picture
 from pages.shared import show
-from pages.shared.bench import Bench, File, understood
+from pages.shared.bench import Bench, File, log_choices
 
 _TEXTS = {
     "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
@@ -39,19 +38,12 @@ def put_job(record: Job) -> None:
 
 def sources(bench: Bench) -> dict[str, Any]:
     """What of the bench goes into a job file: the files' bytes and how the log's columns were settled."""
-    columns, units = {}, {}
-    if bench.log is not None:
-        answered = recall(default_path(), understood(bench.log, bench.columns, bench.units).signature)
-        columns, units = answered or ({}, {})
     slots = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument")
     own = {slot: getattr(bench, slot) for slot in slots}
     return {
         "readings": bench.sheet.data if bench.sheet else None,
         "road_test": bench.log.data if bench.log else None,
-        "road_test_choices": {
-            "mapping": {**columns, **dict(bench.columns)},
-            "units": {**units, **dict(bench.units)},
-        },
+        "road_test_choices": log_choices(bench),
         "catalogue": {slot: choice.data for slot, choice in own.items() if isinstance(choice, File)},
     }
 

@@ -10,11 +10,12 @@ from atleak.errors import AtleakError
 from atleak.events import Event
 from atleak.intake.road_test import Understood, describe
 from atleak.intake.road_test.describe import workshop_unit
+from atleak.intake.road_test.memory import Settled
 from atleak.intake.units import unit_names
 from atleak.report.window import event_label
 from atleak.road_test import QUANTITIES, RoadTest
 from pages.shared import show
-from pages.shared.bench import Bench, File, remember_columns, understood
+from pages.shared.bench import Bench, File, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session
 
 ASK = "choose …"
@@ -62,7 +63,13 @@ def form(file: File, found: Understood, bench: Bench) -> None:
     asked = {one.quantity: one for one in found.ambiguous}
     for one in found.ambiguous:
         st.warning(f"**{QUANTITIES[one.quantity].label}:** {show.plain(one.why)}. Which column is it?")
-    settled, assumed = dict(bench.columns if file == bench.log else ()), dict(bench.units)
+    earlier = remembered_columns(file) or Settled()
+    settled, assumed = dict(earlier.mapping), dict(earlier.units)
+    if file == bench.log:
+        settled |= dict(bench.columns)
+        assumed |= dict(bench.units)
+    if session().unkept[0] == file.sha256:
+        st.warning(f"These columns are used, but could not be remembered: {show.plain(session().unkept[1])}.")
     with st.expander("Columns and units", expanded=bool(asked)), st.form("columns", border=False):
         labels = [heading.label for heading in found.headings]
         columns, units = {}, {}
@@ -81,8 +88,10 @@ def form(file: File, found: Understood, bench: Bench) -> None:
                 said = right.selectbox("unit", names, at, key=f"unit-{file.sha256}-{name}")
                 if said != names[0]:
                     units[name] = said
+        st.caption("Remembered on the computer that runs this dashboard, for everyone who uses it.")
         if st.form_submit_button("Use and remember for logs with this header"):
-            remember_columns(file, columns, units)
+            why = remember_columns(file, columns, units)
+            session().unkept = (file.sha256, why) if why else ("", "")
             put_file("log", file)
             choose(columns=tuple(columns.items()), units=tuple(units.items()))
             st.rerun()

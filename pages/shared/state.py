@@ -34,6 +34,7 @@ class Session:
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # looked at, by the log's SHA-256
     over: File | None = None  # a log laid over the job's
     offset: float = 0.0  # [s] by which it is shifted
+    unkept: tuple[str, str] = ("", "")  # SHA-256 of a log whose columns could not be remembered, and why
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
 
 

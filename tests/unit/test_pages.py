@@ -15,6 +15,10 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = (
     "1_Diagnosis", "2_Readings", "3_Uncertainty", "4_Road_test", "5_Report", "6_Source_study", "7_Catalogue",
 )  # fmt: skip
+TWO_PRESSURES = (
+    "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
+    + "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
+)
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 
 
@@ -202,9 +206,7 @@ def test_an_own_files_name_is_shown_and_never_a_path(app: AppTest, name: str, mo
 
 
 def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
-    rows = "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
-    log = "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n" + rows
-    uploader(app, "Road-test log").upload("two.csv", log.encode(), "text/csv").run()
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
     assert "two.csv was not taken" in texts(app)
     go(app, "4_Road_test")
     assert not app.exception
@@ -215,6 +217,73 @@ def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
     assert "not taken" not in texts(app)
     taken = app.dataframe[0].value.set_index("quantity")["column"]
     assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def column_box(app: AppTest, start: str):
+    return next(found for found in app.main.selectbox if found.label.startswith(start))
+
+
+def use_columns(app: AppTest) -> AppTest:
+    return next(found for found in app.button if found.label.startswith("Use and remember")).click().run()
+
+
+def most_leakage(app: AppTest) -> float:
+    return go(app, "4_Road_test").dataframe[-1].value.set_index("what")["largest"]["leakage"]
+
+
+def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
+    log = TWO_PRESSURES.replace("line pressure 1", "main_pressure").encode()
+    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
+    first = most_leakage(app)
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    second = most_leakage(app)
+    assert second > 1.2 * first  # 900 kPa at most, not 699
+    uploader(app, "Road-test log").set_value(None).run()
+    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
+    assert not app.exception
+    assert most_leakage(app) == second
+    assert column_box(app, "main").value == "line pressure 2 [kPa]"
+
+
+def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppTest) -> None:
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    go(app, "4_Road_test")
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    uploader(app, "Road-test log").set_value(None).run()
+    uploader(app, "Road-test log").upload("again.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    column_box(app, "converter").select("line pressure 1 [kPa]")
+    use_columns(app)
+    assert not app.exception
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+    assert taken["converter pressure"] == "line pressure 1 [kPa]"
+
+
+def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path: Path) -> None:
+    (tmp_path / "atleak").write_text("a file where the folder should be", encoding="utf-8")
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    go(app, "4_Road_test")
+    assert "for everyone who uses it" in texts(app)
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    assert not app.exception
+    assert "could not be remembered" in texts(app)
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    from pages.shared import bench, job_form
+
+    log = bench.File("two.csv", TWO_PRESSURES.encode())
+    bench.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
+    choices = job_form.sources(bench.Bench(log=log))["road_test_choices"]
+    assert choices == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}}
 
 
 def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
