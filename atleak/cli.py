@@ -152,14 +152,12 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Name
 
 def _columns(options: argparse.Namespace) -> dict[str, Any]:
     """How the log's columns were told, now or earlier, so that the job reads the same elsewhere."""
-    from atleak.intake.road_test import default_path, recall, understand
+    from atleak.intake.road_test import default_path, understand
+    from atleak.job_file import road_test_choices
 
-    log = understand(Path(options.road_test), remembered=default_path())
-    settled = recall(default_path(), log.signature)
-    known = (
-        {"mapping": dict(settled.mapping), "units": dict(settled.units)} if settled else {"mapping": {}, "units": {}}
-    )
-    return {"mapping": known["mapping"] | dict(options.map), "units": known["units"] | dict(options.unit)}
+    told = {"mapping": dict(options.map), "units": dict(options.unit)}
+    log = understand(Path(options.road_test), **told, remembered=default_path())
+    return road_test_choices(log, **told, remembered=default_path())
 
 
 def _report(options: argparse.Namespace) -> int:
