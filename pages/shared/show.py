@@ -16,6 +16,7 @@ from atleak.drawing import controller_svg
 from atleak.errors import AtleakError, Message
 from atleak.figures.diagnosis import BAND_SYMBOLS, COLOURS
 from atleak.limits import VERDICTS
+from atleak.projection import Projection
 from atleak.report.text import SYMBOLS, WORDS
 from pages.shared.state import Refusal
 
@@ -169,10 +170,15 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         st.markdown("\n".join([*lines, f"- profile: **{plain(diagnosis.profile.label)}**"]))
 
 
+def points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projection, dict[str, Any]]]:
+    """The stated condition and, where the controller states it, hot idle; each with its record."""
+    rows = [record["projection"], record["hot_idle"]][: len(diagnosis.projections)]
+    return list(zip(diagnosis.projections, rows, strict=True))
+
+
 def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """The conditions of the totals, and the speed below which the pump no longer holds the pressure."""
-    for point, found in zip(diagnosis.projections, ("projection", "hot_idle"), strict=False):
-        row = record[found]
+    for point, row in points(diagnosis, record):
         st.caption(
             f"**{plain(point.condition.label)}**: {row['leakage_dm3_min']:.2f} of {row['pump_capacity_dm3_min']:.2f} "
             f"dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; the pump holds the pressure from "

@@ -10,8 +10,10 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.figures.diagnosis import BAND_SYMBOLS
 from atleak.limits import Verdict
 from atleak.report.record import PERCENT
+from pages.shared import show
 from pages.shared.show import plain, verdict
 
+PARTLY = ("spool_only", "sleeve_only")
 FLAGGED: tuple[Verdict, ...] = ("critical", "replace", "watch")
 DIGITS = {
     "Clearance [µm]": 1,
@@ -38,23 +40,28 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     lands = record["lands"]
     counts = {name: sum(land["verdict"] == name for land in lands) for name in FLAGGED}
     flagged = ", ".join(f"{count} {verdict(name)}" for name, count in counts.items() if count)
-    measured = record["readings"]["lands_measured"]
-    if not measured:
-        head = f"**{verdict('not_measured')}:** no land is measured; all {len(lands)} are at their mounting clearance."
-    elif flagged:
+    whole = sum(land["measured"] == "measured" for land in lands)
+    partly = sum(land["measured"] in PARTLY for land in lands)
+    open_ones = sum(land["measured"] in PARTLY and land["verdict"] == "not_measured" for land in lands)
+    if flagged:
         pairs = len({land["component"] for land in lands if land["verdict"] in FLAGGED})
-        head = f"**{verdict(record['verdict'])}:** {flagged} of {measured} measured lands, in {pairs} components."
+        where = f"{pairs} component{'s' * (pairs != 1)}"
+        head = f"**{verdict(record['verdict'])}:** {flagged} of {whole + partly} measured lands, in {where}."
+    elif whole:
+        head = f"**{verdict('ok')}:** none of {whole} measured lands has reached a limit."
+    elif partly:
+        head = f"**{verdict('not_measured')}:** no land is measured on both spool and sleeve."
     else:
-        head = f"**{verdict('ok')}:** none of {measured} measured lands has reached a limit."
-    totals = [_total(record[name], point.condition.label) for name, point in _points(diagnosis, record)]
-    point, label = record[_points(diagnosis, record)[-1][0]], diagnosis.projections[-1].condition.label
-    holds = f"The pump holds the pressure from **{point['minimum_engine_rpm']:.0f} rpm** at {plain(label)}."
+        head = f"**{verdict('not_measured')}:** no land is measured; all {len(lands)} are at their mounting clearance."
+    if open_ones:
+        head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
+    points = show.points(diagnosis, record)
+    totals = [_total(row, point.condition.label) for point, row in points]
+    last, row = points[-1]
+    holds = (
+        f"The pump holds the pressure from **{row['minimum_engine_rpm']:.0f} rpm** at {plain(last.condition.label)}."
+    )
     return f"{head} The unit leaks {' and '.join(totals)}. {holds}"
-
-
-def _points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[str, Any]]:
-    names = ["projection"] + (["hot_idle"] if record["hot_idle"] is not None else [])
-    return list(zip(names, diagnosis.projections, strict=False))
 
 
 def _total(point: dict[str, Any], label: str) -> str:
@@ -82,8 +89,8 @@ def land_rows(diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[Land
                 "Mounting [µm]": land["mounting_clearance_um"],
                 "Wear [%]": land["wear_percent"],
                 "Share [%]": land["share_percent"],
-                "Decided by": None if rule is None else rule_text(rule),
-                "Limit is": None if rule is None else rule["origin"],
+                "Decided by": _decided_by(found, rule),
+                "Limit is": None if rule is None or found.verdict == "not_measured" else rule["origin"],
                 "Decision": land["decision"] and land["decision"].replace("_", " "),
                 "Over it [%]": _percent(land["probability_over_limit"]),
                 "Leakage [dm³/min]": land["leakage_dm3_min"],
@@ -94,6 +101,13 @@ def land_rows(diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[Land
         )
     filled = [name for name in rows[0] if any(row[name] is not None for row in rows)] if rows else []
     return [{name: row[name] for name in filled} for row in rows]
+
+
+def _decided_by(found: LandDiagnosis, rule: dict[str, Any] | None) -> str | None:
+    """The rule, and which part of the pair was taken at its nominal diameter."""
+    missing = {"spool_only": "sleeve", "sleeve_only": found.state.land.part}.get(found.state.status)
+    said = [] if rule is None or found.verdict == "not_measured" else [rule_text(rule)]
+    return "; ".join([*said, *([f"{missing} not measured"] if missing else [])]) or None
 
 
 def land_name(diagnosis: Diagnosis, key: tuple[str, int]) -> str:

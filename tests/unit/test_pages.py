@@ -107,6 +107,31 @@ def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app
     assert flagged(app) == ["■ replace"]
 
 
+def test_a_land_measured_on_one_part_only_is_never_called_ok(app: AppTest) -> None:
+    choice(app, "Controller").select("minimal_example").run()
+    head, rows = "component;part;plane;direction;diameter [mm]\n", "accumulator;piston;1;{};17,999\n"
+    spool_only = head + rows.format(0) + rows.format(90)
+    uploader(app, "Measuring sheet").upload("piston.csv", spool_only.encode(), "text/csv").run()
+    assert not app.exception
+    banner = next(text for text in texts(app).split("\n") if "The unit leaks" in text)
+    assert "ok:" not in banner
+    assert "no land is measured on both spool and sleeve" in banner
+    assert "mounting clearance." not in banner
+    row = app.dataframe[-1].value.iloc[0]
+    assert row["Verdict"].strip().endswith("not measured")
+    assert row["Decided by"] == "sleeve not measured"
+
+
+def test_a_flagged_land_says_which_part_was_not_measured(app: AppTest) -> None:
+    choice(app, "Controller").select("minimal_example").run()
+    sheet = "component;part;plane;direction;diameter [mm]\naccumulator;sleeve;1;0;18,2\naccumulator;sleeve;1;90;18,2\n"
+    uploader(app, "Measuring sheet").upload("sleeve.csv", sheet.encode(), "text/csv").run()
+    assert not app.exception
+    assert flagged(app)[0] in ("■ replace", "✖ critical")
+    assert app.dataframe[0].value["Decided by"].iloc[0].endswith("; piston not measured")
+    assert "no land is measured" not in texts(app)
+
+
 def test_a_refused_sheet_is_explained_and_the_last_job_stays(app: AppTest) -> None:
     before = app.dataframe[0].value
     target = io.BytesIO()
