@@ -495,3 +495,13 @@ def test_a_stray_cell_in_the_last_corner_is_told_not_followed() -> None:
     book.save(stream)
     with pytest.raises(RoadTestError, match="row 1048576 and column number 16384"):
         read_road_test(stream.getvalue(), name="stray.xlsx")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [bytes(range(256)) * 40, b'"\r";"a\rb"\n' * 50, b'time,"rpm\r\n1,2\r"\n' * 30],
+    ids=["all bytes", "quotes", "mixed"],
+)
+def test_rubbish_with_quotes_and_carriage_returns_is_refused_with_a_reason(content: bytes) -> None:
+    with pytest.raises(RoadTestError):
+        read_road_test(content, name="rubbish.csv")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from atleak.errors import Message, Place, ReadingsError, nearest_name
 from atleak.intake.readings.columns import Columns, understand
 from atleak.intake.readings.headings import Column, Header
 from atleak.intake.readings.names import Names
-from atleak.intake.readings.sheet import Cell, Sheet
+from atleak.intake.readings.sheet import Cell, Sheet, column_letter
 from atleak.intake.readings.values import MM, Converted, Key, RawValue, convert
 from atleak.intake.readings.words import (
     at,
@@ -111,7 +112,9 @@ class _Reader:
         for group in self.columns.groups:
             given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
             faulty = [
-                column for name, column in group.items() if name not in given and self._fault(row, column, bool(given))
+                column
+                for name, column in group.items()
+                if name not in given and self._fault(row, column, group, bool(given))
             ]
             if not given and not faulty:
                 continue
@@ -120,14 +123,15 @@ class _Reader:
                 continue
             yield group, self._raw_value(row, given)
 
-    def _fault(self, row: int, column: Column, others: bool) -> bool:
+    def _fault(self, row: int, column: Column, group: dict[str, Column], others: bool) -> bool:
         fault = self.sheet.faults.get((row, column.index))
         if fault is None or others:
             return False
         if fault.startswith("#"):
             self._say("this cell's formula gives an error", self._place(row, column), value=fault, expected=_DIAMETER)
             return True
-        if len(self.columns.groups[0]) > 1:
+        coordinates = [other.index for name, other in group.items() if name.startswith("coordinate")]
+        if any(re.search(rf"\b{column_letter(index)}{row + 1}\b", fault.replace("$", "")) for index in coordinates):
             return False  # a formula over coordinates that are not filled in yet
         self._say(
             "this cell's formula has no stored result",

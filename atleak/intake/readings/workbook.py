@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import io
 import posixpath
 import re
@@ -18,7 +19,7 @@ from atleak.intake.workbook_cells import column_index, extent
 _UNPACKED = 300e6  # bytes; a measuring sheet is a thousandth of it
 _CELLS = 4_000_000  # a sheet's outermost cells span at most this many
 _CELL = re.compile(rb"<(?:\w+:)?c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>)", re.DOTALL)
-_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
+_FORMULA = re.compile(rb"<(?:\w+:)?f(?:\s[^>]*)?/?>([^<]*)")
 _VALUE = re.compile(rb"<(?:\w+:)?[vt]\b[^>]*>([^<]+)")
 _REFERENCE = re.compile(rb'\br="([A-Z]{1,3})(\d{1,7})"')
 _DAMAGE = (
@@ -31,7 +32,6 @@ _DAMAGE = (
     RuntimeError,
     ValueError,
 )
-_NO_RESULT = "a formula whose result is not stored"
 _ODS = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
 
 
@@ -165,7 +165,7 @@ def _formula_faults(xml: bytes, file: str, sheet: str) -> dict[tuple[int, int], 
         if b't="e"' in attributes:
             found[row, column] = value[1].decode("utf-8", "replace") if value else "an error"
         elif formula and not value and b't="str"' not in attributes:  # an empty text is a result too
-            found[row, column] = _NO_RESULT
+            found[row, column] = "=" + html.unescape(formula[1].decode("utf-8", "replace"))
     if (max(rows) + 1) * (max(columns) + 1) > _CELLS:
         raise ReadingsError(
             f"the cells of this sheet reach row {max(rows) + 1} and column number {max(columns) + 1}",

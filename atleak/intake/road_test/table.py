@@ -46,7 +46,8 @@ def split_line(line: str, delimiter: str) -> Row:
     if delimiter == WHITESPACE:
         return line.split()
     if '"' in line:
-        cells = next(csv.reader([line.strip("\r\n")], delimiter=delimiter, skipinitialspace=True), [])
+        quoted = line.strip("\r\n").replace("\r", " ")  # a lone carriage return is no end of line to us
+        cells = next(csv.reader([quoted], delimiter=delimiter, skipinitialspace=True), [])
         return [cell.strip() for cell in cells]
     return [cell.strip() for cell in line.strip("\r\n").split(delimiter)]
 

@@ -13,6 +13,7 @@ import openpyxl
 import pytest
 import xlsxwriter
 
+from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.readings import clearances
 
@@ -463,6 +464,18 @@ def test_a_formula_without_stored_result_does_not_matter_beside_its_coordinates(
     book.active.append([6, "sleeve", 1, None, None, "=ABS(D3-E3)"])
     found = read_readings(save_book(book), controller)
     assert len(found.readings) == 1
+
+
+@pytest.mark.parametrize("formula", ["=1/0", "=9.9+0.2", "=$G$1+F9"])
+def test_a_formula_without_stored_result_is_not_taken_for_an_empty_cell(controller, save_book, formula):
+    """Beside coordinate columns too: a worn sleeve written as a formula must not become its nominal diameter."""
+    book = openpyxl.Workbook()
+    book.active.append(["component", "part", "plane", "x1 [mm]", "x2 [mm]", "diameter [mm]"])
+    book.active.append([6, "spool", 1, 59.939, 50, None])
+    book.active.append([6, "sleeve", 1, None, None, formula])
+    with pytest.raises(ReadingsError, match="row 3, column F: this cell's formula has no stored result") as caught:
+        read_readings(save_book(book), controller)
+    assert formula in str(caught.value)
 
 
 def test_a_formula_with_its_result(controller):
