@@ -10,6 +10,7 @@ from html import escape
 from types import MappingProxyType
 
 from atleak.controller import Controller, Land
+from atleak.workshop_units import MM
 
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
 INK = "#1B2733"
@@ -83,7 +84,7 @@ def controller_svg(
     cell = _WIDTH / columns
     rows = -(-len(components) // columns)
     longest = max(_length(controller.lands_of(name)) for name in components)
-    thickest = max(land.nominal_diameter for land in controller.lands) * 1e3
+    thickest = max(land.nominal_diameter for land in controller.lands) * MM
     scale = _scale(cell - 32.0, longest, 36.0, thickest)
     parts = [_head(_WIDTH, rows * _ROW, title or controller.name)]
     for number, name in enumerate(components):
@@ -103,7 +104,7 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
     lands = controller.lands_of(component)
     if not lands:
         raise KeyError(component)
-    thickest = max(land.nominal_diameter for land in lands) * 1e3
+    thickest = max(land.nominal_diameter for land in lands) * MM
     scale = _scale(900.0, _length(lands), 96.0, thickest)
     name = controller.components[component]
     parts = [_head(_WIDTH, 240.0, f"component {component}, {name}: lands and measuring planes")]
@@ -118,7 +119,7 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
                 'stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
             )
             parts.append(_text(x, middle - reach - 34, plane, 18, bold=True))
-        parts.append(_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * 1e3:.3f}", 16))
+        parts.append(_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
     parts.append(_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
     return "".join((*parts, "</svg>"))
 
@@ -163,13 +164,13 @@ def _spool(
 ) -> str:
     places = _places(lands, centre, scale)
     left, right = places[0][1], places[-1][1] + places[-1][2]
-    rod = min(land.nominal_diameter for land in lands) * 1e3 * scale[1] * _ROD
+    rod = min(land.nominal_diameter for land in lands) * MM * scale[1] * _ROD
     parts = [
         f'<rect x="{left - 4:.1f}" y="{middle - rod / 2:.1f}" width="{right - left + 8:.1f}" height="{rod:.1f}" '
         f'fill="{METAL}" stroke="{INK}" stroke-width="{0.6 * thick:.1f}"/>'
     ]
     for land, x, width in places:
-        height = land.nominal_diameter * 1e3 * scale[1]
+        height = land.nominal_diameter * MM * scale[1]
         verdict = verdicts.get(land.key, "")
         shade = SHADES[verdict]
         dashes = f' stroke-dasharray="{shade.dashes}"' if shade.dashes else ""
@@ -191,7 +192,7 @@ def _places(lands: tuple[Land, ...], centre: float, scale: tuple[float, float]) 
     """Each land with its left edge and width on the drawing."""
     found, x = [], centre - _length(lands) * scale[0] / 2.0
     for land in lands:
-        width = land.contact_length * 1e3 * scale[0]
+        width = land.contact_length * MM * scale[0]
         found.append((land, x, width))
         x += width + _BETWEEN * scale[0]
     return found
@@ -204,7 +205,7 @@ def _scale(width: float, longest: float, height: float, thickest: float) -> tupl
 
 
 def _length(lands: tuple[Land, ...]) -> float:
-    return sum(land.contact_length * 1e3 for land in lands) + _BETWEEN * (len(lands) - 1)
+    return sum(land.contact_length * MM for land in lands) + _BETWEEN * (len(lands) - 1)
 
 
 def shortened(text: str, width: int) -> str:

@@ -38,12 +38,11 @@ from atleak.profile import PAPER
 from atleak.projection import with_wear
 from atleak.readings import clearances
 from atleak.variants import VARIANTS, Variant, variant_fluid
+from atleak.workshop_units import DM3_MIN
 
 ROOT = Path(__file__).resolve().parent.parent
 CONTROLLER = ROOT / "atleak" / "catalogue" / "controllers" / "four_speed_2023.toml"
 LOG = ROOT / "sample_data" / "minimum_acceleration_test.csv"
-
-DM3_MIN = 6e4  # of 1 m³/s
 
 
 TABLE_3 = {variant.name: variant for variant in VARIANTS}

@@ -18,12 +18,12 @@ from tsdownsample import MinMaxDownsampler
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.events import Event
 from atleak.limits import Limits
-from atleak.report.record import DM3_MIN, PERCENT, UM
 from atleak.report.road_series import RoadSeries, road_series
 from atleak.report.text import SYMBOLS, WORDS
 from atleak.report.window import Scales
 from atleak.road_leakage import RoadLeakage
 from atleak.road_test import QUANTITIES, Channel, RoadTest
+from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 POINTS = 3000  # of a log that are drawn, edges of gaps aside
 EVENTS = 60  # of a log that are marked at most

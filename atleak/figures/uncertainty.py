@@ -13,8 +13,8 @@ import plotly.graph_objects as go
 from atleak.figures.diagnosis import BAND_COLOURS, BAND_SYMBOLS
 from atleak.limits import Limits, Steps
 from atleak.uncertainty import DECISIONS, Decision, LandUncertainty, UnitUncertainty
+from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
-UM, DM3_MIN, PERCENT = 1e6, 6e4, 100.0
 COLOURS: dict[Decision, str] = {
     "pass": "#2f9e62",
     "conditional_pass": "#7aa621",

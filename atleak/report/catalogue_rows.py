@@ -9,7 +9,7 @@ from typing import Any
 from atleak.controller import Controller
 from atleak.fluid import Fluid
 from atleak.limits import Limits
-from atleak.report.record import KPA, MM, PERCENT, RPM, UM
+from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
 
 Tables = dict[str, list[dict[str, Any]]]
 FOLDERS = MappingProxyType({"controller": "controllers", "fluid": "fluids", "limits": "limits"})
@@ -80,22 +80,22 @@ def fluid_tables(fluid: Fluid) -> Tables:
     between = [temperature for temperature in range(-20, 141, 20) if low <= temperature <= high]
     tables = {
         "Data sheet": [
-            *({"what": f"viscosity at {at:g} °C", "value": nu * 1e6, "unit": "mm²/s"} for at, nu in fluid.points),
-            {"what": f"density at {fluid.density_at[0]:g} °C", "value": fluid.density_at[1] * 1e-3, "unit": "g/cm³"},
+            *({"what": f"viscosity at {at:g} °C", "value": nu * MM2_S, "unit": "mm²/s"} for at, nu in fluid.points),
+            {"what": f"density at {fluid.density_at[0]:g} °C", "value": fluid.density_at[1] * G_CM3, "unit": "g/cm³"},
             {"what": "pour point", "value": fluid.pour_point, "unit": "°C"},
         ],
         "ASTM D341 through the data sheet": [
             {
                 "temperature [°C]": temperature,
-                "viscosity [mm²/s]": fluid.kinematic_viscosity(float(temperature)) * 1e6,
-                "density [g/cm³]": fluid.density(float(temperature)) * 1e-3,
+                "viscosity [mm²/s]": fluid.kinematic_viscosity(float(temperature)) * MM2_S,
+                "density [g/cm³]": fluid.density(float(temperature)) * G_CM3,
             }
             for temperature in between
         ],
     }
     if fluid.table:
         tables["Tabulated by the source"] = [
-            {"temperature [°C]": at, "viscosity [mm²/s]": nu * 1e6, "density [g/cm³]": rho * 1e-3}
+            {"temperature [°C]": at, "viscosity [mm²/s]": nu * MM2_S, "density [g/cm³]": rho * G_CM3}
             for at, nu, rho in fluid.table
         ]
     return tables

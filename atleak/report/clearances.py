@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from atleak.diagnosis import LandDiagnosis
-from atleak.report.record import MM, PERCENT, UM
+from atleak.workshop_units import MM, PERCENT, UM
 
 STATUS = {
     "measured": "measured",

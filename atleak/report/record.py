@@ -14,15 +14,9 @@ from atleak.limits import Limits, Steps
 from atleak.projection import Projection
 from atleak.road_leakage import Instant, RoadLeakage
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
+from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
-DM3_MIN = 6.0e4  # m³/s → dm³/min
-MM3_S = 1.0e9
-KPA = 1.0e-3
-MM = 1.0e3
-UM = 1.0e6
-RPM = 60.0
-PERCENT = 100.0
 _RULE_UNITS = {"%": (PERCENT, "percent"), "µm": (UM, "um")}
 
 
@@ -181,8 +175,8 @@ def _gap(found: GapLeakage) -> dict[str, Any]:
         "diameter_mm": found.diameter * MM,
         "contact_length_mm": found.contact_length * MM,
         "effective_clearance_um": found.effective_clearance * UM,
-        "kinematic_viscosity_mm2_s": found.kinematic_viscosity * 1.0e6,
-        "density_g_cm3": found.density * 1.0e-3,
+        "kinematic_viscosity_mm2_s": found.kinematic_viscosity * MM2_S,
+        "density_g_cm3": found.density * G_CM3,
         "leakage_mm3_s": found.leakage * MM3_S,
         "drawn_from_pump": found.drawn_from_pump,
         "reynolds_number": found.reynolds_number,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from tsdownsample import MinMaxDownsampler
 
-from atleak.report.record import DM3_MIN, KPA, PERCENT, RPM
 from atleak.road_leakage import Instant, RoadLeakage
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 _BREAKS = 400  # edges of stretches without values that are kept at most
 

@@ -11,8 +11,8 @@ from rich.text import Text
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.projection import Projection
-from atleak.report.record import DM3_MIN, PERCENT, RPM, UM
 from atleak.variants import VariantResult
+from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
 SYMBOLS = {"ok": "●", "watch": "▲", "replace": "■", "critical": "✖", "not_measured": "○"}
 WORDS = {
@@ -69,7 +69,7 @@ def print_variants(results: Sequence[VariantResult]) -> None:
             variant.name,
             f"{variant.temperature:g}",
             f"{variant.wear * PERCENT:g}",
-            f"{result.kinematic_viscosity * 1e6:g}",
+            f"{result.kinematic_viscosity * MM2_S:g}",
             str(variant.printed_max_leakage),
             f"{computed.leakage * DM3_MIN:.3f}",
             f"{tabulated.leakage * DM3_MIN:.3f}",

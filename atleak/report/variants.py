@@ -8,10 +8,11 @@ from typing import Any
 from atleak import __version__
 from atleak.controller import Controller
 from atleak.errors import Message
-from atleak.report.record import DM3_MIN, FORMAT, PERCENT
-from atleak.road_leakage import Instant
+from atleak.report.record import FORMAT, message_record
+from atleak.road_leakage import Instant, RoadLeakage
 from atleak.road_test import RoadTest
-from atleak.variants import VariantResult, VariantRun
+from atleak.variants import VariantResult, gear_at_most_leakage
+from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT
 
 
 def variants_record(results: Sequence[VariantResult], controller: Controller, road_test: RoadTest) -> dict[str, Any]:
@@ -35,7 +36,7 @@ def variants_record(results: Sequence[VariantResult], controller: Controller, ro
             "duration_s": road_test.duration,
         },
         "variants": [_variant(result) for result in results],
-        "messages": [_message(message) for message in _unique(results)],
+        "messages": [message_record(message) for message in _unique(results)],
     }
 
 
@@ -46,9 +47,9 @@ def _variant(result: VariantResult) -> dict[str, Any]:
         "temperature_c": variant.temperature,
         "wear_percent": variant.wear * PERCENT,
         "kinematic_viscosity_mm2_s": variant.kinematic_viscosity / 1e-6,
-        "density_g_cm3": variant.density * 1e-3,
+        "density_g_cm3": variant.density * G_CM3,
         "kinematic_viscosity_used_mm2_s": result.kinematic_viscosity / 1e-6,
-        "density_used_g_cm3": result.density * 1e-3,
+        "density_used_g_cm3": result.density * G_CM3,
         "printed": {
             "max_leakage_dm3_min": float(variant.printed_max_leakage),
             "max_share_percent": float(variant.printed_max_share),
@@ -59,11 +60,11 @@ def _variant(result: VariantResult) -> dict[str, Any]:
     }
 
 
-def _run(run: VariantRun) -> dict[str, Any]:
+def _run(run: RoadLeakage) -> dict[str, Any]:
     return {
         "max_leakage_dm3_min": run.max_leakage.leakage * DM3_MIN,
         "max_leakage_time_s": run.max_leakage.time,
-        "gear_at_max_leakage": run.gear_at_max,
+        "gear_at_max_leakage": gear_at_most_leakage(run),
         "pump_capacity_at_max_leakage_dm3_min": _pump(run.max_leakage),
         "share_at_max_leakage_percent": _share(run.max_leakage),
         "min_leakage_dm3_min": run.min_leakage.leakage * DM3_MIN,
@@ -87,7 +88,3 @@ def _unique(results: Sequence[VariantResult]) -> list[Message]:
         for message in result.messages:
             found.setdefault((message.code, message.text), message)
     return list(found.values())
-
-
-def _message(message: Message) -> dict[str, str]:
-    return {"level": message.level, "code": message.code, "text": message.text}

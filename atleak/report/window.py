@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from atleak.events import Event
-from atleak.report.record import DM3_MIN, PERCENT
 from atleak.road_leakage import RoadLeakage
 from atleak.road_test import QUANTITIES, RoadTest
+from atleak.workshop_units import DM3_MIN, PERCENT
 
 Scales = Mapping[str, tuple[str, Callable[[Any], Any]]]
 EVENT_NAMES = {

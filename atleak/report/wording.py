@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from atleak.errors import InputError, nearest_name
+from atleak.workshop_units import PERCENT
 
 _FOLDER = Path(__file__).parent / "texts"
 _PLACE = re.compile(r"\{(\w+)\}")
@@ -56,7 +57,7 @@ class Wording:
 
     def percent(self, fraction: float | None, digits: int = 1) -> str:
         """A fraction as a percentage with its sign."""
-        return self.number(None if fraction is None else fraction * 100.0, digits) + f"{_NARROW}%"
+        return self.number(None if fraction is None else fraction * PERCENT, digits) + f"{_NARROW}%"
 
     def plain(self, value: float, digits: int = 6) -> str:
         """A number with no more digits than it has."""

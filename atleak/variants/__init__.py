@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from atleak.variants.run import (
-    DM3_MIN,
     VARIANTS,
     OptionRow,
     TemperatureCurve,
     Variant,
     VariantResult,
-    VariantRun,
     compare_options,
+    gear_at_most_leakage,
     reaches_digits,
     run_variants,
     sample_log,
@@ -20,14 +19,13 @@ from atleak.variants.run import (
 )
 
 __all__ = [
-    "DM3_MIN",
     "VARIANTS",
     "OptionRow",
     "TemperatureCurve",
     "Variant",
     "VariantResult",
-    "VariantRun",
     "compare_options",
+    "gear_at_most_leakage",
     "reaches_digits",
     "run_variants",
     "sample_log",

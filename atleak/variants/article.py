@@ -12,7 +12,8 @@ from decimal import Decimal
 
 import numpy as np
 
-from atleak.variants.run import DM3_MIN, VariantResult
+from atleak.variants.run import VariantResult
+from atleak.workshop_units import DM3_MIN
 
 
 @dataclass(frozen=True)

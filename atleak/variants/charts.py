@@ -6,14 +6,15 @@ near-black; dash and symbol tell the lines apart without them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from atleak.road_leakage import Instant
-from atleak.variants.run import DM3_MIN, TemperatureCurve, VariantResult
+from atleak.variants.run import TemperatureCurve, VariantResult
+from atleak.workshop_units import DM3_MIN, PERCENT
 
 MOST_POINTS = 2000  # of a line before thinning
 _BREAKS = 400
@@ -21,6 +22,7 @@ _BREAKS = 400
 Dash = Literal["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"]
 Symbol = Literal["circle", "square", "diamond", "cross", "x", "star", "triangle-up", "triangle-down", "hexagon"]
 Panel = Literal["upper", "lower"]
+_Told = tuple[str, Symbol, Instant]  # an instant in a word, with its marker
 
 
 @dataclass(frozen=True)
@@ -100,17 +102,9 @@ def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = No
         x, y = thinned(first.time, first.computed.pump_capacity * DM3_MIN)
         lines.append(Line("pump capacity Q_p", x, y, _PUMP, "solid", panel="upper"))
     for result in results:
-        run, (color, dash, _) = result.computed, _STYLE[result.variant.name]
-        name = result.variant.name
-        keep = [_index(result.time, instant) for instant in (run.min_leakage, run.max_leakage)]
-        x, y = thinned(result.time, run.leakage * DM3_MIN, keep=keep)
-        lines.append(Line(variant_label(result), x, y, color, dash, group=name))
-        for word, symbol, instant in (
-            ("least", "triangle-down", run.min_leakage),
-            ("most", "triangle-up", run.max_leakage),
-        ):
-            at = np.array([instant.time]), np.array([instant.leakage * DM3_MIN])
-            lines.append(Line(f"{name} {word}", *at, color, None, symbol, group=name, in_legend=False))
+        run = result.computed
+        told: list[_Told] = [("least", "triangle-down", run.min_leakage), ("most", "triangle-up", run.max_leakage)]
+        lines += _variant_lines(result, run.leakage * DM3_MIN, told, lambda instant: instant.leakage * DM3_MIN)
     leading = max(results, key=lambda result: result.computed.max_leakage.leakage).computed
     least, most = leading.min_leakage.time, leading.max_leakage.time
     return Chart(
@@ -143,19 +137,12 @@ def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None
     """
     lines = []
     for result in results:
-        run, (color, dash, _) = result.computed, _STYLE[result.variant.name]
-        share, worst, name = run.share, run.max_share, result.variant.name
+        run = result.computed
+        share, worst = run.share, run.max_share
         if share is None or worst is None or run.max_leakage.share is None:
             raise ValueError("a road test without engine speed has no leakage share")
-        keep = [_index(result.time, instant) for instant in (worst, run.max_leakage)]
-        x, y = thinned(result.time, share * 100.0, keep=keep)
-        lines.append(Line(variant_label(result), x, y, color, dash, group=name))
-        for word, symbol, instant in (
-            ("largest share", "circle", worst),
-            ("most leakage", "triangle-up", run.max_leakage),
-        ):
-            at = np.array([instant.time]), np.array([instant.share * 100.0])
-            lines.append(Line(f"{name} {word}", *at, color, None, symbol, group=name, in_legend=False))
+        told: list[_Told] = [("largest share", "circle", worst), ("most leakage", "triangle-up", run.max_leakage)]
+        lines += _variant_lines(result, share * PERCENT, told, lambda instant: instant.share * PERCENT)
     leading = max(results, key=lambda result: result.computed.max_leakage.leakage)
     worst, most = leading.computed.max_share.time, leading.computed.max_leakage.time
     return Chart(
@@ -170,8 +157,8 @@ def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None
         spans=gear_spans(leading.time, gear),
         description="Leakage share over time; "
         + "; ".join(
-            f"{result.variant.name} at most {result.computed.max_share.share * 100:.3g} %, "
-            f"at the instant of most leakage {result.computed.max_leakage.share * 100:.3g} %"
+            f"{result.variant.name} at most {result.computed.max_share.share * PERCENT:.3g} %, "
+            f"at the instant of most leakage {result.computed.max_leakage.share * PERCENT:.3g} %"
             for result in results
         ),
     )
@@ -218,11 +205,25 @@ def temperature_chart(
     )
 
 
+def _variant_lines(
+    result: VariantResult, values: np.ndarray, told: Sequence[_Told], value_at: Callable[[Instant], float]
+) -> list[Line]:
+    """A variant over time, and a point for each instant told."""
+    name, (color, dash, _) = result.variant.name, _STYLE[result.variant.name]
+    x, y = thinned(result.time, values, keep=[_index(result.time, instant) for _, _, instant in told])
+    lines = [Line(variant_label(result), x, y, color, dash, group=name)]
+    for word, symbol, instant in told:
+        at = np.array([instant.time]), np.array([value_at(instant)])
+        lines.append(Line(f"{name} {word}", *at, color, None, symbol, group=name, in_legend=False))
+    return lines
+
+
 def variant_label(result: VariantResult) -> str:
     """``W4: 80 °C, +50 %``; what is left out is fresh oil and no wear."""
     variant = result.variant
     oil = ", used oil" if variant.used_oil and not variant.wear else ""
-    return f"{variant.name}: {variant.temperature:g} °C{oil}" + (f", +{variant.wear * 100:g} %" if variant.wear else "")
+    worn = f", +{variant.wear * PERCENT:g} %" if variant.wear else ""
+    return f"{variant.name}: {variant.temperature:g} °C{oil}{worn}"
 
 
 def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, float, str], ...]:

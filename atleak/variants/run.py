@@ -8,30 +8,28 @@ article's Table 2 prints; they differ in W3 and W4.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
-from atleak.controller import Controller
+from atleak.controller import Controller, OperatingPoint
 from atleak.errors import Message
 from atleak.fluid import Fluid, ViscosityModel, load_fluid
 from atleak.leakage import LeakageModel
 from atleak.profile import PAPER, WORKSHOP, Profile
 from atleak.projection import with_wear
 from atleak.readings import LandClearance, clearances
-from atleak.road_leakage import Instant, evaluate_road_test
+from atleak.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.road_test import Channel, RoadTest
 from atleak.shipped import shipped
 
 FRESH_FLUID = "hipol_atf_iid"
 USED_FLUID = "hipol_atf_iid_used"
 USED_VISCOSITY = 8.40e-6  # [m²/s] at 80 °C after 106 315 km
-DM3_MIN = 6.0e4  # of 1 m³/s
 
 
 @dataclass(frozen=True)
@@ -106,25 +104,6 @@ def reaches_digits(printed: Decimal, value: float) -> bool:
 
 
 @dataclass(frozen=True)
-class VariantRun:
-    """One variant over a road test: arrays of shape (samples,), NaN where a channel was not usable."""
-
-    leakage: np.ndarray  # [m³/s]
-    pump_capacity: np.ndarray | None  # [m³/s], None where no engine speed was logged
-    max_leakage: Instant
-    min_leakage: Instant
-    max_share: Instant | None
-    gear_at_max: int | None
-
-    @property
-    def share(self) -> np.ndarray | None:
-        """Leakage / pump capacity of every sample; NaN where the pump stands."""
-        if self.pump_capacity is None:
-            return None
-        return self.leakage / np.where(self.pump_capacity > 0.0, self.pump_capacity, np.nan)
-
-
-@dataclass(frozen=True)
 class VariantResult:
     """One variant as computed with the viscosity its printed results follow from, and as Table 2 prints it."""
 
@@ -133,8 +112,8 @@ class VariantResult:
     time: np.ndarray  # [s]
     kinematic_viscosity: float  # [m²/s] used in ``computed``
     density: float  # [kg/m³]
-    computed: VariantRun
-    as_tabulated: VariantRun  # the same object where Table 2's viscosity is the one used
+    computed: RoadLeakage  # without its sections
+    as_tabulated: RoadLeakage  # the same object where Table 2's viscosity is the one used
     messages: tuple[Message, ...]
 
 
@@ -212,16 +191,14 @@ def variant_fluid(variant: Variant, *, as_tabulated: bool = False) -> Fluid:
 
 def variant_road_test(road_test: RoadTest, temperature: float) -> RoadTest:
     """The same road test at one ATF temperature [°C]."""
-    constant = Channel(
-        "atf_temperature",
-        time=road_test.time[:1],
-        values=np.array([temperature]),
-        suspect=np.array([False]),
-        unit="°C",
-        source="constant",
-    )
-    channels = MappingProxyType({**road_test.channels, "atf_temperature": constant})
-    return replace(road_test, channels=channels, _held={})
+    return _with_constants(road_test, {"atf_temperature": temperature})
+
+
+def gear_at_most_leakage(run: RoadLeakage) -> int:
+    """The gear in which a variant leaks most."""
+    gear = run.road_test.values("gear")
+    assert gear is not None  # logged or assumed
+    return int(gear[int(np.nanargmax(run.leakage))])
 
 
 def sample_log() -> Path:
@@ -240,15 +217,26 @@ def _covers(fluid: Fluid, temperature: float, model: ViscosityModel) -> bool:
     return low <= temperature <= high
 
 
+def _with_constants(road_test: RoadTest, constants: Mapping[str, float]) -> RoadTest:
+    """The same road test with some quantities [SI] that do not change."""
+    channels = dict(road_test.channels)
+    for quantity, value in constants.items():
+        channels[quantity] = Channel(
+            quantity,
+            time=road_test.time[:1],
+            values=np.array([value]),
+            suspect=np.array([False]),
+            source="constant",
+        )
+    return replace(road_test, channels=MappingProxyType(channels), _held={})
+
+
 @dataclass(frozen=True)
 class _Log:
-    """The channels that every variant shares, with what was assumed for those the log does not hold."""
+    """The road test that every variant runs over, with constants for what the log does not hold."""
 
-    time: np.ndarray
-    main_pressure: np.ndarray
-    converter_pressure: Any
-    gear: Any
-    engine_speed: np.ndarray | None
+    road_test: RoadTest
+    assumed: OperatingPoint
     messages: tuple[Message, ...]
 
     @classmethod
@@ -257,45 +245,19 @@ class _Log:
         assumed, first = controller.operating_points[0], VARIANTS[0]
         model = LeakageModel(controller, states, variant_fluid(first), PAPER)
         found = evaluate_road_test(model, variant_road_test(road_test, first.temperature), assumed)
-        main, converter, gear, speed = (
-            road_test.values(name) for name in ("main_pressure", "converter_pressure", "gear", "engine_speed")
-        )
-        assert main is not None  # evaluate_road_test refuses a log without
-        return cls(
-            road_test.time,
-            main,
-            assumed.converter_pressure if converter is None else converter,
-            assumed.gear if gear is None else gear,
-            speed,
-            found.messages,
-        )
+        constants = {"converter_pressure": assumed.converter_pressure, "gear": float(assumed.gear)}
+        missing = {name: value for name, value in constants.items() if road_test.values(name) is None}
+        return cls(_with_constants(road_test, missing), assumed, found.messages)
 
     def leakage(self, model: LeakageModel, temperature: float) -> np.ndarray:
-        return model.series(self.main_pressure, self.converter_pressure, temperature, self.gear).total
-
-    def run(self, model: LeakageModel, temperature: float) -> VariantRun:
-        leakage = self.leakage(model, temperature)
-        capacity = share = None
-        if self.engine_speed is not None:
-            at = np.full(len(leakage), temperature) if model.uses_slip else temperature
-            capacity = np.asarray(model.pump_capacity(self.engine_speed, self.main_pressure, at), dtype=float)
-            share = leakage / np.where(capacity > 0.0, capacity, np.nan)
-
-        def instant(index: int) -> Instant:
-            pump = None if capacity is None or not np.isfinite(capacity[index]) else float(capacity[index])
-            flow = float(leakage[index])
-            return Instant(float(self.time[index]), flow, pump, flow / pump if pump else None)
-
-        most = int(np.nanargmax(leakage))
-        gear = np.broadcast_to(self.gear, leakage.shape)[most]
-        return VariantRun(
-            leakage=leakage,
-            pump_capacity=capacity,
-            max_leakage=instant(most),
-            min_leakage=instant(int(np.nanargmin(leakage))),
-            max_share=None if share is None or not np.isfinite(share).any() else instant(int(np.nanargmax(share))),
-            gear_at_max=int(gear) if np.isfinite(gear) else None,
+        main, converter, gear = (
+            self.road_test.values(name) for name in ("main_pressure", "converter_pressure", "gear")
         )
+        return model.series(main, converter, temperature, gear).total
+
+    def run(self, model: LeakageModel, temperature: float) -> RoadLeakage:
+        found = evaluate_road_test(model, variant_road_test(self.road_test, temperature), self.assumed)
+        return replace(found, sections={})  # nobody asks, and those of ten runs over a long log weigh
 
 
 # --- what the better physics is worth ---------------------------------------------------------------------------

@@ -8,7 +8,8 @@ from typing import Any, Literal
 
 from atleak.road_leakage import Instant
 from atleak.variants.article import ERRATA, ComparedPoint
-from atleak.variants.run import DM3_MIN, OptionRow, VariantResult, reaches_digits
+from atleak.variants.run import OptionRow, VariantResult, reaches_digits
+from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT
 
 Quantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
 
@@ -19,10 +20,10 @@ def table_2_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
         {
             "variant": result.variant.name,
             "T [°C]": result.variant.temperature,
-            "wear [%]": result.variant.wear * 100.0,
+            "wear [%]": result.variant.wear * PERCENT,
             "ν printed [mm²/s]": result.variant.kinematic_viscosity / 1e-6,
             "ν used [mm²/s]": result.kinematic_viscosity / 1e-6,
-            "ρ [g/cm³]": result.density * 1e-3,
+            "ρ [g/cm³]": result.density * G_CM3,
         }
         for result in results
     ]
@@ -66,7 +67,7 @@ def point_rows(points: Sequence[ComparedPoint]) -> list[dict[str, Any]]:
             "at [s]": found.time,
             "stated [dm³/min]": float(found.point.printed),
             "computed [dm³/min]": found.computed,
-            "deviation [%]": found.deviation * 100.0,
+            "deviation [%]": found.deviation * PERCENT,
             "stated in": "inferred from Table 3" if found.point.inferred else "section 4",
         }
         for found in points
@@ -75,7 +76,7 @@ def point_rows(points: Sequence[ComparedPoint]) -> list[dict[str, Any]]:
 
 def option_rows(options: Sequence[OptionRow], quantity: Quantity = "max_leakage") -> list[dict[str, Any]]:
     """What every set of options gives, by variant: dm³/min, or % for a share."""
-    factor = DM3_MIN if quantity == "max_leakage" else 100.0
+    factor = DM3_MIN if quantity == "max_leakage" else PERCENT
     return [
         {"options": row.label}
         | {name: None if value is None else value * factor for name, value in getattr(row, quantity).items()}
@@ -89,7 +90,7 @@ def option_changes(options: Sequence[OptionRow], quantity: Quantity = "max_leaka
     return [
         {"options": row.label}
         | {
-            name: None if value is None or not base[name] else (value / base[name] - 1.0) * 100.0
+            name: None if value is None or not base[name] else (value / base[name] - 1.0) * PERCENT
             for name, value in getattr(row, quantity).items()
         }
         for row in options[1:]
@@ -110,4 +111,4 @@ def _digits(printed: Decimal, value: float | None) -> str | None:
 
 
 def _percent(instant: Instant | None) -> float | None:
-    return None if instant is None or instant.share is None else instant.share * 100.0
+    return None if instant is None or instant.share is None else instant.share * PERCENT

@@ -10,7 +10,7 @@ import pytest
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.events import Event
 from atleak.figures import diagnosis as figures
-from atleak.report.record import DM3_MIN, PERCENT
+from atleak.workshop_units import DM3_MIN, PERCENT
 
 ALL = {
     "ranking": lambda found: figures.leakage_ranking(found),

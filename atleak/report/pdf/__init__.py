@@ -28,9 +28,10 @@ from atleak.report.pdf.boxes import BOX_FONT, box_font
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.names import Names
 from atleak.report.pdf.pictures import write_pictures
-from atleak.report.record import DM3_MIN, PERCENT, diagnosis_record
+from atleak.report.record import diagnosis_record
 from atleak.report.road_series import RoadSeries, road_series
 from atleak.report.wording import Wording, wording
+from atleak.workshop_units import DM3_MIN, PERCENT
 
 PAPERS = {"a4": "a4", "letter": "us-letter"}
 STANDARDS = ("a-2a", "ua-1")

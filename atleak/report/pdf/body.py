@@ -9,10 +9,11 @@ from atleak import __version__
 from atleak.controller import REFERENCE_TEMPERATURE
 from atleak.errors import InputError, nearest_name
 from atleak.limits import VERDICTS
+from atleak.report.engine import engine_of
 from atleak.report.pdf.blocks import Block, facts, joined, table, text
 from atleak.report.pdf.names import Names, distinct
-from atleak.report.record import MM, PERCENT, UM
 from atleak.report.road_series import RoadSeries
+from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
 
 SECTIONS = (
     "picture",
@@ -357,8 +358,8 @@ class Body:
         viscosities = [
             say(
                 "facts.viscosity_at",
-                nu=say.number(fluid.kinematic_viscosity(found.condition.temperature, model) * 1e6, 2),
-                rho=say.number(fluid.density(found.condition.temperature, model) * 1e-3, 4),
+                nu=say.number(fluid.kinematic_viscosity(found.condition.temperature, model) * MM2_S, 2),
+                rho=say.number(fluid.density(found.condition.temperature, model) * G_CM3, 4),
                 temperature=say.plain(found.condition.temperature),
             )
             for found in distinct(diagnosis.projections)
@@ -443,7 +444,7 @@ class Body:
         if own:
             items.append(say("texts.project_limits", rules=joined(own)))
         pump = diagnosis.controller.pump
-        if diagnosis.profile.pump_efficiency == "wilson" and pump.slip_coefficient is not None:
+        if engine_of(diagnosis).uses_slip:
             items.append(say("texts.slip"))
         else:
             items.append(say("texts.efficiency", value=say.plain(pump.volumetric_efficiency)))

@@ -6,7 +6,7 @@ from typing import Any
 
 from atleak.report.pdf.blocks import Block, joined, table
 from atleak.report.pdf.names import Names, distinct
-from atleak.report.record import DM3_MIN, KPA, PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 _BAND_SIGNS = {"green": "ok", "amber": "watch", "red": "replace", "critical": "critical"}
 

@@ -9,8 +9,8 @@ from atleak.controller import OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
 from atleak.job import Job
 from atleak.projection import Projection
-from atleak.report.record import DM3_MIN, PERCENT, RPM, UM
 from atleak.report.wording import Wording
+from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
 _MOSTLY = 0.5  # of an uncertainty's variance
 FLAGGED = ("watch", "replace", "critical")

@@ -15,13 +15,13 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.controller import REFERENCE_TEMPERATURE, Pressure
 from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
-from atleak.equations.pump import slip_flow
 from atleak.leakage import GapLeakage
 from atleak.limits import ROUNDING, VERDICTS, Verdict
 from atleak.projection import Projection
 from atleak.readings import Reading
-from atleak.report.record import DM3_MIN, KPA, MM, MM3_S, PERCENT, RPM, UM
+from atleak.report.engine import engine_of
 from atleak.report.xlsx.book import BANDS, Book, cell, formula, put, span, verdict_word
+from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 _INPUT = {"font_color": "#0000C0"}
 _RANKED = [verdict for verdict in VERDICTS if verdict != "not_measured"]
@@ -134,15 +134,15 @@ class LiveSheets:
     def _fluid(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
         fluid, model = self.diagnosis.fluid, self.diagnosis.profile.viscosity
         temperature = at.projection.condition.temperature
-        viscosity = fluid.kinematic_viscosity(temperature, model) * 1e6
-        density = fluid.density(temperature, model) * 1e-3
+        viscosity = fluid.kinematic_viscosity(temperature, model) * MM2_S
+        density = fluid.density(temperature, model) * G_CM3
         texts: tuple[str | None, str | None] = (None, None)
         if model == "d341":
             a, b = fluid.d341
-            reference, slope = fluid.density_at, _number(fluid.density_slope * 1e-3)
+            reference, slope = fluid.density_at, _number(fluid.density_slope * G_CM3)
             texts = (
                 f"10^(10^({_number(a)}-{_number(b)}*LOG10({at('T')}+273.15)))-0.7",
-                f"{_number(reference[1] * 1e-3)}+{slope}*({at('T')}-{_number(reference[0])})",
+                f"{_number(reference[1] * G_CM3)}+{slope}*({at('T')}-{_number(reference[0])})",
             )
         elif model == "regression":
             texts = (f"343.92*EXP(-0.043*{at('T')})", f"-0.0007*{at('T')}+0.8409")
@@ -150,20 +150,14 @@ class LiveSheets:
         yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"
 
     def _pump(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
-        pump, found = self.diagnosis.controller.pump, at.projection
+        engine, found = engine_of(self.diagnosis), at.projection
+        pump, condition = engine.controller.pump, found.condition
         yield "pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3"
-        uses_slip = self.diagnosis.profile.pump_efficiency == "wilson" and pump.slip_coefficient is not None
         displaced = f"{at('q_p')}*{at('n')}*1E-6"
-        if uses_slip:
+        if engine.uses_slip:
             yield "slip coefficient C_s", "", "C_s", None, pump.slip_coefficient, "scientific"
             slip = f"{at('q_p')}*{at('C_s')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
-            fluid, model, temperature = (
-                self.diagnosis.fluid,
-                self.diagnosis.profile.viscosity,
-                found.condition.temperature,
-            )
-            viscous = fluid.kinematic_viscosity(temperature, model) * fluid.density(temperature, model)
-            lost = slip_flow(pump.displacement, pump.slip_coefficient, found.condition.main_pressure, viscous)
+            lost = float(engine.pump_slip(condition.main_pressure, condition.temperature))
             yield "slip", "dm³/min", "slip", slip, lost * DM3_MIN, "flow"
             capacity, lowest = f"MAX({displaced}-{at('slip')},0)", f"({at('leakage')}+{at('slip')})/({at('q_p')}*1E-6)"
         else:
@@ -245,8 +239,8 @@ class LiveSheets:
             put(sheet, row, 7, found.contact_length * MM, book.form("mm", **_INPUT))
             clearance = cell(self.row_of[gap.key], self.columns.at["c_re", at.prefix], "Lands")
             formula(sheet, row, 8, clearance, found.effective_clearance * UM, book.form("um"))
-            formula(sheet, row, 9, at("nu"), found.kinematic_viscosity * 1e6, book.form("nu"))
-            formula(sheet, row, 10, at("rho"), found.density * 1e-3, book.form("rho"))
+            formula(sheet, row, 9, at("nu"), found.kinematic_viscosity * MM2_S, book.form("nu"))
+            formula(sheet, row, 10, at("rho"), found.density * G_CM3, book.form("rho"))
             formula(sheet, row, 11, self._flow(row), found.leakage * MM3_S, book.form("mm3"))
             put(sheet, row, 12, found.drawn_from_pump)
             reynolds = f"2*L{row + 1}/(PI()*G{row + 1}*J{row + 1})"

@@ -10,10 +10,10 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.diagnosis import Diagnosis
 from atleak.job import Job, Record
 from atleak.limits import VERDICTS
-from atleak.report.record import PERCENT, UM
 from atleak.report.road_series import road_series
 from atleak.report.xlsx.book import BANDS, Book, cell, formula, put, put_text, span, verdict_word
 from atleak.report.xlsx.live import LiveSheets
+from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
 ROAD_ROWS = 2000  # of the thinned road test
 _KINDS = {
@@ -96,13 +96,13 @@ class Sheets:
             put(sheet, row, 0, found.condition.label)
             cells: list[tuple[str, Any, str]] = [
                 ("T", found.condition.temperature, "temperature"),
-                ("n", found.condition.engine_speed * 60.0, "rpm"),
+                ("n", found.condition.engine_speed * RPM, "rpm"),
                 ("gear", found.condition.gear, "count"),
-                ("leakage", found.leakage * 6e4, "flow"),
-                ("capacity", found.pump_capacity * 6e4, "flow"),
+                ("leakage", found.leakage * DM3_MIN, "flow"),
+                ("capacity", found.pump_capacity * DM3_MIN, "flow"),
                 ("share", found.share * PERCENT, "percent"),
                 ("band", band, "plain"),
-                ("n_min", found.minimum_speed * 60.0, "rpm"),
+                ("n_min", found.minimum_speed * RPM, "rpm"),
             ]
             for column, (name, value, kind) in enumerate(cells, start=1):
                 formula(sheet, row, column, at(name), value, book.form(kind, align="left"))

@@ -1,0 +1,13 @@
+"""Factors from SI to the units people read, in reports, figures and records alike: ``metres * UM`` are micrometres."""
+
+from __future__ import annotations
+
+DM3_MIN = 6.0e4  # m³/s → dm³/min
+MM3_S = 1.0e9  # m³/s → mm³/s
+KPA = 1.0e-3
+MM = 1.0e3
+UM = 1.0e6
+MM2_S = 1.0e6  # m²/s → mm²/s
+G_CM3 = 1.0e-3  # kg/m³ → g/cm³
+RPM = 60.0  # 1/s → 1/min
+PERCENT = 100.0
