@@ -24,7 +24,6 @@ from atleak.equations import pump as pump_equations
 from atleak.errors import DomainError, nearest_name
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
-SECTION_NAMES = MappingProxyType({"p_g": "main", "p_s": "control", "p_m": "modulated", "p_k": "converter"})
 HOT_IDLE = "hot_idle"
 REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
 
@@ -211,9 +210,6 @@ class Controller:
     def gaps_in(self, gear: int) -> tuple[Gap, ...]:
         """The gaps that see a pressure drop in that gear."""
         return tuple(gap for gap in self.gaps if gear in gap.gears)
-
-    def operating_point(self, name: str) -> OperatingPoint | None:
-        return next((point for point in self.operating_points if point.name == name), None)
 
     def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
         """All four section pressures [Pa] from the two that are measured; arrays as they come."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from atleak.controller import Controller, load_controller
+from atleak.controller import HOT_IDLE, Controller, OperatingPoint, load_controller
 from atleak.fluid import Fluid, load_fluid
 from atleak.limits import Limits, load_limits
 
@@ -61,6 +61,11 @@ def sample_log() -> Path:
 @pytest.fixture(scope="session")
 def four_speed() -> Controller:
     return load_controller("four_speed_2023")
+
+
+@pytest.fixture(scope="session")
+def hot_idle(four_speed: Controller) -> OperatingPoint:
+    return next(point for point in four_speed.operating_points if point.name == HOT_IDLE)
 
 
 @pytest.fixture(scope="session")

@@ -343,11 +343,6 @@ def cube_quantile(probability: ArrayLike, mean: ArrayLike, standard_uncertainty:
     return result((c + normal_quantile(probability) * s) ** 3)
 
 
-def cube_probability_over(limit: ArrayLike, mean: ArrayLike, standard_uncertainty: ArrayLike) -> Any:
-    """Probability that the cube of a normal variable is above a limit, ``Φ((c − ∛limit)/s)``."""
-    return probability_over(mean, np.cbrt(values(limit)), standard_uncertainty)
-
-
 def truncated_cube_moments(mean: ArrayLike, standard_uncertainty: ArrayLike) -> tuple[Any, Any]:
     """Mean and variance of ``max(X, 0)³`` for a normal X: a clearance below zero leaks nothing.
 

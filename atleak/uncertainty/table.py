@@ -1,23 +1,17 @@
-"""The same result as rows for people: one row a land, a total or a source, units in the column names."""
+"""The same result as rows for people: one row a land or a source, units in the column names."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from atleak.uncertainty.assess import Interval, LandUncertainty, TotalUncertainty, UnitUncertainty
-
-_UM, _DM3_MIN, _PERCENT, _RPM = 1e6, 6e4, 100.0, 60.0
+from atleak.uncertainty.assess import Interval, LandUncertainty, UnitUncertainty
+from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 
 def land_rows(unit: UnitUncertainty) -> list[dict[str, Any]]:
     """One row for every land that was measured, at the stated condition; unknown and infinite are None."""
     return [_land_row(land) for land in unit.lands if land.u_clearance is not None]
-
-
-def total_rows(unit: UnitUncertainty) -> list[dict[str, Any]]:
-    """One row for every condition."""
-    return [_total_row(total) for total in unit.totals]
 
 
 def budget_rows(land: LandUncertainty) -> list[dict[str, Any]]:
@@ -27,8 +21,8 @@ def budget_rows(land: LandUncertainty) -> list[dict[str, Any]]:
     return [
         {
             "source": name,
-            "of_clearance_percent": _PERCENT * of_clearance.get(name, 0.0),
-            "of_share_percent": _PERCENT * of_share.get(name, 0.0),
+            "of_clearance_percent": PERCENT * of_clearance.get(name, 0.0),
+            "of_share_percent": PERCENT * of_share.get(name, 0.0),
         }
         for name in dict.fromkeys([*of_share, *of_clearance])
     ]
@@ -40,37 +34,23 @@ def _land_row(land: LandUncertainty) -> dict[str, Any]:
     return {
         "component": state.land.component,
         "land": state.land.land,
-        "radial_clearance_um": state.radial_clearance * _UM,
-        "uncertainty_um": land.u_clearance * _UM,
-        **_interval("radial_clearance", "um", land.clearance_interval, _UM),
+        "radial_clearance_um": state.radial_clearance * UM,
+        "uncertainty_um": land.u_clearance * UM,
+        **_interval("radial_clearance", "um", land.clearance_interval, UM),
         "worst_direction_deg": shape.worst_direction,
-        "worst_clearance_um": shape.worst_clearance * _UM,
-        "flow_equivalent_clearance_um": _scaled(shape.effective_clearance, _UM),
+        "worst_clearance_um": shape.worst_clearance * UM,
+        "flow_equivalent_clearance_um": _scaled(shape.effective_clearance, UM),
         "lower_bound": shape.lower_bound,
-        "leakage_dm3_min": stated.leakage * _DM3_MIN,
-        **_interval("leakage", "dm3_min", stated.leakage_interval, _DM3_MIN),
-        "leakage_concentric_dm3_min": stated.eccentric[0] * _DM3_MIN,
-        "leakage_fully_eccentric_dm3_min": stated.eccentric[1] * _DM3_MIN,
-        "share_percent": _scaled(stated.share, _PERCENT),
-        **_interval("share", "percent", stated.share_interval, _PERCENT),
+        "leakage_dm3_min": stated.leakage * DM3_MIN,
+        **_interval("leakage", "dm3_min", stated.leakage_interval, DM3_MIN),
+        "leakage_concentric_dm3_min": stated.eccentric[0] * DM3_MIN,
+        "leakage_fully_eccentric_dm3_min": stated.eccentric[1] * DM3_MIN,
+        "share_percent": _scaled(stated.share, PERCENT),
+        **_interval("share", "percent", stated.share_interval, PERCENT),
         "deciding_rule": deciding.rule if deciding else None,
         "decision": land.decision,
-        "probability_over_limit_percent": _scaled(land.probability_over_limit, _PERCENT),
+        "probability_over_limit_percent": _scaled(land.probability_over_limit, PERCENT),
         "advice": land.advice,
-    }
-
-
-def _total_row(total: TotalUncertainty) -> dict[str, Any]:
-    return {
-        "condition": total.condition,
-        "leakage_dm3_min": total.leakage * _DM3_MIN,
-        **_interval("leakage", "dm3_min", total.leakage_interval, _DM3_MIN),
-        "share_percent": _scaled(total.share, _PERCENT),
-        **_interval("share", "percent", total.share_interval, _PERCENT),
-        **_interval("minimum_engine", "rpm", total.minimum_speed_interval, _RPM),
-        "band": total.decision.level,
-        "decision": total.decision.decision,
-        **{f"probability_{band}_percent": _PERCENT * p for band, p in total.band_probabilities},
     }
 
 

@@ -71,8 +71,6 @@ def test_quantiles_of_the_cube_against_scipy(probability: float) -> None:
     assert equations.cube_quantile(probability, c, s) == pytest.approx(
         stats.norm.ppf(probability, c, s) ** 3, rel=1e-9, abs=0.0
     )
-    limit = equations.cube_quantile(probability, c, s)
-    assert equations.cube_probability_over(limit, c, s) == pytest.approx(1.0 - probability, rel=1e-9, abs=0.0)
 
 
 def test_normal_cdf_against_scipy_in_both_tails() -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from atleak.catalogue.controller_tables import ControllerFile
-from atleak.controller import Controller, Pressure, PressureRelation, load_controller
+from atleak.controller import Controller, OperatingPoint, Pressure, PressureRelation, load_controller
 from atleak.diagnosis import diagnose
 from atleak.errors import CatalogueError
 from atleak.fluid import FluidFile, load_fluid
@@ -141,13 +141,10 @@ def test_modulated_and_control_pressure_end_at_their_limits(four_speed: Controll
     assert pressures["p_s"][2] == 500e3
 
 
-def test_operating_points_by_name(four_speed: Controller) -> None:
+def test_operating_points(four_speed: Controller, hot_idle: OperatingPoint) -> None:
     assert four_speed.operating_points[0].temperature == 80.0
     assert four_speed.operating_points[0].gear == 2
-    idle = four_speed.operating_point("hot_idle")
-    assert idle is not None
-    assert (idle.temperature, idle.engine_speed * 60.0) == (100.0, 800.0)
-    assert four_speed.operating_point("stall") is None
+    assert (hot_idle.temperature, hot_idle.engine_speed * 60.0) == (100.0, 800.0)
 
 
 def test_a_controller_without_gaps_leaks_from_main_pressure_to_the_drain(minimal: Controller) -> None:

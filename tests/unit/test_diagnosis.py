@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.controller import Controller, load_controller
+from atleak.controller import Controller, OperatingPoint, load_controller
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import DomainError
 from atleak.fluid import Fluid
@@ -279,9 +279,10 @@ def test_a_stated_condition_is_judged_beside_the_controller_s_own(
     assert found.hot_idle.condition.name == "hot_idle"
 
 
-def test_hot_idle_may_be_the_stated_condition(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
-    point = four_speed.operating_point("hot_idle")
-    found = diagnose(four_speed, hipol, limits, condition=point)
+def test_hot_idle_may_be_the_stated_condition(
+    four_speed: Controller, hot_idle: OperatingPoint, hipol: Fluid, limits: Limits
+) -> None:
+    found = diagnose(four_speed, hipol, limits, condition=hot_idle)
     assert found.projection is found.hot_idle
 
 
@@ -318,13 +319,19 @@ def test_mileage_at_which_a_land_reaches_its_limit(sample: Diagnosis) -> None:
         assert land.wear is not None
         assert land.uncertainty is not None
         doubt = 2.0 * land.uncertainty.u_clearance / land.state.land.mounting_clearance
-        if land.wear > doubt:
+        if doubt < land.wear < 0.5:
             assert land.replace_mileage == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9, abs=0.0)
-        else:  # less wear than the readings' own doubt projects nothing
+            assert land.replace_mileage > sample.mileage
+        else:  # less wear than the readings' own doubt, or the limit already reached
             assert land.replace_mileage is None
-        if land.verdict == "replace":
-            assert land.replace_mileage is not None
-            assert land.replace_mileage < 106_315.0
+    assert any(land.replace_mileage for land in sample.lands)
+
+
+def test_hot_idle_as_the_stated_condition_is_one_projection(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
+    idle = four_speed.operating_points[1]
+    found = diagnose(four_speed, hipol, limits, condition=idle)
+    assert found.projections == (found.projection,)
+    assert found.hot_idle is found.projection
 
 
 def test_without_mileage_none_is_projected(sample: Diagnosis, limits: Limits, hipol: Fluid) -> None:

@@ -243,17 +243,16 @@ def test_messages_of_gaps(four_speed: Controller, hipol: Fluid) -> None:
     assert all(gap.leakage == 0.0 for gap in reversed_)
 
 
-def test_entry_loss_is_said_where_it_matters(four_speed: Controller, hipol: Fluid) -> None:
+def test_entry_loss_is_said_where_it_matters(four_speed: Controller, hot_idle: OperatingPoint, hipol: Fluid) -> None:
     wide = tuple(
         replace(state, radial_clearance=60e-6, sleeve_diameter=state.spool_diameter + 120e-6)
         for state in clearances(None, four_speed)
     )
     model = LeakageModel(four_speed, wide, hipol, PAPER)
-    point = four_speed.operating_point("hot_idle")
-    gaps = model.gaps(point)
+    gaps = model.gaps(hot_idle)
     assert max(entry_loss_share(gap) for gap in gaps) > 0.02
-    assert "entry_loss" in {message.code for message in gap_messages(gaps, point)}
-    lossy = LeakageModel(four_speed, wide, hipol, PAPER.with_options(entry_loss="on")).gaps(point)
+    assert "entry_loss" in {message.code for message in gap_messages(gaps, hot_idle)}
+    lossy = LeakageModel(four_speed, wide, hipol, PAPER.with_options(entry_loss="on")).gaps(hot_idle)
     for plain, less in zip(gaps, lossy, strict=True):
         assert less.leakage == pytest.approx(plain.leakage * (1.0 - entry_loss_share(plain)), rel=1e-12, abs=0.0)
 
