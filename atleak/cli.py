@@ -52,6 +52,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _BROKEN_PIPE
     except KeyboardInterrupt:
         return 130
+    except Exception as error:  # nobody at a workshop's bench is helped by a traceback
+        if os.environ.get("ATLEAK_TRACEBACK"):
+            raise
+        print(f"atleak: unexpected {type(error).__name__}: {error}", file=sys.stderr)
+        print("This is a fault of atleak. ATLEAK_TRACEBACK=1 in the environment shows where.", file=sys.stderr)
+        return 2
 
 
 # --- diagnose -----------------------------------------------------------------------------------------------------
@@ -361,8 +367,15 @@ def _app(options: argparse.Namespace) -> int:
     command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", options.address]
     if options.port is not None:
         command += ["--server.port", str(options.port)]
-    # its configuration is found in the working directory, so the server works in the dashboard's own
-    return subprocess.call(command, cwd=app.parent)
+    return _serve(command, app.parent)
+
+
+def _serve(command: list[str], folder: Path) -> int:
+    """Run the server in the dashboard's own folder, where its configuration is found."""
+    if os.name == "posix":  # in place of this process, so that whoever ends this one ends the server
+        os.chdir(folder)
+        os.execv(command[0], command)
+    return subprocess.call(command, cwd=folder)
 
 
 # --- the words of the command line --------------------------------------------------------------------------------

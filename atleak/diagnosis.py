@@ -62,7 +62,7 @@ class LandDiagnosis:
     rules: tuple[RuleResult, ...]
     replace_mileage: (
         float | None
-    )  # [km] at which the wear limit for replacing is reached, wear ∝ mileage; None in doubt
+    )  # [km] at which the wear limit for replacing is reached, wear ∝ mileage; None in doubt or past
     uncertainty: LandUncertainty | None  # None where nothing was measured
     messages: tuple[Message, ...]
 
@@ -126,7 +126,9 @@ class Diagnosis:
 
     @property
     def projections(self) -> tuple[Projection, ...]:
-        return (self.projection,) if self.hot_idle is None else (self.projection, self.hot_idle)
+        """The stated condition and hot idle; one where they are the same."""
+        idle = self.hot_idle
+        return (self.projection,) if idle is None or idle is self.projection else (self.projection, idle)
 
     def band(self, projection: Projection) -> Band:
         """The band of a projection's total share."""
@@ -329,13 +331,14 @@ def _apply(rule: str, label: str, value: float, unit: str, steps: Steps) -> Rule
 def _replace_mileage(
     state: LandClearance, wear: float | None, limits: Limits, mileage: float | None, known: LandUncertainty | None
 ) -> float | None:
-    """Only where the wear is more than the readings' own doubt: two standard uncertainties."""
+    """Only ahead of the vehicle, and where wear is past the readings' doubt: two standard uncertainties."""
     if wear is None or mileage is None or limits.wear is None:
         return None
     doubt = known.u_clearance if known is not None and known.u_clearance is not None else 0.0
     if state.radial_clearance - state.land.mounting_clearance <= 2.0 * doubt:
         return None
-    return mileage_at_wear(mileage, wear, dict(limits.wear.levels).get("replace", limits.wear.levels[-1][1]))
+    reached = mileage_at_wear(mileage, wear, dict(limits.wear.levels).get("replace", limits.wear.levels[-1][1]))
+    return reached if reached is not None and reached > mileage else None
 
 
 def _messages(

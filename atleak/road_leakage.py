@@ -90,12 +90,13 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     gear = channel("gear", float(assumed.gear), f"gear {assumed.gear} ({assumed.label})")
     series = model.series(main, converter, temperature, gear, sections=True)
     if not np.isfinite(series.total).any():
+        low, high = model.fluid.span(model.profile.viscosity)
         raise RoadTestError(
             f"no sample of the log has usable values of pressure, temperature and gear together "
             f"({series.other_gear} in a gear this controller does not have, {series.outside_fluid} at a temperature "
             f"outside the fluid's data)",
             place=Place(file=road_test.file),
-            expected=f"gears {', '.join(map(str, model.controller.gears))}",
+            expected=f"gears {', '.join(map(str, model.controller.gears))}, temperatures from {low:g} to {high:g} °C",
         )
     speed = road_test.values("engine_speed")
     if speed is None:

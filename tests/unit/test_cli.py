@@ -31,8 +31,9 @@ def own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the command line here; exit status, standard output, standard error."""
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Runs the command line here; exit status, standard output, standard error. Faults of the program come through."""
+    monkeypatch.setenv("ATLEAK_TRACEBACK", "1")
 
     def command(*arguments: object) -> tuple[int, str, str]:
         try:
@@ -458,11 +459,11 @@ def test_variants_has_the_promised_keys(run: Run) -> None:
 def test_app_serves_this_machine_alone_unless_told(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: dict[str, Any] = {}
 
-    def call(command: list[str], cwd: Path) -> int:
-        seen.update(command=command, cwd=cwd)
+    def serve(command: list[str], folder: Path) -> int:
+        seen.update(command=command, cwd=folder)
         return 0
 
-    monkeypatch.setattr(cli.subprocess, "call", call)
+    monkeypatch.setattr(cli, "_serve", serve)
     assert run("app")[0] == 0
     assert seen["command"][seen["command"].index("--server.address") + 1] == "127.0.0.1"
     assert "--server.port" not in seen["command"]
@@ -592,3 +593,17 @@ def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:
     status, _, err = run("report", tmp_path / "x.zip", "-o", tmp_path, "--formats", "docx")
     assert status == 2
     assert "'docx' is not one of pdf, xlsx, json" in err
+
+
+def test_a_fault_of_the_program_is_said_without_a_traceback(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise RuntimeError("the shelf fell down")
+
+    monkeypatch.delenv("ATLEAK_TRACEBACK", raising=False)
+    monkeypatch.setattr("atleak.limits.limit_sets", broken)
+    assert cli.main(["limits"]) == 2
+    err = capsys.readouterr().err
+    assert "RuntimeError: the shelf fell down" in err
+    assert "Traceback" not in err

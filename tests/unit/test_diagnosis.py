@@ -327,7 +327,9 @@ def test_mileage_at_which_a_land_reaches_its_limit(sample: Diagnosis) -> None:
     assert any(land.replace_mileage for land in sample.lands)
 
 
-def test_hot_idle_as_the_stated_condition_is_one_projection(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
+def test_hot_idle_as_the_stated_condition_is_one_projection(
+    four_speed: Controller, hipol: Fluid, limits: Limits
+) -> None:
     idle = four_speed.operating_points[1]
     found = diagnose(four_speed, hipol, limits, condition=idle)
     assert found.projections == (found.projection,)

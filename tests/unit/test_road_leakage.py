@@ -124,7 +124,7 @@ def test_a_log_of_which_nothing_can_be_used(
 ) -> None:
     with pytest.raises(RoadTestError, match="no sample of the log") as caught:
         evaluate_road_test(model, log_of(TIME, **{**full, **channel}), assumed)
-    assert caught.value.expected == "gears 1, 2, 3, 4"
+    assert caught.value.expected == "gears 1, 2, 3, 4, temperatures from -20 to 150 °C"
 
 
 def test_samples_that_cannot_be_used_are_counted_and_left_out(
