@@ -285,8 +285,15 @@ def write_job_file(
     return target.getvalue()
 
 
-def read_job_file(source: str | Path | bytes, *, size_limit: int = SIZE_LIMIT) -> JobFile:
+def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_limit: int = SIZE_LIMIT) -> JobFile:
     """A job from its zip. Nothing is written to disk and no path of the zip is followed.
+
+    Parameters
+    ----------
+    source
+        a path, or the zip's bytes (then ``name`` names it in messages).
+    size_limit
+        bytes that it may unpack to.
 
     Raises
     ------
@@ -294,7 +301,7 @@ def read_job_file(source: str | Path | bytes, *, size_limit: int = SIZE_LIMIT) -
         what is no job file, is damaged, would unpack to more than ``size_limit`` bytes, or holds entries that no job
         has.
     """
-    name = "job file" if isinstance(source, bytes) else Path(source).name
+    name = name if isinstance(source, bytes) else Path(source).name
     place = Place(file=name)
     try:
         content = source if isinstance(source, bytes) else Path(source).read_bytes()

@@ -43,6 +43,7 @@ def sources(bench: Bench) -> dict[str, Any]:
     return {
         "readings": bench.sheet.data if bench.sheet else None,
         "road_test": bench.log.data if bench.log else None,
+        "reading_choices": {"sheet": bench.sheet_name or None, "unit": bench.sheet_unit or None},
         "road_test_choices": log_choices(bench),
         "catalogue": {slot: choice.data for slot, choice in own.items() if isinstance(choice, File)},
     }

@@ -15,7 +15,7 @@ from atleak.intake.units import unit_names
 from atleak.report.window import event_label
 from atleak.road_test import QUANTITIES, RoadTest
 from pages.shared import show
-from pages.shared.bench import Bench, File, remember_columns, remembered_columns, understood
+from pages.shared.bench import Bench, File, log_of, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session
 
 ASK = "choose …"
@@ -30,7 +30,7 @@ def pending(bench: Bench) -> tuple[File | None, Understood | None]:
             return refused.file, understood(refused.file)
         except AtleakError:
             pass  # no log at all: nothing to ask about it
-    return (None, None) if bench.log is None else (bench.log, understood(bench.log, bench.columns, bench.units))
+    return (None, None) if bench.log is None else (bench.log, log_of(bench))
 
 
 def scales(test: RoadTest) -> dict[str, tuple[str, Any]]:
@@ -63,7 +63,7 @@ def form(file: File, found: Understood, bench: Bench) -> None:
     asked = {one.quantity: one for one in found.ambiguous}
     for one in found.ambiguous:
         st.warning(f"**{QUANTITIES[one.quantity].label}:** {show.plain(one.why)}. Which column is it?")
-    earlier = remembered_columns(file) or Settled()
+    earlier = (remembered_columns(file) if file != bench.log or bench.memory else None) or Settled()
     settled, assumed = dict(earlier.mapping), dict(earlier.units)
     if file == bench.log:
         settled |= dict(bench.columns)

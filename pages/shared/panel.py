@@ -9,12 +9,14 @@ from typing import Any, get_args, get_type_hints
 import streamlit as st
 
 from atleak import catalogue
+from atleak.controller import Controller
 from atleak.diagnosis import Diagnosis
+from atleak.errors import AtleakError
 from atleak.intake.units import unit
 from atleak.profile import PROFILES, Profile
 from pages.shared import show
 from pages.shared.bench import Bench, File, catalogue_object, controller_of, diagnosis_of
-from pages.shared.state import choose, put_file, session, settle, take_sample
+from pages.shared.state import choose, open_job, put_file, session, settle, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
@@ -52,6 +54,7 @@ def draw() -> None:
         places = {slot: _uploader(slot) for slot in FILES}
         sample = session().bench.sample
         st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch")
+        _job_file()
         for kind in ("controller", "fluid", "limits"):
             _choice(kind)
         with st.expander("Instruments"):
@@ -92,6 +95,29 @@ def _uploader(slot: str) -> Any:
     return st.container()
 
 
+def _job_file() -> None:
+    key = _key("job-file")
+
+    def changed() -> None:
+        from pages.shared.job_form import put_job  # its pictures' room is slow to import
+
+        found = st.session_state[key]
+        session().refused.pop("job", None)
+        record = None if found is None else open_job(found.name, found.getvalue())
+        if record is not None:
+            put_job(record)
+
+    with st.expander("Open a job file"):
+        st.file_uploader(
+            "Job file", ["zip"], key=key, help="As the page Report or the command line writes it.", on_change=changed
+        )
+        st.caption("Sheet, log, job record and every choice come from it, in place of what is on the bench.")
+    bench = session().bench
+    kept = {"guard factor": bench.guard_factor, "assumptions": bench.assumptions, "values for the log": bench.constants}
+    if any(kept.values()):
+        st.caption(f"Taken from the job file: {', '.join(name for name, value in kept.items() if value)}.")
+
+
 def _status(slot: str, result: Diagnosis) -> None:
     now = session()
     file, refused = getattr(now.good, slot), now.refused.get(slot)
@@ -115,7 +141,7 @@ def _choice(kind: str) -> None:
     ids = list(catalogue.catalogue_files(folder))
     if kind.endswith("instrument"):
         ids = [name for name in ids if kind.split("_")[0] in catalogue_object(kind, name).measures]
-    options = [*ids, OWN]
+    options = [*dict.fromkeys([*ids, *([current] if isinstance(current, str) else [])]), OWN]
     picked = st.selectbox(
         label,
         options,
@@ -126,21 +152,28 @@ def _choice(kind: str) -> None:
     if picked != OWN:
         choose(**{kind: picked})
         return
+    if isinstance(current, File):
+        st.caption(f"**{show.plain(current.name)}**")
     own = st.file_uploader(f"Your own file: {label.lower()}", key=_key(f"own-{kind}"))
     if own is not None:
         choose(**{kind: File(own.name, own.getvalue())})
 
 
 def _condition() -> None:
-    point = controller_of(session().good).operating_points[0]
+    now = session()
+    controller = _controller()
+    start = now.start if now.start.controller == now.bench.controller else Bench()
+    point = start.point or controller.operating_points[0]
     with st.expander("Stated condition and mileage"):
-        owner = f"{_key('at')}-{controller_of(session().good).sha256}"
-        gears = list(controller_of(session().good).gears)
+        owner = f"{_key('at')}-{controller.sha256}"
+        gears = list(dict.fromkeys([*controller.gears, point.gear]))
         rpm = round(unit("rpm", "rotational_speed").from_si(point.engine_speed), 6)
-        temperature = st.number_input("Temperature [°C]", -60.0, 200.0, point.temperature, 5.0, key=f"{owner}-t")
-        speed = st.number_input("Engine speed [rpm]", 1.0, 15000.0, rpm, 100.0, key=f"{owner}-n")
-        gear = st.selectbox("Gear", gears, gears.index(point.gear), key=f"{owner}-g")
-        mileage = st.number_input("Mileage [km]", 0.0, 9_999_999.0, None, 1000.0, "%.0f", key=_key("mileage"))
+        first = [point.temperature if start.temperature is None else start.temperature]
+        first += [rpm if start.rpm is None else start.rpm, point.gear if start.gear is None else start.gear]
+        temperature = _number("Temperature [°C]", -60.0, 200.0, first[0], 5.0, key=f"{owner}-t")
+        speed = _number("Engine speed [rpm]", 1.0, 15000.0, first[1], 100.0, key=f"{owner}-n")
+        gear = st.selectbox("Gear", gears, gears.index(first[2]), key=f"{owner}-g")
+        mileage = _number("Mileage [km]", 0.0, 9_999_999.0, now.start.mileage, 1000.0, "%.0f", key=_key("mileage"))
         st.caption(f"Pressures as {show.plain(point.label)}: {show.plain(point.source)}")
     choose(
         temperature=None if temperature == point.temperature else temperature,
@@ -150,19 +183,34 @@ def _condition() -> None:
     )
 
 
+def _number(label: str, least: float, largest: float, first: float | None, *more: Any, key: str) -> float | None:
+    """A number's field; what a job file holds is taken even where it is out of the usual range."""
+    ends = (least, largest) if first is None else (min(least, first), max(largest, first))
+    return st.number_input(label, *ends, first, *more, key=key)
+
+
+def _controller() -> Controller:
+    """The controller as chosen, or while that is refused, the one that is shown."""
+    try:
+        return controller_of(session().bench)
+    except AtleakError:
+        return controller_of(session().good)
+
+
 def _profile() -> None:
-    hints = get_type_hints(Profile)
+    hints, start = get_type_hints(Profile), session().start
     with st.expander("Engine: profile and options"):
-        name = st.selectbox("Profile", list(PROFILES), key=_key("profile"))
+        name = st.selectbox("Profile", list(PROFILES), list(PROFILES).index(start.profile), key=_key("profile"))
         base = PROFILES[name].options
+        first = base | dict(start.options if name == start.profile else ())
         options = {}
         for option, label in OPTIONS.items():
             values = list(get_args(hints[option]))
             key = f"{_key(option)}-{name}"
-            options[option] = st.selectbox(label, values, values.index(base[option]), key=key)
-        options["entry_loss"] = st.toggle("Subtract entry loss", base["entry_loss"], key=f"{_key('entry')}-{name}")
+            options[option] = st.selectbox(label, values, values.index(first[option]), key=key)
+        options["entry_loss"] = st.toggle("Subtract entry loss", first["entry_loss"], key=f"{_key('entry')}-{name}")
         options["eccentricity"] = st.slider(
-            "Eccentricity e/c", 0.0, 1.0, base["eccentricity"], 0.05, key=f"{_key('ecc')}-{name}"
+            "Eccentricity e/c", 0.0, 1.0, first["eccentricity"], 0.05, key=f"{_key('ecc')}-{name}"
         )
         st.caption("`workshop` is the better physics; `paper` computes as the source study printed.")
     choose(profile=name, options=tuple((key, value) for key, value in options.items() if value != base[key]))
@@ -178,6 +226,8 @@ def _notices() -> None:
             still = f"Shown are still the results of {kept.name}." if kept else "The job is as it was."
             hint = f"What was read of it, and how to have it read otherwise: page {WHERE[slot]}."
             show.refusal(label.lower(), now.refused[slot], f"{still} {hint}")
+    if "job" in now.refused:
+        show.refusal("job file", now.refused["job"], "The job is as it was.")
     for slot in ("catalogue", "settings"):
         if slot in now.refused:
             show.refusal("These choices cannot be computed.", now.refused[slot], "Shown is the last job that could.")

@@ -9,7 +9,9 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, ReadingsError, RoadTestError
-from pages.shared.bench import Bench, File, diagnosis_of, sample_job
+from atleak.job import Job
+from atleak.job_file import read_job_file
+from pages.shared.bench import Bench, File, diagnosis_of, job_on_bench, sample_job
 
 FILES = ("sheet", "log")
 
@@ -35,6 +37,7 @@ class Session:
     over: File | None = None  # a log laid over the job's
     offset: float = 0.0  # [s] by which it is shifted
     unkept: tuple[str, str] = ("", "")  # SHA-256 of a log whose columns could not be remembered, and why
+    start: Bench = field(default_factory=Bench)  # what the panel's widgets start from
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
 
 
@@ -58,8 +61,10 @@ def put_file(slot: str, file: File | None) -> None:
 def choose(**changes: Any) -> None:
     """Other choices; another controller than the sample's drops the sample's files, which fit only that."""
     now = session()
-    if now.bench.sample and changes.get("controller", now.bench.controller) != now.bench.controller:
-        changes |= {"sheet": None, "log": None, "sample": False}
+    if changes.get("controller", now.bench.controller) != now.bench.controller:
+        changes |= {"point": None, "temperature": None, "rpm": None, "gear": None}
+        if now.bench.sample:
+            changes |= {"sheet": None, "log": None, "sample": False}
     now.bench = replace(now.bench, **changes)
 
 
@@ -70,10 +75,24 @@ def take_sample() -> None:
     st.session_state["atleak"] = Session(bench, bench, {}, generation=now.generation + 1)
 
 
+def open_job(name: str, content: bytes) -> Job | None:
+    """A job file in place of the job on the bench, with fresh widgets; its record, or None where it was refused."""
+    now = session()
+    try:
+        found = read_job_file(content, name=name)
+        bench = job_on_bench(found)
+        diagnosis_of(bench)
+    except AtleakError as error:
+        now.refused["job"] = Refusal(name, error)
+        return None
+    st.session_state["atleak"] = Session(bench, bench, {}, start=bench, generation=now.generation + 1)
+    return found.job
+
+
 def settle() -> Diagnosis:
     """The diagnosis of the job as chosen, or of the last one that computed, with the reason kept in ``refused``."""
     now = session()
-    for slot in ("settings", *(kind for kind in now.refused if kind not in FILES)):
+    for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job"))):
         now.refused.pop(slot, None)
     try:
         result = diagnosis_of(now.bench)

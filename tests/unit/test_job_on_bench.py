@@ -1,0 +1,210 @@
+"""A job file opened in the dashboard: the same verdict, and a panel that starts from the job."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import openpyxl
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak import catalogue
+from atleak.controller import load_controller
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.fluid import load_fluid
+from atleak.instruments import load_instruments
+from atleak.intake.readings import read_readings
+from atleak.intake.road_test import default_path, read_road_test, remember, understand
+from atleak.job import Job
+from atleak.job_file import SourceFile, load_source, read_job_file, write_job_file
+from atleak.limits import load_limits
+from atleak.profile import PROFILES
+from atleak.projection import stated_condition
+from atleak.report.record import diagnosis_record
+from atleak.uncertainty import DEFAULTS
+
+ROOT = Path(__file__).resolve().parents[2]
+LOG = (
+    "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];gear\n"
+    + "".join(f"{step / 10};{800 + step};{600 + step};{900 - step};2\n" for step in range(100))
+).encode()
+TOLD = {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {"atf_temperature": 81.5}}
+SHEET = {"sheet": "Second try", "unit": None}
+
+
+@pytest.fixture(scope="module")
+def sheet() -> bytes:
+    """A workbook with two filled sheets, of which only the user can say which one counts."""
+    book = openpyxl.load_workbook(ROOT / "sample_data" / "measuring_sheet_four_speed.xlsx")
+    book.copy_worksheet(book["Measurements"]).title = "Second try"
+    target = io.BytesIO()
+    book.save(target)
+    return target.getvalue()
+
+
+@pytest.fixture(scope="module")
+def own_limits() -> bytes:
+    text = catalogue.catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
+    return text.replace("watch = 10.0", "watch = 2.0").encode()
+
+
+@pytest.fixture(scope="module")
+def diagnosis(sheet: bytes, own_limits: bytes) -> Diagnosis:
+    """A job in which nothing is as it is by default."""
+    controller = load_controller("four_speed_2023")
+    return diagnose(
+        controller,
+        load_fluid("mobil_atf_220"),
+        load_source(load_limits, SourceFile("our limits.toml", own_limits)),
+        readings=read_readings(sheet, controller, name="two.xlsx", **SHEET),
+        road_test=read_road_test(LOG, name="drive.csv", **TOLD),
+        profile=PROFILES["paper"].with_options(diameter="mean", eccentricity=0.33, entry_loss=True),
+        condition=stated_condition(controller, temperature=92.715, engine_speed=1234.5 / 60.0, gear=1),
+        mileage=106_315.0,
+        instruments=load_instruments("micrometer", "air_gauge"),
+        assumptions=DEFAULTS.with_settings({"viscosity_percent": 7.0}),
+        guard_factor=1.2,
+    )
+
+
+@pytest.fixture(scope="module")
+def content(diagnosis: Diagnosis, sheet: bytes, own_limits: bytes) -> bytes:
+    return packed(diagnosis, sheet, own_limits)
+
+
+def packed(diagnosis: Diagnosis, sheet: bytes, own_limits: bytes) -> bytes:
+    return write_job_file(
+        diagnosis,
+        Job(number="A-17", notes="seen"),
+        readings=sheet,
+        road_test=LOG,
+        reading_choices=SHEET,
+        road_test_choices=TOLD,
+        catalogue={"limits": own_limits},
+    )
+
+
+@pytest.fixture
+def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    main = tmp_path / "main.py"
+    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
+    return AppTest.from_file(str(main), default_timeout=60).run()
+
+
+def open_job(app: AppTest, content: bytes, name: str = "job.zip") -> AppTest:
+    place = next(found for found in app.sidebar.file_uploader if found.label == "Job file")
+    return place.set_value((name, content, "application/zip")).run()
+
+
+def shown(app: AppTest) -> dict:
+    from pages.shared.bench import diagnosis_of
+
+    return diagnosis_record(diagnosis_of(app.session_state["atleak"].good))
+
+
+def field(app: AppTest, label: str):
+    kinds = (*app.sidebar.selectbox, *app.sidebar.number_input, *app.sidebar.slider, *app.sidebar.toggle)
+    return next(found for found in kinds if found.label == label)
+
+
+def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content: bytes, diagnosis: Diagnosis) -> None:
+    # what this computer remembers of such logs must not count for a job from elsewhere
+    remember(default_path(), understand(LOG, name="drive.csv").signature, {"main_pressure": "line pressure 1 [kPa]"})
+    open_job(app, content)
+    assert not app.exception
+    assert not [error.value for error in app.error if "not taken" in error.value]
+    expected = diagnosis_record(diagnosis)
+    assert shown(app) == expected
+    app.switch_page(str(ROOT / "pages" / "2_Readings.py")).run()
+    app.run()
+    assert shown(app) == expected
+
+
+def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
+    open_job(app, content)
+    found = {
+        "Controller": "four_speed_2023",
+        "Fluid": "mobil_atf_220",
+        "Limits": "own file (TOML) …",
+        "Spools measured with": "micrometer",
+        "Sleeves measured with": "air_gauge",
+        "Profile": "paper",
+        "Diameter in the gap law": "mean",
+        "Subtract entry loss": True,
+        "Eccentricity e/c": 0.33,
+        "Temperature [°C]": 92.715,
+        "Gear": 1,
+        "Mileage [km]": 106_315.0,
+    }
+    assert {label: field(app, label).value for label in found} == found
+    assert field(app, "Engine speed [rpm]").value == pytest.approx(1234.5, rel=1e-12, abs=0.0)
+    said = "\n".join(found.value for found in app.sidebar.caption).replace("\\", "")
+    for text in ("two.xlsx", "drive.csv", "our limits.toml", "guard factor, assumptions, values for the log"):
+        assert text in said
+    assert app.session_state["job"].number == "A-17"
+
+
+def test_a_job_file_written_again_holds_the_same_choices(app: AppTest, content: bytes) -> None:
+    from pages.shared import bench, job_form
+
+    open_job(app, content)
+    good = app.session_state["atleak"].good
+    again = write_job_file(bench.diagnosis_of(good), app.session_state["job"], **job_form.sources(good))
+    assert read_job_file(again).choices == read_job_file(content).choices
+
+
+def test_a_change_after_opening_reaches_the_result(app: AppTest, content: bytes) -> None:
+    open_job(app, content)
+    before = shown(app)
+    field(app, "Temperature [°C]").set_value(60.0).run()
+    after = shown(app)
+    assert after["projection"]["leakage_dm3_min"] < before["projection"]["leakage_dm3_min"]
+    field(app, "Controller").select("minimal_example").run()
+    assert not app.exception
+    own = load_controller("minimal_example").operating_points[0]
+    assert field(app, "Temperature [°C]").value == own.temperature
+
+
+def test_a_condition_that_the_panel_cannot_state_is_kept(
+    app: AppTest, diagnosis: Diagnosis, sheet: bytes, own_limits: bytes
+) -> None:
+    other = replace(diagnosis.projection.condition, name="bench", label="on the bench", main_pressure=432e3)
+    odd = diagnose(
+        diagnosis.controller,
+        diagnosis.fluid,
+        diagnosis.limits,
+        readings=diagnosis.readings,
+        road_test=diagnosis.road.road_test,
+        condition=other,
+    )
+    open_job(app, packed(odd, sheet, own_limits))
+    assert not app.exception
+    assert shown(app) == diagnosis_record(odd)
+    app.run()
+    assert shown(app) == diagnosis_record(odd)
+
+
+@pytest.mark.parametrize("bad", [b"no zip", b""])
+def test_what_is_no_job_file_is_refused_and_the_job_stays(app: AppTest, content: bytes, bad: bytes) -> None:
+    open_job(app, content)
+    before = shown(app)
+    open_job(app, bad, "photo.zip")
+    assert not app.exception
+    assert any("photo.zip was not taken as job file" in error.value.replace("\\", "") for error in app.error)
+    assert shown(app) == before
+    app.run()
+    assert any("photo.zip" in error.value.replace("\\", "") for error in app.error)
+
+
+def test_a_sheet_of_ones_own_takes_the_place_of_the_jobs(app: AppTest, content: bytes, sample_readings: Path) -> None:
+    open_job(app, content)
+    place = next(found for found in app.sidebar.file_uploader if found.label == "Measuring sheet")
+    place.upload("mine.xlsx", sample_readings.read_bytes(), "application/octet-stream").run()
+    assert not app.exception
+    good = app.session_state["atleak"].good
+    assert (good.sheet.name, good.sheet_name, good.log.name) == ("mine.xlsx", "", "drive.csv")
