@@ -150,7 +150,9 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
     worst = diagnosis.road.max_share if diagnosis.road else None
     if worst is not None and worst.share is not None:
         points.append((f"worst of the road test, at {worst.time:.1f} s", worst.share * PERCENT))
-    intervals = [total.share_interval for total in diagnosis.uncertainty.totals] if diagnosis.uncertainty else []
+    unit = diagnosis.uncertainty
+    sure = [unit.total(point.condition.name) if unit else None for point in diagnosis.projections]
+    intervals = [total.share_interval if total else None for total in sure]
     intervals += [None] * (len(points) - len(intervals))
     spread = [(share / PERCENT, interval) for (_, share), interval in zip(points, intervals, strict=True)]
     finite = [share for _, share in points if math.isfinite(share)]

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.projection import Projection
+from atleak.road_leakage import RoadLeakage
 from atleak.variants import VariantResult
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -49,10 +50,13 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         land = step.land.state.land
         console.print(
             Text(
-                f"{number}. component {land.component} land {land.land}: total share at {step.condition.label} "
+                f"{number}. {land.component}/{land.land} {controller.components[land.component]}: total share at "
+                f"{step.condition.label} "
                 f"{step.share_before * PERCENT:.1f} → {step.share_after * PERCENT:.1f} %"
             )
         )
+    if diagnosis.road is not None:
+        console.print(Text(_road(diagnosis.road)))
     for message in diagnosis.messages:
         if message.level == "warning":
             console.print(Text(f"! {message.text}"))
@@ -93,12 +97,15 @@ def print_log(record: dict[str, Any]) -> None:
     console.print(Text(f"{record['rows']} rows, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
     table = Table("quantity", "column", "unit", "kind", "samples", "lowest", "highest", "Hz")
     table.columns[0].no_wrap = True
+    table.columns[0].min_width = 16
     for column in record["columns"]:
         unit = f"{column['unit'] or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
         numbers = [_short(column[key]) for key in ("min", "max", "sampling_hz")]
         cells = (column["quantity"], column["column"] or column["source"], unit, column["kind"], str(column["samples"]))
         table.add_row(*(Text(cell) for cell in (*cells, *numbers)))
     console.print(table)
+    if record["unused"]:
+        console.print(Text(f"not used: {', '.join(record['unused'])}"))
     for found in record["ambiguous"]:
         console.print(Text(f"? {found['quantity']}: {', '.join(map(str, found['candidates']))}"))
     for message in record["messages"]:
@@ -112,6 +119,9 @@ def _short(value: float | None) -> str:
 def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
     """Records as a table."""
     table = Table(*(column.replace("_", " ") for column in columns))
+    table.columns[0].no_wrap = True  # an id must be there to be copied whole
+    table.columns[0].overflow = "fold"
+    table.columns[0].min_width = max((len(str(row[columns[0]])) for row in rows), default=0)
     for row in rows:
         table.add_row(*(Text(_cell(row[column])) for column in columns))
     _Console(highlight=False).print(table)
@@ -129,11 +139,21 @@ def _cell(value: Any) -> str:
     return "–" if value is None else str(value)
 
 
+def _road(road: RoadLeakage) -> str:
+    parts = [f"Road test {road.road_test.file}"]
+    for name, instant in (("largest leakage", road.max_leakage), ("largest share", road.max_share)):
+        if instant is not None:
+            share = "" if instant.share is None else f" ({instant.share * PERCENT:.1f} % of the pump's flow)"
+            parts.append(f"{name} {instant.leakage * DM3_MIN:.2f} dm³/min{share} at {instant.time:.2f} s")
+    return ": ".join([parts[0], "; ".join(parts[1:])])
+
+
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
     return (
         f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
         f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} % "
-        f"({diagnosis.band(projection)}); pressure holds from {projection.minimum_speed * RPM:.0f} rpm"
+        f"({diagnosis.band(projection)}); for this leakage alone the pump needs "
+        f"{projection.minimum_speed * RPM:.0f} rpm"
     )
 
 

@@ -10,6 +10,7 @@ import pytest
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.events import Event
 from atleak.figures import diagnosis as figures
+from atleak.projection import stated_condition
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 ALL = {
@@ -149,3 +150,17 @@ def test_another_log_is_laid_over_it_dashed_and_shifted(log_of) -> None:
     assert len(laid) == 1
     assert list(laid[0].x) == [2.5, 3.5, 4.5, 5.5, 6.5]
     assert set(laid[0].y) == {650e3}
+
+
+def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -> None:
+    """A stated condition besides the controller's own points must not shift the bars."""
+    stated = stated_condition(sample.controller, temperature=120.0)
+    found = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, condition=stated)
+    points = next(one for one in figures.total_share(found).data if one.error_x.array is not None)
+    assert len(points.x) == len(found.projections) == 2
+    for projection, x, low, high in zip(
+        found.projections, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
+    ):
+        interval = found.uncertainty.total(projection.condition.name).share_interval
+        assert x - low == pytest.approx(interval[0] * PERCENT, rel=1e-9, abs=0.0)
+        assert x + high == pytest.approx(interval[1] * PERCENT, rel=1e-9, abs=0.0)

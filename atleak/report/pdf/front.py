@@ -73,6 +73,8 @@ class Front:
             f"sentences.{diagnosis.verdict}",
             total=total,
             flagged=len(diagnosis.flagged),
+            repair=sum(land.verdict in {"replace", "critical"} for land in diagnosis.lands),
+            watch=sum(land.verdict == "watch" for land in diagnosis.lands),
             measured=diagnosis.measured,
         )
         more = [say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0))] if at.pump_capacity > 0.0 else []

@@ -170,7 +170,7 @@ class LiveSheets:
         yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, found.leakage * DM3_MIN, "flow"
         share = _share(at("leakage"), at("capacity"))
         yield "share of pump capacity", "%", "share", share, found.share * PERCENT, "percent"
-        yield "pressure holds from", "1/min", "n_min", lowest, found.minimum_speed * RPM, "rpm"
+        yield "pump needs for this leakage alone", "1/min", "n_min", lowest, found.minimum_speed * RPM, "rpm"
         band = '"green"'
         for level, _ in self.diagnosis.limits.total_share.levels:  # rising, so that the highest is asked first
             limit = self.limit_cells["total_share", level]

@@ -87,7 +87,7 @@ class Sheets:
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
-        names += ["pump capacity [dm³/min]", "share [%]", "band", "pressure holds from [1/min]"]
+        names += ["pump capacity [dm³/min]", "share [%]", "band", "pump needs for this leakage alone [1/min]"]
         book, live = self.book, self.live
         book.headings(sheet, row, names)
         first = row + 1

@@ -101,7 +101,8 @@ def test_says_every_flagged_pair_with_its_numbers(worn, printed):
         assert say.number(found.share * 100, 2) in text
     for word in ("replace", "watch", "not measured", "fail", "published"):
         assert word in text
-    assert f"{len(worn.flagged)} of {worn.measured} measured lands" in text
+    repair = sum(land.verdict in {"replace", "critical"} for land in worn.lands)
+    assert f"{repair} of {worn.measured} measured lands" in text
 
 
 def test_says_what_the_workshop_wrote(printed):
