@@ -9,7 +9,7 @@ from atleak.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.figures.diagnosis import BAND_SYMBOLS
 from atleak.limits import Verdict
-from atleak.report.record import PERCENT
+from atleak.workshop_units import PERCENT
 from pages.shared import show
 from pages.shared.show import plain, verdict
 

@@ -161,6 +161,41 @@ def test_json_and_workbook_are_downloaded(page: Page) -> None:
     assert "Lands" in openpyxl.load_workbook(io.BytesIO(Path(waiting.value.path()).read_bytes())).sheetnames
 
 
+TWO_PRESSURES = (
+    "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
+    + "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
+)
+
+
+def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, sample_readings: Path) -> None:
+    upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
+    status(page, "mine.xlsx")
+    upload(page, LOG, "two.csv", TWO_PRESSURES.encode())
+    page.get_by_role("link", name="Road test").click()
+    main = page.get_by_test_id("stMain")
+    expect(main.get_by_text("Which column is it?").first).to_be_visible(timeout=SOON)
+    main.get_by_role("combobox", name=re.compile(r"^.*main \(line\)")).click()
+    page.get_by_role("option", name="line pressure 2 [kPa]").click()
+    main.get_by_role("button", name=re.compile("Use and remember")).click()
+    status(page, re.compile("100 rows"))
+    page.get_by_role("link", name="Report").click()
+    with page.expect_download(timeout=SOON) as waiting:
+        main.get_by_role("button", name="Job file").click()
+    job = Path(waiting.value.path()).read_bytes()
+    side = page.get_by_test_id("stSidebar")
+    side.get_by_role("button", name="Take the sample job").click()
+    status(page, "minimum_acceleration_test.csv")
+    side.get_by_text("Open a job file").click()
+    upload(page, "Job file", "job.zip", job)
+    status(page, "two.csv")
+    status(page, "mine.xlsx")
+    page.get_by_role("link", name="Road test").click()
+    expect(main.get_by_text("As understood")).to_be_visible(timeout=SOON)
+    settled(page)
+    assert "line pressure 2 [kPa]" in cells(page)
+    assert page.get_by_test_id("stException").count() == 0
+
+
 def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     table = page.get_by_test_id("stDataFrame").first
@@ -174,7 +209,7 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert {"■ replace", "25 · main pressure valve"} <= set(cells(page))
 
 
-@pytest.mark.parametrize("address", ["Readings", "Uncertainty", "Road_test", "Catalogue"])
+@pytest.mark.parametrize("address", ["Readings", "Uncertainty", "Road_test", "Report", "Catalogue"])
 def test_every_page_opens(page: Page, server: str, address: str) -> None:
     page.get_by_role("link", name=address.replace("_", " ")).click()
     expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible(timeout=SOON)
