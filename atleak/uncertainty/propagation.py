@@ -48,10 +48,8 @@ class LandSpread:
     leakage: float  # [m³/s] at the values as measured
     leakage_spread: Spread
     share_spread: Spread
-    per_clearance: float  # d leakage / d clearance [m²/s]
     share_per_clearance: float  # [1/m]
-    factor_effects: dict[str, float]  # [m³/s] change of leakage for one standard uncertainty
-    share_effects: dict[str, float]  # the same of the share
+    share_effects: dict[str, float]  # change of the share for one standard uncertainty
     by_quadrature: bool  # exact for a normal clearance, no draws
 
 
@@ -257,9 +255,7 @@ def propagate(
                     leakage=slopes.leakage,
                     leakage_spread=leakage_spread,
                     share_spread=_spread(share, pair_limits, coverage),
-                    per_clearance=slopes.per_clearance,
                     share_per_clearance=slopes.share_per_clearance,
-                    factor_effects=slopes.effects,
                     share_effects=slopes.share_effects,
                     by_quadrature=exact,
                 )
@@ -388,9 +384,7 @@ def _probe_deviates() -> dict[str, np.ndarray]:
 @dataclass(frozen=True)
 class _Slopes:
     leakage: float
-    per_clearance: float
     share_per_clearance: float
-    effects: dict[str, float]
     share_effects: dict[str, float]
     counted_probe: np.ndarray
     counted_per_clearance: float
@@ -417,9 +411,7 @@ def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slope
     counted_effects = effects(counted)
     return _Slopes(
         leakage=float(every[-1]),
-        per_clearance=_difference(every, -5) / step,
         share_per_clearance=_difference(share, -5) / step,
-        effects=effects(every),
         share_effects=effects(share),
         counted_probe=counted,
         counted_per_clearance=_difference(counted, -5) / step,
