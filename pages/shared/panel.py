@@ -16,7 +16,7 @@ from atleak.intake.units import unit
 from atleak.profile import PROFILES, Profile
 from pages.shared import show
 from pages.shared.bench import Bench, File, catalogue_object, controller_of, diagnosis_of
-from pages.shared.state import choose, open_job, put_file, session, settle, take_sample
+from pages.shared.state import choose, new_job, open_job, put_file, session, settle, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
@@ -42,6 +42,16 @@ OPTIONS = {
     "pump_draw": "Counted as drawn from the pump",
     "pump_efficiency": "Pump efficiency",
 }
+VALUES = {
+    "mean": "mean of spool and sleeve",
+    "spool": "of the spool",
+    "d341": "ASTM D341",
+    "study_formula": "the study's formula",
+    "into_sump": "flow into the sump",
+    "all_gaps": "flow of all gaps",
+    "wilson": "Wilson slip",
+    "constant": "constant",
+}
 
 
 def draw() -> None:
@@ -53,7 +63,9 @@ def draw() -> None:
     with st.sidebar:
         places = {slot: _uploader(slot) for slot in FILES}
         sample = session().bench.sample
-        st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch")
+        cleared = "Takes what is on the bench and in the job record away."
+        st.button("New, empty job", on_click=new_job, width="stretch", help=cleared)
+        st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
         _job_file()
         for kind in ("controller", "fluid", "limits"):
             _choice(kind)
@@ -207,7 +219,8 @@ def _profile() -> None:
         for option, label in OPTIONS.items():
             values = list(get_args(hints[option]))
             key = f"{_key(option)}-{name}"
-            options[option] = st.selectbox(label, values, values.index(first[option]), key=key)
+            tip = "; ".join(f"{VALUES.get(value, value)}: `{option}={value}`" for value in values)
+            options[option] = st.selectbox(label, values, values.index(first[option]), _value_name, key=key, help=tip)
         options["entry_loss"] = st.toggle("Subtract entry loss", first["entry_loss"], key=f"{_key('entry')}-{name}")
         options["eccentricity"] = st.slider(
             "Eccentricity e/c", 0.0, 1.0, first["eccentricity"], 0.05, key=f"{_key('ecc')}-{name}"
@@ -216,10 +229,16 @@ def _profile() -> None:
     choose(profile=name, options=tuple((key, value) for key, value in options.items() if value != base[key]))
 
 
+def _value_name(value: str) -> str:
+    return VALUES.get(value, value)
+
+
 def _notices() -> None:
     now = session()
     if now.good.sample:
-        st.caption("**Sample job**: representative data. Your own files go in the panel at the side (» on a phone).")
+        st.caption(
+            "**Sample job**: representative data. Your own files go in the panel at the side; on a phone, » at the top opens it."
+        )
     for slot, (label, _) in FILES.items():
         if slot in now.refused:
             kept = getattr(now.good, slot)

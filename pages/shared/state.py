@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,6 +15,9 @@ from atleak.job_file import read_job_file
 from pages.shared.bench import Bench, File, diagnosis_of, job_on_bench, sample_job
 
 FILES = ("sheet", "log")
+FITTED = {"sheet": ("sheet", "sheet_name", "sheet_unit"), "log": ("log", "columns", "units", "constants", "memory")}
+KEPT = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument", "profile", "options")
+REPLACING = 60.0  # [s] between a file taken away and the one that takes its place, as an uploader replaces one
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,9 @@ class Session:
     good: Bench
     refused: dict[str, Refusal]
     before: Bench | None = None  # the job before a file was put on it, to go back to
+    away: dict[str, tuple[float, dict[str, Any]]] = field(
+        default_factory=dict
+    )  # when, and what was taken off the bench
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # looked at, by the log's SHA-256
     over: File | None = None  # a log laid over the job's
     offset: float = 0.0  # [s] by which it is shifted
@@ -50,12 +57,22 @@ def session() -> Session:
 
 
 def put_file(slot: str, file: File | None) -> None:
-    """A file was chosen or taken away."""
+    """A file was chosen or taken away.
+
+    An uploader whose file is replaced takes the old one away first. The job to go back to holds that file again, should
+    the new one be refused.
+    """
     now = session()
     refused = now.refused.pop(slot, None)
     if file is None and refused is not None:
         return  # the refused file was taken away: the one before it is still on the bench
-    now.before, now.bench = now.bench, now.bench.with_file(slot, file)
+    at, fitted = now.away.pop(slot, (0.0, {}))
+    now.before = now.bench
+    if file is None and not now.bench.sample:
+        now.away[slot] = time.monotonic(), {name: getattr(now.bench, name) for name in FITTED[slot]}
+    elif file is not None and fitted and time.monotonic() - at < REPLACING:
+        now.before = replace(now.bench, **fitted)
+    now.bench = now.bench.with_file(slot, file)
 
 
 def choose(**changes: Any) -> None:
@@ -63,16 +80,32 @@ def choose(**changes: Any) -> None:
     now = session()
     if changes.get("controller", now.bench.controller) != now.bench.controller:
         changes |= {"point": None, "temperature": None, "rpm": None, "gear": None}
+        now.away.clear()
         if now.bench.sample:
             changes |= {"sheet": None, "log": None, "sample": False}
     now.bench = replace(now.bench, **changes)
 
 
 def take_sample() -> None:
-    """Back to the sample job, with fresh widgets."""
+    """Back to the sample job, with fresh widgets and an empty job record."""
     now = session()
     bench = sample_job()
     st.session_state["atleak"] = Session(bench, bench, {}, generation=now.generation + 1)
+    _empty_record()
+
+
+def new_job() -> None:
+    """An empty bench and job record; the controller, the instruments and the engine's options stay."""
+    now = session()
+    bench = Bench(**{name: getattr(now.good, name) for name in KEPT})
+    st.session_state["atleak"] = Session(bench, bench, {}, start=bench, generation=now.generation + 1)
+    _empty_record()
+
+
+def _empty_record() -> None:
+    for name in ("job", "pictures"):
+        st.session_state.pop(name, None)
+    st.session_state["job-generation"] = st.session_state.get("job-generation", 0) + 1
 
 
 def open_job(name: str, content: bytes) -> Job | None:

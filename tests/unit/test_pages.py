@@ -364,3 +364,67 @@ def test_a_files_name_is_shown_sign_for_sign(app: AppTest, sample_log: Path) -> 
     shown = next(found.value for found in app.sidebar.caption if "1201 rows" in found.value)
     for sign in ("\\<b\\>", "\\$y\\$", "\\:red\\[z\\]", "\\*w\\*", "\\`c\\`"):
         assert sign in shown
+
+
+def bad_file(slot: str) -> tuple[str, bytes, str]:
+    target = io.BytesIO()
+    openpyxl.Workbook().save(target)
+    return (
+        ("bad.xlsx", target.getvalue(), XLSX) if slot == "Measuring sheet" else ("bad.csv", b"\x89PNG" * 50, "text/csv")
+    )
+
+
+@pytest.mark.parametrize("slot", ["Measuring sheet", "Road-test log"])
+@pytest.mark.parametrize("taken_away_first", [True, False])
+def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
+    app: AppTest, sample_readings: Path, sample_log: Path, slot: str, taken_away_first: bool
+) -> None:
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
+    before, said = app.dataframe[0].value, app.error[0].value
+    if taken_away_first:
+        uploader(app, slot).set_value(None).run()
+    uploader(app, slot).set_value(bad_file(slot)).run()
+    assert not app.exception
+    assert "was not taken" in texts(app)
+    mine = "mine.xlsx" if slot == "Measuring sheet" else "drive.csv"
+    assert f"Shown are still the results of {mine}" in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    assert said in [found.value for found in app.error]
+    uploader(app, slot).set_value(None).run()
+    assert "was not taken" not in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    assert app.session_state["atleak"].good.log.name == "drive.csv"
+
+
+def test_a_sheet_taken_away_long_ago_does_not_come_back(app: AppTest, sample_readings: Path) -> None:
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    uploader(app, "Measuring sheet").set_value(None).run()
+    at, fitted = app.session_state["atleak"].away["sheet"]
+    app.session_state["atleak"].away["sheet"] = at - 3600.0, fitted
+    uploader(app, "Measuring sheet").set_value(bad_file("Measuring sheet")).run()
+    assert "The job is as it was" in texts(app)
+    assert app.session_state["atleak"].good.sheet is None
+
+
+def press(app: AppTest, label: str) -> AppTest:
+    return next(found for found in app.button if found.label == label).click().run()
+
+
+@pytest.mark.parametrize("label", ["New, empty job", "Take the sample job"])
+def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, label: str) -> None:
+    choice(app, "Fluid").select("mobil_atf_220").run()
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    number(app, "Mileage [km]").set_value(120000.0).run()
+    go(app, "5_Report")
+    next(found for found in app.text_input if found.label == "Technician").set_value("T. Old").run()
+    assert app.session_state["job"].technician == "T. Old"
+    press(app, label)
+    assert not app.exception
+    assert next(found for found in app.text_input if found.label == "Technician").value == ""
+    assert app.session_state["job"].empty
+    assert number(app, "Mileage [km]").value is None
+    bench = app.session_state["atleak"].good
+    assert bench.sample == (label != "New, empty job")
+    if not bench.sample:
+        assert (bench.sheet, bench.log, bench.fluid) == (None, None, "mobil_atf_220")
