@@ -55,13 +55,14 @@ class Fluid:
     def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
         """Density [kg/m³] at a temperature [°C]: the table's, linear between points, with ``tabulated``; eq. (30)
         with ``regression``; else a line through the data sheet's point. NaN where the viscosity is."""
-        temperature = self._inside(temperature, model)
-        if model == "tabulated" and self.table:
-            return _plain(_between_points(temperature, self._knots[0], self._knots[2]))
-        if model == "regression":
-            return _plain(fluid_equations.study_density(temperature))
-        at, density = self.density_at
-        return _plain(density + self.density_slope * (temperature - at))
+        return _plain(self._density(self._inside(temperature, model), model))
+
+    def dynamic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+        """ν·ρ = μ [Pa·s] at a temperature [°C]; NaN outside the fluid's data."""
+        inside = self._inside(temperature, model)
+        product = self._viscosity(inside, model)
+        product *= self._density(inside, model)
+        return _plain(product)
 
     def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
         """Lowest and highest temperature [°C] at which the model answers."""
@@ -125,12 +126,24 @@ class Fluid:
             return np.where((temperature >= low) & (temperature <= high), temperature, np.nan)
         return temperature
 
+    def _density(self, temperature: np.ndarray, model: ViscosityModel) -> Any:
+        if model == "tabulated" and self.table:
+            return _between_points(temperature, self._knots[0], self._knots[2])
+        if model == "regression":
+            return fluid_equations.study_density(temperature)
+        at, density = self.density_at
+        line = np.subtract(temperature, at, out=np.empty(temperature.shape))
+        line *= self.density_slope
+        line += density
+        return line
+
     def _viscosity(self, temperature: np.ndarray, model: ViscosityModel) -> Any:
         if model == "d341":
             return fluid_equations.astm_d341(temperature, *self.d341)
         if model == "regression":
             return fluid_equations.study_viscosity(temperature)
-        return np.exp(_between_points(temperature, self._knots[0], self._knots[1]))
+        logarithm = np.asarray(_between_points(temperature, self._knots[0], self._knots[1]))
+        return np.exp(logarithm, out=logarithm) if logarithm.ndim else np.exp(logarithm)
 
     @cached_property
     def _knots(self) -> np.ndarray:
@@ -203,7 +216,10 @@ def _between_points(at: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np
         segment = int(np.clip(np.searchsorted(knots, at.min(), side="right") - 1, 0, len(knots) - 2))
         if at.min() >= knots[segment] and at.max() <= knots[segment + 1]:
             slope = (values[segment + 1] - values[segment]) / (knots[segment + 1] - knots[segment])
-            return (at - knots[segment]) * slope + values[segment]
+            line = at - knots[segment]
+            line *= slope
+            line += values[segment]
+            return line
     return np.interp(at, knots, values)
 
 

@@ -8,11 +8,9 @@ by gap: the entry loss, and a gap that closes within the log's range of temperat
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -27,8 +25,6 @@ from atleak.fluid import Fluid
 from atleak.profile import Profile
 
 _CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
-_WORKERS = min(4, os.cpu_count() or 1)
-_WORTH_A_WORKER = 8 * _CHUNK
 _RUNS = 32  # runs of one gear in a chunk, above which masks are quicker than slices
 _ENTRY_LOSS_WORTH_SAYING = 0.02
 _LAMINAR_BELOW = 1000.0
@@ -72,13 +68,6 @@ class LeakageSeries:
     reversed_samples: dict[str, int] = field(default_factory=lambda: dict.fromkeys(SECTIONS, 0))
     outside_fluid: int = 0  # samples at a temperature the fluid's data do not cover
     other_gear: int = 0  # samples in a gear the controller does not have
-
-    def add_counts(self, other: LeakageSeries) -> None:
-        """Add what was counted in some part."""
-        self.outside_fluid += other.outside_fluid
-        self.other_gear += other.other_gear
-        for section, samples in other.reversed_samples.items():
-            self.reversed_samples[section] += samples
 
     def part(self, samples: slice) -> LeakageSeries:
         """A view of some samples."""
@@ -183,10 +172,9 @@ class LeakageModel:
             for state, rate in [states[gap.key]]
         )
 
-    def viscosity_times_density(self, temperature: Any) -> Any:
-        """ν·ρ = μ [Pa·s]; NaN outside the fluid's data."""
-        model = self.profile.viscosity
-        return self.fluid.kinematic_viscosity(temperature, model) * self.fluid.density(temperature, model)
+    def dynamic_viscosity(self, temperature: Any) -> Any:
+        """μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data."""
+        return self.fluid.dynamic_viscosity(temperature, self.profile.viscosity)
 
     # --- one condition
 
@@ -253,7 +241,7 @@ class LeakageModel:
         """Wilson's slip flow [m³/s], which does not depend on speed."""
         pump = self.controller.pump
         return pump_equations.slip_flow(
-            pump.displacement, pump.slip_coefficient, main_pressure, self.viscosity_times_density(temperature)
+            pump.displacement, pump.slip_coefficient, main_pressure, self.dynamic_viscosity(temperature)
         )
 
     @property
@@ -291,29 +279,15 @@ class LeakageModel:
         size = np.broadcast_shapes(*(array.shape for array in arrays), (1,))[0]
         log = _Log(*(np.broadcast_to(array, (size,)) for array in arrays))
         found = LeakageSeries(np.empty(size), {name: np.empty(size) for name in SECTIONS} if sections else {})
-        stripes = np.array_split(np.arange(0, size, _CHUNK), min(_WORKERS, max(size // _WORTH_A_WORKER, 1)))
-        run = partial(self._evaluate_stripe, log, found)
-        if len(stripes) == 1:
-            counts = [run(stripes[0])]
-        else:  # NumPy lets go of the interpreter's lock: threads run side by side
-            with ThreadPoolExecutor(len(stripes)) as pool:
-                counts = list(pool.map(run, stripes))
-        for count in counts:
-            found.add_counts(count)
-        return found
-
-    def _evaluate_stripe(self, log: _Log, found: LeakageSeries, starts: Iterable[int]) -> LeakageSeries:
-        """Fill the chunks that begin at ``starts``; returns what was counted on the way."""
-        count = LeakageSeries(np.empty(0), {})
-        scratch = np.empty((8, min(_CHUNK, len(found.total))))  # taken once: fresh memory costs more than the sums
-        for start in starts:
+        scratch = np.ones((8, min(_CHUNK, size)))  # taken once: fresh memory costs more than the sums
+        for start in range(0, size, _CHUNK):
             part = slice(start, start + _CHUNK)
-            self._evaluate(log.part(part), found.part(part), count, scratch[:, : len(found.total) - start])
-        return count
+            self._evaluate(log.part(part), found.part(part), found, scratch[:, : size - start])
+        return found
 
     def _evaluate(self, log: _Log, target: LeakageSeries, count: LeakageSeries, scratch: np.ndarray) -> None:
         """Fill ``target`` with the flows of one chunk and add to the counts."""
-        viscous = self.viscosity_times_density(log.temperature)
+        viscous = self.dynamic_viscosity(log.temperature)
         powers, lines = scratch[:5], scratch[5:]  # μ·q = (p_g, p_k, 1) · lines
         _powers(log.temperature, powers)
         span = _span(log.temperature)
@@ -505,8 +479,7 @@ class _Plan:
 
 
 def _powers(temperature: np.ndarray, out: np.ndarray) -> None:
-    """1, τ, … τ⁴ as rows, with τ = T − T₀."""
-    out[0] = 1.0
+    """τ, … τ⁴ as the rows after the first, with τ = T − T₀."""
     np.subtract(temperature, REFERENCE_TEMPERATURE, out=out[1])
     np.multiply(out[1], out[1], out=out[2])
     np.multiply(out[2], out[1], out=out[3])

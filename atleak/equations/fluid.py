@@ -191,15 +191,23 @@ def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
     11.15
     """
     t = above("temperature", temperature, _ABSOLUTE_ZERO, "°C")
-    # 10^10^(A − B log₁₀ T) with natural functions, the second base folded into the first exponent.
-    a = values(A) * _LN10 + _LN_LN10
+    # 10^10^(A − B log₁₀ T) with natural functions, the second base folded into the first exponent; worked out in one
+    # array, because taking fresh memory costs more than the arithmetic
+    shape = np.broadcast_shapes(t.shape, np.shape(A), np.shape(B))
+    nu = np.subtract(t, _ABSOLUTE_ZERO, out=np.empty(shape))
+    np.log(nu, out=nu)
+    nu *= -values(B)
+    nu += values(A) * _LN10 + _LN_LN10
     try:
         with np.errstate(over="raise"):
-            shifted = np.exp(np.exp(a - values(B) * np.log(t - _ABSOLUTE_ZERO)))
+            np.exp(nu, out=nu)
+            np.exp(nu, out=nu)
     except FloatingPointError:
         lowest = float(np.nanmin(t))
         raise DomainError(f"temperature must be one at which ASTM D341 is finite, found {lowest:g} °C") from None
-    return result((shifted - 0.7) * 1e-6)
+    nu -= 0.7
+    nu *= 1e-6
+    return result(nu)
 
 
 def astm_d341_reliable(temperature: ArrayLike) -> Any:

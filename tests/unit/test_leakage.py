@@ -128,7 +128,7 @@ def test_series_counts_what_it_leaves_out(four_speed: Controller, hipol: Fluid, 
 
 @pytest.mark.parametrize("size", [1, 40_000, 300_000])
 def test_affine_pieces_equal_drop_by_drop(four_speed: Controller, hipol: Fluid, size: int) -> None:
-    """The quick way (no limit begins, no drop turns) against the way that keeps sections, over several threads."""
+    """The quick way (no limit begins, no drop turns) against the way that keeps sections, over several chunks."""
     rng = np.random.default_rng(3)
     p_g = rng.uniform(5e5, 9e5, size)
     gear = np.repeat([1.0, 2.0, 3.0, 4.0], -(-size // 4))[:size]
@@ -263,7 +263,7 @@ def test_pump_with_slip_and_without(four_speed: Controller, hipol: Fluid) -> Non
     slipping = LeakageModel(four_speed, states, hipol, WORKSHOP)
     assert constant.pump_capacity(2500 / 60, 8e5, 80.0) * 6e4 == pytest.approx(40.613, abs=5e-4)
     # Wilson: η_v = 1 − C_s Δp / (μ ω)
-    viscous = slipping.viscosity_times_density(80.0)
+    viscous = slipping.dynamic_viscosity(80.0)
     efficiency = 1.0 - four_speed.pump.slip_coefficient * 8e5 / (viscous * 2.0 * np.pi * 2500 / 60)
     ideal = constant.pump_capacity(2500 / 60, 8e5, 80.0) / 0.95
     assert slipping.pump_capacity(2500 / 60, 8e5, 80.0) == pytest.approx(ideal * efficiency, rel=1e-12, abs=0.0)
