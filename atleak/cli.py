@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak import __version__
-from atleak.errors import AtleakError, InputError, Place
+from atleak.errors import AtleakError, InputError, Place, nearest_name
 from atleak.shipped import shipped
 
 if TYPE_CHECKING:
@@ -161,7 +161,7 @@ def _columns(options: argparse.Namespace) -> dict[str, Any]:
     from atleak.intake.road_test import default_path, understand
     from atleak.job_file import road_test_choices
 
-    told = {"mapping": dict(options.map), "units": dict(options.unit)}
+    told = _told(options)
     log = understand(Path(options.road_test), **told, remembered=default_path())
     return road_test_choices(log, **told, remembered=default_path())
 
@@ -193,9 +193,12 @@ def _report(options: argparse.Namespace) -> int:
 def _road_test(options: argparse.Namespace) -> RoadTest:
     from atleak.intake.road_test import default_path, read_road_test
 
-    return read_road_test(
-        Path(options.road_test), mapping=dict(options.map), units=dict(options.unit), remembered=default_path()
-    )
+    return read_road_test(Path(options.road_test), **_told(options), remembered=default_path())
+
+
+def _told(options: argparse.Namespace) -> dict[str, Any]:
+    """What the command line says of a log: columns, units and what stands for missing channels."""
+    return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(options.constant)}
 
 
 def _check_targets(inputs: Sequence[str | None], targets: Sequence[str | None]) -> None:
@@ -238,8 +241,9 @@ def _import_log(options: argparse.Namespace) -> int:
     from atleak.report.text import print_log
 
     _check_targets([options.road_test], (options.json, options.csv))
-    mapping, units = dict(options.map), dict(options.unit)
-    understood = understand(Path(options.road_test), mapping=mapping, units=units, remembered=default_path())
+    told = _told(options)
+    mapping, units = told["mapping"], told["units"]
+    understood = understand(Path(options.road_test), **told, remembered=default_path())
     record = describe(understood)
     written = []
     if options.json is not None:
@@ -497,6 +501,29 @@ def _add_columns(parser: argparse.ArgumentParser) -> None:
             default=[],
             help=f"the {what.lower()} of a quantity of the log",
         )
+    parser.add_argument(
+        "--constant",
+        metavar="QUANTITY=VALUE",
+        type=_constant,
+        action="append",
+        default=[],
+        help="what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300",
+    )
+
+
+def _constant(text: str) -> tuple[str, float]:
+    """``converter_pressure=300`` in kPa, °C, rpm or a plain number → SI."""
+    from atleak.intake.units import unit
+    from atleak.road_test import QUANTITIES
+
+    name, value = _pair(text)
+    if name not in QUANTITIES:
+        near = nearest_name(name, QUANTITIES)
+        raise argparse.ArgumentTypeError(
+            f"{name!r} is no quantity of a log" + (f"; did you mean {near!r}?" if near else "")
+        )
+    known, number = QUANTITIES[name], _number(value)
+    return name, unit(known.workshop_unit, known.unit_kind).to_si(number) if known.unit_kind else number
 
 
 def _number(text: str) -> float:

@@ -607,3 +607,23 @@ def test_a_fault_of_the_program_is_said_without_a_traceback(
     err = capsys.readouterr().err
     assert "RuntimeError: the shelf fell down" in err
     assert "Traceback" not in err
+
+
+def test_constants_stand_for_channels_the_log_lacks(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    log = tmp_path / "pressure only.csv"
+    log.write_text(
+        "time [s],engine_speed [rpm],p_g [kPa]\n" + "".join(f"{i / 10},1500,800\n" for i in range(20)), encoding="utf-8"
+    )
+    told = ("--constant", "atf_temperature=90", "--constant", "converter_pressure=300,5", "--constant", "gear=3")
+    record = record_of(run, sample_readings, "--road-test", log, *told)
+    assert record["road_test"]["gears"] == [3]
+    assert not {message["code"] for message in record["messages"]} & {"assumed_gear", "assumed_converter_pressure"}
+    hotter = record_of(run, sample_readings, "--road-test", log, *told[2:], "--constant", "atf_temperature=100")
+    most = [found["road_test"]["max_leakage"]["leakage_dm3_min"] for found in (hotter, record)]
+    assert most[0] > most[1]
+
+
+def test_a_constant_of_no_quantity_is_refused(run: Run, sample_readings: Path, sample_log: Path) -> None:
+    status, _, err = run("diagnose", sample_readings, "--road-test", sample_log, "--constant", "atf_temp=90")
+    assert status == 2
+    assert "did you mean 'atf_temperature'?" in err
