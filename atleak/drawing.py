@@ -15,6 +15,8 @@ from atleak.workshop_units import MM
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
 INK = "#1B2733"
 METAL = "#D9DEE3"
+CARD = ' rx="4" fill="#FFFFFF"'
+_DARK_INK, _DARK_CARD = "#E8EEF2", ' rx="4" fill="#1B262E"'
 
 
 class Shade:
@@ -124,6 +126,11 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
     return "".join((*parts, "</svg>"))
 
 
+def on_dark(drawing: str) -> str:
+    """The same drawing for a dark ground: light words and lines, dark cards; the lands keep their shades."""
+    return drawing.replace(CARD, _DARK_CARD).replace(INK, _DARK_INK)
+
+
 def _component(
     controller: Controller,
     name: str,
@@ -146,7 +153,7 @@ def _component(
         for number, line in enumerate(lines)
     )
     return (
-        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}" rx="4" fill="#FFFFFF" '
+        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}"{CARD} '
         f'stroke="{edge}" stroke-width="{thick}"/>'
         + _text(x + 12, y + 21, short, 15, bold=True, anchor="start")
         + label

@@ -11,11 +11,12 @@ from pages.shared import panel, show, words
 
 bench, diagnosis = panel.shown()
 record = diagnosis_record(diagnosis)
+st.title("Diagnosis")
 show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
 
 st.subheader("Flagged pairs")
 if diagnosis.flagged:
-    show.verdict_table(words.land_rows(diagnosis, record, diagnosis.flagged), words.DIGITS)
+    show.verdict_table(words.land_rows(diagnosis, record, diagnosis.flagged, brief=True), words.DIGITS)
 else:
     st.write("No measured land has reached a limit.")
 show.what_is_shown(diagnosis)
@@ -23,7 +24,7 @@ show.unsettled(words.advice(diagnosis))
 show.sheet_messages(diagnosis)
 
 st.subheader("Total share of the pump's flow")
-st.plotly_chart(figures.total_share(diagnosis), key="share")
+show.chart(figures.total_share(diagnosis), "share")
 show.conditions(diagnosis, record)
 
 st.subheader("Order of repair")
@@ -34,11 +35,11 @@ with st.expander("Where they are: the controller's picture"):
 
 if diagnosis.road is not None:
     st.subheader("Over the road test")
-    st.plotly_chart(figures.road_leakage(diagnosis.road, diagnosis.limits), key="road")
+    show.chart(figures.road_leakage(diagnosis.road, diagnosis.limits), "road")
     show.log_messages(diagnosis)
 
 st.subheader("Lands by leakage")
-st.plotly_chart(figures.leakage_ranking(diagnosis), key="ranking")
+show.chart(figures.leakage_ranking(diagnosis), "ranking")
 with st.expander(f"All {len(diagnosis.lands)} lands"):
     show.verdict_table(words.land_rows(diagnosis, record, diagnosis.ranked), words.DIGITS)
 

@@ -41,7 +41,7 @@ if chosen:
         "planes; spread: between independent repeats. An empty cell: the readings cannot tell."
     )
     st.subheader("Wear against its limits")
-    st.plotly_chart(figures.wear(diagnosis, chosen), key="wear")
+    show.chart(figures.wear(diagnosis, chosen), "wear")
 else:
     st.write("None.")
 if controller.representative:

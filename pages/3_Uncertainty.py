@@ -21,19 +21,19 @@ st.markdown(
 show.messages(unit.messages, "the instruments and what else is uncertain")
 
 st.subheader("Total share")
-st.plotly_chart(figures.totals(unit, diagnosis.limits), key="totals")
+show.chart(figures.totals(unit, diagnosis.limits), "totals")
 
 show.unsettled(words.advice(diagnosis))
 
 st.subheader("Clearances")
-st.plotly_chart(figures.clearances(unit, diagnosis.limits), key="clearances")
+show.chart(figures.clearances(unit, diagnosis.limits), "clearances")
 st.subheader("Leakages")
-st.plotly_chart(figures.leakages(unit), key="leakages")
+show.chart(figures.leakages(unit), "leakages")
 
 st.subheader("What one land's uncertainty is made of")
 measured = [land.uncertainty for land in diagnosis.ranked if land.uncertainty is not None]
 land = st.selectbox("Land", measured, format_func=lambda found: words.land_name(diagnosis, found.key))
-st.plotly_chart(figures.budget(land), key="budget")
+show.chart(figures.budget(land), "budget")
 verdicts = {found.key: found.verdict for found in diagnosis.lands}
 show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts), f"component {land.key[0]}", least_width=300)
 with st.expander("In numbers"):

@@ -48,7 +48,7 @@ ends = log_form.window(test, happened)
 over = log_form.overlay()
 part = test if ends is None else test.window(*ends)
 scales = log_form.scales(test)
-st.plotly_chart(figures.road_channels(part, scales, happened, over), key="channels")
+show.chart(figures.road_channels(part, scales, happened, over), "channels")
 st.caption("× suspect samples, left out of every result; dotted: breaks in the log; dashed: events. Drag to zoom.")
 
 road = None
@@ -56,10 +56,10 @@ if file == bench.log and diagnosis.road is not None:
     try:
         road = diagnosis_of(replace(bench, window=ends)).road
         st.subheader("Leakage over it")
-        st.plotly_chart(figures.road_leakage(road, diagnosis.limits), key="road")
+        show.chart(figures.road_leakage(road, diagnosis.limits), "road")
         show.messages(road.messages, "leakage over this log")
     except AtleakError as error:
         st.warning(show.plain(error))
 st.subheader("Least, mean and largest")
-show.table(window_rows(part, road, scales))
+show.table(window_rows(part, road, scales), number=show.rounded)
 st.download_button("Tidy table (CSV)", lambda: tidy_csv(part), f"{file.name}.tidy.csv", on_click="ignore")

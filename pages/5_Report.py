@@ -13,6 +13,7 @@ from pages.shared import job_form, panel, show
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
 RECORD = "What is filled in above, for the next time or for the command line."
+PAPERS = {"a4": "A4", "letter": "Letter"}
 
 bench, diagnosis = panel.shown()
 st.title("Report")
@@ -21,12 +22,15 @@ record = job_form.draw(diagnosis.controller)
 name = f"atleak_{record.number}" if record.number.isalnum() else "atleak"
 
 st.subheader("Take it along")
-options = st.columns([1, 1, 3])
+options = st.columns(2)
 named = {language: wording(language).texts["language"] for language in languages()}
 language = options[0].selectbox("Language", list(named), list(named).index("en"), named.get, key="report-language")
-paper = options[1].selectbox("Paper", ["a4", "letter"], key="report-paper")
+paper = options[1].selectbox("Paper", ["a4", "letter"], format_func=PAPERS.get, key="report-paper")
 titles = wording("en").texts["sections"]
-sections = options[2].multiselect("Sections", SECTIONS, SECTIONS, titles.get, key="report-sections")
+picked = st.pills(
+    "Sections", SECTIONS, selection_mode="multi", default=SECTIONS, format_func=titles.get, key="report-sections"
+)
+sections = [name for name in SECTIONS if name in picked]
 printed = {"language": language, "paper": paper, "sections": sections}
 downloads = {
     "PDF": ("pdf", lambda: write_pdf(diagnosis, record, **printed), "Ready to print, hand over and keep."),

@@ -47,6 +47,20 @@ def clearances(unit: UnitUncertainty, limits: Limits, lands: int = 20) -> go.Fig
     """
     chosen = _chosen(unit, lands)
     figure = go.Figure()
+    marks = {  # drawn first, open, so that they cover no value
+        "mounting clearance": ("line-ns-open", [land.sources.state.land.mounting_clearance for land in chosen]),
+        "limit": ("triangle-down-open", [_clearance_limit(land, limits) for land in chosen]),
+    }
+    for name, (symbol, values) in marks.items():
+        if any(value is not None for value in values):
+            figure.add_scatter(
+                x=[None if value is None else value * UM for value in values],
+                y=[_name(land) for land in chosen],
+                mode="markers",
+                name=name,
+                marker={"color": _NEUTRAL, "symbol": symbol, "size": 13, "line": {"width": 1.5}},
+                hovertemplate=f"%{{y}}: {name} %{{x:.1f}} µm<extra></extra>",
+            )
     for decision in DECISIONS:
         found = [land for land in chosen if land.decision == decision]
         if not found:
@@ -66,20 +80,6 @@ def clearances(unit: UnitUncertainty, limits: Limits, lands: int = 20) -> go.Fig
             hovertemplate="%{y}: %{x:.1f} µm, u = %{customdata[0]:.2f} µm<br>"
             "over its limit with %{customdata[1]:.0f} %<br>%{customdata[2]}<extra></extra>",
         )
-    marks = {
-        "mounting clearance": ("line-ns-open", [land.sources.state.land.mounting_clearance for land in chosen]),
-        "limit": ("triangle-left", [_clearance_limit(land, limits) for land in chosen]),
-    }
-    for name, (symbol, values) in marks.items():
-        if any(value is not None for value in values):
-            figure.add_scatter(
-                x=[None if value is None else value * UM for value in values],
-                y=[_name(land) for land in chosen],
-                mode="markers",
-                name=name,
-                marker={"color": _NEUTRAL, "symbol": symbol, "size": 12, "line": {"width": 2}},
-                hovertemplate=f"%{{y}}: {name} %{{x:.1f}} µm<extra></extra>",
-            )
     figure.update_xaxes(title=f"radial clearance [µm], {_coverage(unit)} interval", rangemode="tozero")
     return _by_land(figure, chosen)
 
@@ -135,7 +135,7 @@ def totals(unit: UnitUncertainty, limits: Limits) -> go.Figure:
         figure.add_vrect(x0=low, x1=high, fillcolor=BAND_COLOURS[name], opacity=0.28, line_width=0, layer="below")
         figure.add_annotation(
             x=0.5 * (low + high), y=1.0, yref="paper", yanchor="bottom", showarrow=False,
-            text=f"{BAND_SYMBOLS[name]} {name}", font={"size": 11},
+            text=f"{BAND_SYMBOLS[name]}<br>{name}", font={"size": 11},
         )  # fmt: skip
     finite = [total for total in unit.totals if math.isfinite(total.share)]
     values = [total.share * PERCENT for total in finite]
@@ -155,7 +155,7 @@ def totals(unit: UnitUncertainty, limits: Limits) -> go.Figure:
     )
     figure.update_xaxes(title="leakage as a share of the pump's flow [%]", range=[0.0, right])
     figure.update_yaxes(type="category", autorange="reversed")
-    return _dressed(figure, 100 + 50 * len(unit.totals))
+    return _dressed(figure, 110 + 50 * len(unit.totals))
 
 
 def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:

@@ -46,7 +46,8 @@ VALUES = {
     "mean": "mean of spool and sleeve",
     "spool": "of the spool",
     "d341": "ASTM D341",
-    "study_formula": "the study's formula",
+    "tabulated": "table",
+    "regression": "the study's regression",
     "into_sump": "flow into the sump",
     "all_gaps": "flow of all gaps",
     "wilson": "Wilson slip",
@@ -237,7 +238,7 @@ def _notices() -> None:
     now = session()
     if now.good.sample:
         st.caption(
-            "**Sample job**: representative data. Your own files go in the panel at the side; on a phone, » at the top opens it."
+            "**Sample job**: representative data. Your own files go in the panel at the side (top left on a phone)."
         )
     for slot, (label, _) in FILES.items():
         if slot in now.refused:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import base64
 import html
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import pandas as pd
+import plotly.graph_objects as go
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
-from atleak.drawing import controller_svg
+from atleak.drawing import controller_svg, on_dark
 from atleak.errors import AtleakError, Message
-from atleak.figures.diagnosis import BAND_SYMBOLS, COLOURS
+from atleak.figures.diagnosis import BAND_SYMBOLS, COLOURS, ERROR
 from atleak.limits import VERDICTS
 from atleak.projection import Projection
 from atleak.report.text import SYMBOLS, WORDS
@@ -25,7 +26,8 @@ _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
 SHOWN = 12
 HELP = {
     "Clearance [µm]": "radial, cold, as measured",
-    "u [µm]": "standard uncertainty of the radial clearance",
+    "Pair": "component, land and name",
+    "u [µm]": "standard uncertainty of the radial clearance: about two times as much to each side is its 95 % interval",
     "Mounting [µm]": "radial clearance when new",
     "Wear [%]": "growth of the clearance over the mounting clearance",
     "Share [%]": "leakage as a share of the pump's flow at the stated condition",
@@ -35,8 +37,14 @@ HELP = {
     "Over it [%]": "probability that the true value is over that limit",
     "from": "95 % interval of the leakage",
     "to": "95 % interval of the leakage",
-    "Limit reached at [km]": "mileage at which the wear limit for replacing is reached, if wear goes on as so far",
+    "Before [%]": "total share before the step",
+    "After [%]": "total share after the step",
+    "Limit at [km]": "mileage at which the wear limit for replacing is reached, if wear goes on as so far",
 }
+WIDTHS = {
+    "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "u [µm]": 56, "Over it [%]": 76, "from": 60,
+    "to": 60, "Before [%]": 80, "After [%]": 72, "No.": 44, "Clearance [µm]": 100,
+}  # fmt: skip
 HAIR_SPACE = "\u200a"
 
 
@@ -101,18 +109,23 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     style = frame.style.apply(lambda column: [_colours(name) for name in names], subset=["Verdict"]).format(
         {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
     )
-    config = {name: st.column_config.Column(help=text) for name, text in HELP.items() if name in frame}
-    config["Verdict"] = st.column_config.TextColumn(width=105, help="sort: the worst first")
+    config = {name: st.column_config.Column(help=HELP.get(name), width=WIDTHS.get(name)) for name in frame}
+    config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
 
 
-def table(rows: list[dict[str, Any]], **options: Any) -> None:
-    """Plain rows; numbers with up to six digits."""
+def rounded(value: float) -> str:
+    """``1.65``, ``92.7``, ``2346``: three digits, and every digit before the decimal point."""
+    return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}" if abs(value) >= 0.001 else f"{value:z.3f}"
+
+
+def table(rows: list[dict[str, Any]], *, number: str | Callable[[float], str] = "{:.6g}", **options: Any) -> None:
+    """Plain rows; numbers with up to six digits unless told otherwise."""
     frame = pd.DataFrame(rows)
     numbers = [name for name in frame if pd.api.types.is_numeric_dtype(frame[name])]
     words = [name for name in frame if name not in numbers]
     frame[words] = frame[words].fillna("–")
-    style = frame.style.format("{:.6g}", subset=numbers, na_rep="–")
+    style = frame.style.format(number, subset=numbers, na_rep="–")
     st.dataframe(style, hide_index=True, width="stretch", **options)
 
 
@@ -135,7 +148,8 @@ def what_is_shown(diagnosis: Diagnosis) -> None:
     """Under the flagged table: at which condition, and what of it is representative."""
     controller = diagnosis.controller
     said = f" **Representative:** {plain(controller.representative)}" if controller.representative else ""
-    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}.{said}")
+    more = "Whose limit it is, leakage and mounting clearance: with all lands, below."
+    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}. {more}{said}")
 
 
 def unsettled(lines: list[str]) -> None:
@@ -181,8 +195,8 @@ def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     for point, row in points(diagnosis, record):
         st.caption(
             f"**{plain(point.condition.label)}**: {row['leakage_dm3_min']:.2f} of {row['pump_capacity_dm3_min']:.2f} "
-            f"dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; the pump holds the pressure from "
-            f"**{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
+            f"dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; for this leakage alone "
+            f"the pump needs **{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
         )
 
 
@@ -195,26 +209,59 @@ def repair_plan(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     rows = [
         {
             "No.": number,
+            "Pair": f"{step['component']} · {step['land']} {diagnosis.controller.components[step['component']]}",
+            "Before [%]": step["share_before_percent"],
+            "After [%]": step["share_after_percent"],
             "Verdict": step["verdict"],
-            "Component": f"{step['component']} · {diagnosis.controller.components[step['component']]}",
-            "Land": step["land"],
-            "Total before [%]": step["share_before_percent"],
-            "Total after [%]": step["share_after_percent"],
         }
         for number, step in enumerate(steps, start=1)
     ]
-    verdict_table(rows, dict.fromkeys(("Total before [%]", "Total after [%]"), 1))
-    label = diagnosis.repair_plan[0].condition.label
-    st.caption(
-        f"Total share at {plain(label)} when each land is brought back to its mounting clearance, one after another."
+    verdict_table(rows, dict.fromkeys(("Before [%]", "After [%]"), 1))
+    said = (
+        f"Total share at {plain(diagnosis.repair_plan[0].condition.label)} when each land is brought back to its "
+        "mounting clearance, one after another."
     )
+    idle = [str(row["No."]) for row in rows if _unmoved(row["Before [%]"], row["After [%]"])]
+    if idle:
+        said += (
+            f" Step{'s' * (len(idle) > 1)} {_listed(idle)} change{'s' * (len(idle) == 1)} this total by less than "
+            "0.1 percentage points: on the list for the land's own verdict, not for this total."
+        )
+    st.caption(said)
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _unmoved(before: float | None, after: float | None) -> bool:
+    return before is not None and after is not None and round(before, 1) == round(after, 1)
+
+
+def dark() -> bool:
+    """Whether the browser shows the dark theme."""
+    return st.context.theme.type == "dark"
+
+
+def chart(figure: go.Figure, key: str) -> None:
+    """A figure with its words and error bars in the theme's ink, where the usual grey is too pale to read."""
+    ink = "#e8eef2" if dark() else "#16222b"
+    for axis in (*figure.select_xaxes(), *figure.select_yaxes()):
+        axis.update(tickfont_color=ink, title_font_color=ink)
+    figure.update_annotations(font_color=ink)
+    figure.update_layout(legend_font_color=ink)
+    figure.update_traces(textfont_color=ink, selector={"type": "scatter"})
+    for trace in figure.data:
+        if trace.type in ("bar", "scatter") and trace.error_x.color == ERROR:
+            trace.error_x.color = ink
+    st.plotly_chart(figure, key=key)
 
 
 def svg(drawing: str, label: str, least_width: int = 640) -> None:
-    """A drawing on white, wide enough to be read; on a phone it scrolls inside its frame."""
-    data = base64.b64encode(drawing.encode()).decode("ascii")
+    """A drawing in the theme's ink, wide enough to be read; on a phone it scrolls inside its frame."""
+    data = base64.b64encode((on_dark(drawing) if dark() else drawing).encode()).decode("ascii")
     st.html(
-        f'<div style="background:#fff;border-radius:8px;padding:8px;overflow-x:auto">'
+        f'<div style="padding:8px;overflow-x:auto">'
         f'<img alt="{html.escape(label)}" src="data:image/svg+xml;base64,{data}" '
         f'style="min-width:{least_width}px;width:100%;max-width:1100px;display:block;margin:auto"></div>'
     )

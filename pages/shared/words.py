@@ -15,6 +15,7 @@ from pages.shared.show import plain, verdict
 
 PARTLY = ("spool_only", "sleeve_only")
 FLAGGED: tuple[Verdict, ...] = ("critical", "replace", "watch")
+RULES = {"share_stated": "share at the stated condition", "share_hot_idle": "share at hot idle"}
 DIGITS = {
     "Clearance [µm]": 1,
     "u [µm]": 1,
@@ -31,7 +32,7 @@ DIGITS = {
     **dict.fromkeys(
         (f"{part} {what} [µm]" for what in ("ovality", "taper", "spread") for part in ("Spool", "Sleeve")), 1
     ),
-    "Limit reached at [km]": 0,
+    "Limit at [km]": 0,
 }
 
 
@@ -39,16 +40,16 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     """The verdict in one paragraph, in markdown."""
     lands = record["lands"]
     counts = {name: sum(land["verdict"] == name for land in lands) for name in FLAGGED}
-    flagged = ", ".join(f"{count} {verdict(name)}" for name, count in counts.items() if count)
+    flagged = " and ".join(f"**{count} {verdict(name)}**" for name, count in counts.items() if count)
     whole = sum(land["measured"] == "measured" for land in lands)
     partly = sum(land["measured"] in PARTLY for land in lands)
     open_ones = sum(land["measured"] in PARTLY and land["verdict"] == "not_measured" for land in lands)
     if flagged:
         pairs = len({land["component"] for land in lands if land["verdict"] in FLAGGED})
         where = f"{pairs} component{'s' * (pairs != 1)}"
-        head = f"**{verdict(record['verdict'])}:** {flagged} of {whole + partly} measured lands, in {where}."
+        head = f"{flagged} of {whole + partly} measured land{'s' * (whole + partly != 1)}, in {where}."
     elif whole:
-        head = f"**{verdict('ok')}:** none of {whole} measured lands has reached a limit."
+        head = f"**{verdict('ok')}:** none of {whole} measured land{'s' * (whole != 1)} has reached a limit."
     elif partly:
         head = f"**{verdict('not_measured')}:** no land is measured on both spool and sleeve."
     else:
@@ -59,7 +60,8 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     totals = [_total(row, point.condition.label) for point, row in points]
     last, row = points[-1]
     holds = (
-        f"The pump holds the pressure from **{row['minimum_engine_rpm']:.0f} rpm** at {plain(last.condition.label)}."
+        f"For this leakage alone the pump needs **{row['minimum_engine_rpm']:.0f} rpm** at "
+        f"{plain(last.condition.label)}."
     )
     return f"{head} The unit leaks {' and '.join(totals)}. {holds}"
 
@@ -71,8 +73,10 @@ def _total(point: dict[str, Any], label: str) -> str:
     return f"**{share:.1f} %** of the pump's flow at {plain(label)} ({BAND_SYMBOLS[band]} {band})"
 
 
-def land_rows(diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[LandDiagnosis]) -> list[dict[str, Any]]:
-    """Rows of a table of lands; columns that nothing fills are left out."""
+def land_rows(
+    diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[LandDiagnosis], *, brief: bool = False
+) -> list[dict[str, Any]]:
+    """Rows of a table of lands, the brief one narrow; columns that nothing fills are left out."""
     records = {(land["component"], land["land"]): land for land in record["lands"]}
     rows = []
     for found in lands:
@@ -82,25 +86,31 @@ def land_rows(diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[Land
         rows.append(
             {
                 "Verdict": land["verdict"],
-                "Component": f"{land['component']} · {diagnosis.controller.components[land['component']]}",
-                "Land": land["land"],
-                "Clearance [µm]": land["radial_clearance_um"],
-                "u [µm]": land["uncertainty_um"],
-                "Mounting [µm]": land["mounting_clearance_um"],
+                "Pair": pair(diagnosis.controller, land),
                 "Wear [%]": land["wear_percent"],
                 "Share [%]": land["share_percent"],
                 "Decided by": _decided_by(found, rule),
-                "Limit is": None if rule is None or found.verdict == "not_measured" else rule["origin"],
-                "Decision": land["decision"] and land["decision"].replace("_", " "),
+                "Clearance [µm]": land["radial_clearance_um"],
+                "u [µm]": land["uncertainty_um"],
                 "Over it [%]": _percent(land["probability_over_limit"]),
+                "Decision": land["decision"] and land["decision"].replace("_", " "),
+                "Mounting [µm]": land["mounting_clearance_um"],
+                "Limit is": None if rule is None or found.verdict == "not_measured" else rule["origin"],
                 "Leakage [dm³/min]": land["leakage_dm3_min"],
                 "from": land["leakage_low_dm3_min"],
                 "to": land["leakage_high_dm3_min"],
-                "Limit reached at [km]": land["replace_mileage_km"],
+                "Limit at [km]": land["replace_mileage_km"],
             }
         )
-    filled = [name for name in rows[0] if any(row[name] is not None for row in rows)] if rows else []
+    left_out = {"Mounting [µm]", "Limit is", "Leakage [dm³/min]", "from", "to"} if brief else set()
+    names = [name for name in rows[0] if name not in left_out] if rows else []
+    filled = [name for name in names if any(row[name] is not None for row in rows)]
     return [{name: row[name] for name in filled} for row in rows]
+
+
+def pair(controller: Controller, land: dict[str, Any]) -> str:
+    """``25 · 1 main pressure valve``: component, land and name, so that a narrow column cuts the name only."""
+    return f"{land['component']} · {land['land']} {controller.components[land['component']]}"
 
 
 def _decided_by(found: LandDiagnosis, rule: dict[str, Any] | None) -> str | None:
@@ -137,15 +147,15 @@ def rule_text(rule: dict[str, Any]) -> str:
         else (rule["rule"].removesuffix("_um"), "µm")
     )
     value = "beyond the pump" if rule["value"] is None else f"{rule['value']:.3g} {unit}"
-    return f"{name.replace('_', ' ')} {value}, limit {rule['limit']:g} {unit}"
+    return f"{RULES.get(name) or name.replace('_', ' ')} {value}, limit {rule['limit']:g} {unit}"
 
 
 def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of the clearances as measured."""
     names = {
+        "wear_percent": "Wear [%]",
         "radial_clearance_um": "Clearance [µm]",
         "mounting_clearance_um": "Mounting [µm]",
-        "wear_percent": "Wear [%]",
         "spool_diameter_mm": "Spool [mm]",
         "sleeve_diameter_mm": "Sleeve [mm]",
         "status": "Status",
@@ -165,8 +175,7 @@ def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[
     return [
         {
             "Verdict": row["verdict"],
-            "Component": f"{row['component']} · {controller.components[row['component']]}",
-            "Land": row["land"],
+            "Pair": pair(controller, row),
             **{heading: row[name] for name, heading in names.items()},
         }
         for row in rows

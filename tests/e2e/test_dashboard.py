@@ -14,6 +14,8 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from pages.shared.show import WIDTHS
+
 SHEET, LOG = "Measuring sheet", "Road-test log"
 SOON = 15_000  # [ms]
 
@@ -106,6 +108,22 @@ def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Pa
     expect(message).to_contain_text(re.compile("sleeve|swapped"))
     assert "■ replace" in cells(page)
     assert page.get_by_test_id("stException").count() == 0
+
+
+def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, sample_readings: Path) -> None:
+    upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
+    status(page, "mine.xlsx")
+    settled(page)
+    before = cells(page)
+    target = io.BytesIO()
+    openpyxl.Workbook().save(target)
+    upload(page, SHEET, "empty.xlsx", target.getvalue())
+    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
+    expect(message).to_contain_text("empty.xlsx was not taken", timeout=SOON)
+    expect(message).to_contain_text("Shown are still the results of mine.xlsx")
+    status(page, "mine.xlsx")
+    settled(page)
+    assert cells(page) == before
 
 
 def test_an_empty_workbook_says_so(page: Page) -> None:
@@ -206,15 +224,22 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert box is not None
     assert box["x"] >= 0.0
     assert box["x"] + box["width"] <= 390.0
-    assert {"■ replace", "25 · main pressure valve"} <= set(cells(page))
+    assert {"■ replace", "25 · 1 main pressure valve"} <= set(cells(page))
+    for found, wanted in (
+        (table, ["Verdict", "Pair", "Wear [%]", "Share [%]"]),
+        (page.get_by_test_id("stDataFrame").nth(1), ["No.", "Pair", "Before [%]", "After [%]"]),
+    ):
+        headings = [text.strip() for text in found.locator("thead th").all_inner_texts()]
+        assert headings[:4] == wanted
+        assert sum(WIDTHS[name] for name in wanted) <= found.bounding_box()["width"] + 2.0
 
 
-@pytest.mark.parametrize("address", ["Readings", "Uncertainty", "Road_test", "Report", "Catalogue"])
+@pytest.mark.parametrize("address", ["Diagnosis", "Readings", "Uncertainty", "Road_test", "Report", "Catalogue"])
 def test_every_page_opens(page: Page, server: str, address: str) -> None:
     page.get_by_role("link", name=address.replace("_", " ")).click()
     expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible(timeout=SOON)
     assert page.get_by_test_id("stException").count() == 0
-    assert page.url == f"{server}/{address}"
+    assert page.url.rstrip("/") == f"{server}/{address}".removesuffix("/Diagnosis")
 
 
 def test_a_pages_own_address_opens_it(browser, server: str) -> None:

@@ -10,6 +10,7 @@ import pytest
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.events import Event
 from atleak.figures import diagnosis as figures
+from atleak.figures import uncertainty as of_uncertainty
 from atleak.projection import stated_condition
 from atleak.workshop_units import DM3_MIN, PERCENT
 
@@ -164,3 +165,15 @@ def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -
         interval = found.uncertainty.total(projection.condition.name).share_interval
         assert x - low == pytest.approx(interval[0] * PERCENT, rel=1e-9, abs=0.0)
         assert x + high == pytest.approx(interval[1] * PERCENT, rel=1e-9, abs=0.0)
+
+
+def test_limits_and_mounting_clearances_lie_open_under_the_values(sample: Diagnosis) -> None:
+    drawn = [(one.name, one.marker.symbol) for one in of_uncertainty.clearances(sample.uncertainty, sample.limits).data]
+    assert [name for name, _ in drawn[:2]] == ["mounting clearance", "limit"]
+    assert all(symbol.endswith("-open") for _, symbol in drawn[:2])
+    assert len(drawn) > 3
+
+
+def test_bands_of_the_totals_are_named_under_their_sign(sample: Diagnosis) -> None:
+    notes = of_uncertainty.totals(sample.uncertainty, sample.limits).layout.annotations
+    assert [note.text.split("<br>")[1] for note in notes] == ["green", "amber", "red", "critical"]

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import io
+import re
 from pathlib import Path
 
 import openpyxl
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.diagnosis import Diagnosis
+from atleak.drawing import INK, controller_svg, on_dark, spool_svg
+from atleak.figures.diagnosis import leakage_ranking
 from atleak.report.template import write_template
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -66,7 +70,9 @@ def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> No
     assert not app.exception
     assert set(flagged(app)) == {"■ replace", "▲ watch"}
     assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
-    assert "replace:" in app.error[0].value
+    assert [found.value for found in app.title] == ["Diagnosis"]
+    assert re.match(r"\*\*\d+ ■ replace\*\* and \*\*\d+ ▲ watch\*\* of 47 measured lands, in", app.error[0].value)
+    assert "for this leakage alone the pump needs" in texts(app)
     assert "Representative" in texts(app) or "representative" in texts(app)
 
 
@@ -428,3 +434,71 @@ def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, la
     assert bench.sample == (label != "New, empty job")
     if not bench.sample:
         assert (bench.sheet, bench.log, bench.fluid) == (None, None, "mobil_atf_220")
+
+
+def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: AppTest) -> None:
+    table = app.dataframe[0].value
+    assert list(table)[:4] == ["Verdict", "Pair", "Wear [%]", "Share [%]"]
+    assert table["Pair"].iloc[0] == "25 · 1 main pressure valve"
+    assert table["Decided by"].iloc[0].startswith("share at hot idle ")
+    number(app, "Temperature [°C]").set_value(120.0).run()
+    choice(app, "Gear").select(3).run()
+    assert not any("share stated" in text for text in app.dataframe[0].value["Decided by"].dropna())
+
+
+def test_steps_that_change_nothing_are_told(app: AppTest) -> None:
+    steps = next(found.value for found in app.dataframe if "After [%]" in found.value)
+    idle = steps[steps["Before [%]"].round(1) == steps["After [%]"].round(1)]["No."]
+    assert len(idle)
+    assert f"Steps {', '.join(map(str, idle[:-1]))} and {idle.iloc[-1]} change this total by less than" in texts(app)
+
+
+def test_options_have_plain_labels_and_keep_their_value_in_the_help(app: AppTest) -> None:
+    found = choice(app, "Viscosity")
+    assert found.options[0] == "ASTM D341"
+    assert "viscosity=d341" in found.help
+    assert choice(app, "Pump efficiency").options[0] == "Wilson slip"
+    for label in ("Diameter in the gap law", "Viscosity", "Counted as drawn from the pump", "Pump efficiency"):
+        assert not any("_" in option for option in choice(app, label).options)
+
+
+def test_means_have_sensible_digits() -> None:
+    from pages.shared.show import rounded
+
+    assert [rounded(value) for value in (2.8, 1.6512, 92.715, 99.97, 2345.6, 0.0, -0.0, 1e-9)] == [
+        "2.8", "1.65", "92.7", "100", "2346", "0.000", "0.000", "0.000",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("theme", "paper"), [("light", "#ffffff"), ("dark", "#10171c")])
+def test_a_charts_words_stand_out_from_its_ground(
+    sample: Diagnosis, monkeypatch: pytest.MonkeyPatch, theme: str, paper: str
+) -> None:
+    from pages.shared import show
+
+    def luminance(colour: str) -> float:
+        parts = [int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)]
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        return sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+
+    def contrast(colour: str) -> float:
+        low, high = sorted((luminance(colour), luminance(paper)))
+        return (high + 0.05) / (low + 0.05)
+
+    drawn = []
+    monkeypatch.setattr(show, "dark", lambda: theme == "dark")
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure))
+    show.chart(leakage_ranking(sample), "any")
+    (figure,) = drawn
+    bars = [trace for trace in figure.data if trace.type == "bar"]
+    inks = [figure.layout.xaxis.tickfont.color, figure.layout.yaxis.title.font.color, figure.layout.legend.font.color]
+    inks += [bar.error_x.color for bar in bars]
+    assert len(bars) > 1
+    assert min(contrast(ink) for ink in inks) >= 4.5
+
+
+def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
+    for drawing in (spool_svg(four_speed, "25"), controller_svg(four_speed)):
+        assert INK in drawing
+        assert INK not in on_dark(drawing)
+        assert 'rx="4" fill="#FFFFFF"' not in on_dark(drawing)

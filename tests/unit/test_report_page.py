@@ -13,6 +13,7 @@ from PIL import Image
 from streamlit.testing.v1 import AppTest
 
 from atleak.job import Job
+from atleak.report.pdf.body import SECTIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -110,3 +111,9 @@ def test_the_example_of_the_documentation_runs(tmp_path: Path, monkeypatch: pyte
     exec(compile(example, "reports.md", "exec"), {})
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
     assert (tmp_path / "report.xlsx").read_bytes().startswith(b"PK")
+
+
+def test_sections_are_all_chosen_and_paper_is_named_as_people_do(app: AppTest) -> None:
+    assert next(found for found in app.selectbox if found.label == "Paper").options == ["A4", "Letter"]
+    (sections,) = app.get("button_group")
+    assert list(sections.value) == list(SECTIONS)
