@@ -1,6 +1,7 @@
 """The road-test log: what was understood of it, what is asked, its picture, and the leakage over it."""
 
 from dataclasses import replace
+from functools import partial
 
 import streamlit as st
 
@@ -48,8 +49,12 @@ ends = log_form.window(test, happened)
 over = log_form.overlay()
 part = test if ends is None else test.window(*ends)
 scales = log_form.scales(test)
-show.chart(figures.road_channels(part, scales, happened, over), "channels")
-st.caption("× suspect samples, left out of every result; dotted: breaks in the log; dashed: events. Drag to zoom.")
+look = partial(log_form.look_between, test)
+show.chart(figures.road_channels(part, scales, happened, over), f"channels-{ends}", on_span=look)
+st.caption(
+    "× suspect samples, left out of every result; dotted: breaks in the log; dashed: events. Drag across the chart to "
+    "look closer: the stretch is drawn anew from the full log."
+)
 
 road = None
 if file == bench.log and diagnosis.road is not None:

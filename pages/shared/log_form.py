@@ -129,12 +129,22 @@ def window(test: RoadTest, found: tuple[Event, ...]) -> tuple[float, float] | No
     ends = (first, last) if chosen is None else (chosen.start, chosen.stop)
     if chosen is None:
         ends = kept.get(test.sha256, ends)
-    key = f"window-{test.sha256}-{ends if chosen is not None else 'own'}"
+    key = f"window-{test.sha256}-{st.session_state.get('window-set', 0)}-{ends if chosen is not None else 'own'}"
     start, stop = st.slider("Between two cursors [s]", first, last, ends, key=key)
     whole = (start, stop) == (first, last)
     if chosen is None:
         kept.pop(test.sha256, None) if whole else kept.update({test.sha256: (start, stop)})
     return None if whole else (start, stop)
+
+
+def look_between(test: RoadTest, start: float, stop: float) -> None:
+    """Set both cursors; for a chart's callback, which runs before the cursors are drawn."""
+    first, last = float(test.time[0]), float(test.time[-1])
+    ends = (min(max(start, first), last), min(max(stop, first), last))
+    if ends[1] > ends[0]:
+        session().windows[test.sha256] = ends
+        st.session_state["window-event"] = None
+        st.session_state["window-set"] = st.session_state.get("window-set", 0) + 1  # a fresh slider starts from it
 
 
 def _event_name(event: Event | None) -> str:

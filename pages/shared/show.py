@@ -6,6 +6,7 @@ import base64
 import html
 import re
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import pandas as pd
@@ -243,8 +244,11 @@ def dark() -> bool:
     return st.context.theme.type == "dark"
 
 
-def chart(figure: go.Figure, key: str) -> None:
-    """A figure with its words and error bars in the theme's ink, where the usual grey is too pale to read."""
+def chart(figure: go.Figure, key: str, on_span: Callable[[float, float], None] | None = None) -> None:
+    """A figure with its words and error bars in the theme's ink, where the usual grey is too pale to read.
+
+    With ``on_span``, dragging across it marks a stretch of its x axis and calls that with its ends.
+    """
     ink = "#e8eef2" if dark() else "#16222b"
     for axis in (*figure.select_xaxes(), *figure.select_yaxes()):
         axis.update(tickfont_color=ink, title_font_color=ink)
@@ -254,7 +258,18 @@ def chart(figure: go.Figure, key: str) -> None:
     for trace in figure.data:
         if trace.type in ("bar", "scatter") and trace.error_x.color == ERROR:
             trace.error_x.color = ink
-    st.plotly_chart(figure, key=key)
+    if on_span is None:
+        st.plotly_chart(figure, key=key)
+        return
+    figure.update_layout(dragmode="select", selectdirection="h")
+    st.plotly_chart(figure, key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
+
+
+def _spanned(key: str, on_span: Callable[[float, float], None]) -> None:
+    boxes = st.session_state[key]["selection"]["box"]
+    if boxes:
+        ends = sorted(float(end) for end in boxes[-1]["x"])
+        on_span(ends[0], ends[-1])
 
 
 def svg(drawing: str, label: str, least_width: int = 640) -> None:

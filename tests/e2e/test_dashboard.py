@@ -208,6 +208,23 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     assert page.get_by_test_id("stException").count() == 0
 
 
+def test_dragging_across_the_log_sets_the_cursors(page: Page, server: str) -> None:
+    page.goto(f"{server}/Road_test")
+    chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
+    chart.scroll_into_view_if_needed()
+    page.wait_for_timeout(1500)  # plotly lays itself out anew after scrolling
+    box = chart.bounding_box()
+    middle = box["y"] + box["height"] / 2.0
+    page.mouse.move(box["x"] + 0.25 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.40 * box["width"], middle + 5.0, steps=5)
+    page.mouse.move(box["x"] + 0.50 * box["width"], middle + 5.0, steps=5)
+    page.mouse.up()
+    cursors = page.get_by_test_id("stSliderThumbValue")
+    expect(cursors.filter(has_text=re.compile(r"^[23]\.\d\d$"))).to_have_count(1)
+    expect(cursors.filter(has_text=re.compile(r"^[56]\.\d\d$"))).to_have_count(1)
+
+
 def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     table = page.get_by_test_id("stDataFrame").first
