@@ -307,6 +307,8 @@ class LeakageModel:
             if affine is None:
                 later.append((plan, samples))
                 lines[:, samples] = 0.0
+            elif isinstance(samples, slice):  # a view: nothing is copied
+                np.matmul(affine, powers[:, samples], out=lines[:, samples])
             else:
                 lines[:, samples] = affine @ powers[:, samples]
         lines[0] *= log.main_pressure
