@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from atleak import __version__
 from atleak.errors import AtleakError, InputError, Place, nearest_name
 from atleak.shipped import shipped
+from atleak.verdicts import FLAGGED
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
@@ -64,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _diagnose(options: argparse.Namespace) -> int:
-    from atleak.limits import VERDICTS
+    from atleak.verdicts import Verdict
 
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
@@ -86,7 +87,7 @@ def _diagnose(options: argparse.Namespace) -> int:
 
         print_diagnosis(diagnosis)
         _say(written)
-    past = options.fail_on and VERDICTS.index(diagnosis.verdict) >= VERDICTS.index(options.fail_on)
+    past = options.fail_on and diagnosis.verdict.rank >= Verdict(options.fail_on).rank
     return 1 if past else 0
 
 
@@ -432,7 +433,11 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of them unless given")
     diagnose.add_argument("--job", metavar="FILE", help="job record (TOML or JSON) for the reports")
     diagnose.add_argument("--job-file", metavar="FILE.zip", help="the whole job as one file")
-    diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])
+    diagnose.add_argument(
+        "--fail-on",
+        choices=[level.value for level in FLAGGED],
+        help="end with status 1 where a land or a total is at or past this level",
+    )
 
     variants = add("variants", _variants, "W1 to W8 of the source study, as printed and as computed")
     _add_controller(variants)

@@ -7,8 +7,8 @@ from atleak.job_file import parse_job, write_job_file
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.record import diagnosis_record, to_json
-from atleak.report.wording import languages, wording
 from atleak.report.xlsx import write_workbook
+from atleak.wording import languages, wording
 from pages.shared import job_form, panel, show
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."

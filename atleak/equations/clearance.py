@@ -82,7 +82,7 @@ def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
     Parameters
     ----------
     radial_clearance : float or array
-        c_r, radial clearance as measured [m].
+        c_r, radial clearance as measured [m]; negative where the sleeve measures smaller than the spool.
     mounting_clearance : float or array
         c_m, radial clearance when new [m].
 
@@ -94,7 +94,7 @@ def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
     Raises
     ------
     DomainError
-        Negative radial clearance; mounting clearance not positive.
+        Mounting clearance not positive.
 
     References
     ----------
@@ -105,7 +105,7 @@ def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
     >>> round(wear(36e-6, 24e-6), 12)
     0.5
     """
-    c_r = not_negative("radial clearance", radial_clearance, "m")
+    c_r = values(radial_clearance)
     c_m = positive("mounting clearance", mounting_clearance, "m")
     return result((c_r - c_m) / c_m)
 

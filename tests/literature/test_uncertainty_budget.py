@@ -17,6 +17,7 @@ from atleak.limits import Limits
 from atleak.profile import WORKSHOP
 from atleak.projection import project
 from atleak.readings import Reading, Readings, clearances
+from atleak.rules import unit_rules
 from atleak.uncertainty import Assumptions, UnitUncertainty, assess
 
 UM = 1e-6
@@ -73,7 +74,14 @@ def assessed(two_lands: Controller, hipol: Fluid, limits: Limits) -> UnitUncerta
     model = LeakageModel(two_lands, states, hipol, WORKSHOP)
     projections = [project(model, point) for point in two_lands.operating_points]
     return assess(
-        model, states, projections, limits, readings=sheet, instruments=TOOLS, assumptions=ASSUMED, draws=100_000
+        model,
+        states,
+        projections,
+        unit_rules(states, projections, limits),
+        readings=sheet,
+        instruments=TOOLS,
+        assumptions=ASSUMED,
+        draws=100_000,
     )
 
 

@@ -71,7 +71,6 @@ def test_no_rise_changes_nothing() -> None:
         (clearance.radial_clearance, (-0.01, 0.01), "sleeve diameter"),
         (clearance.worn_clearance, (-1e-6, 5e-6), "mounting clearance"),
         (clearance.worn_clearance, (1e-6, -5e-6), "worn clearance"),
-        (clearance.wear, (-1e-6, 30e-6), "radial clearance"),
         (clearance.wear, (30e-6, 0.0), "mounting clearance"),
         (clearance.effective_clearance, (-1e-6, 0.01, 0.01, 2e-5, 1e-5, 60, 60), "radial clearance"),
         (clearance.effective_clearance, (3e-5, 0.009, 0.01, 2e-5, 1e-5, 60, 60), "sleeve diameter"),

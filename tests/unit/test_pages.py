@@ -11,8 +11,9 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.diagnosis import Diagnosis
-from atleak.drawing import INK, controller_svg, on_dark, spool_svg
+from atleak.drawing import controller_svg, on_dark, spool_svg
 from atleak.figures.diagnosis import leakage_ranking
+from atleak.look import PAPER
 from atleak.report.template import write_template
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -440,7 +441,7 @@ def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: Ap
     table = app.dataframe[0].value
     assert list(table)[:4] == ["Verdict", "Pair", "Wear [%]", "Share [%]"]
     assert table["Pair"].iloc[0] == "25 · 1 main pressure valve"
-    assert table["Decided by"].iloc[0].startswith("share at hot idle ")
+    assert table["Decided by"].iloc[0].startswith("share of pump flow, hot idle in drive")
     number(app, "Temperature [°C]").set_value(120.0).run()
     choice(app, "Gear").select(3).run()
     assert not any("share stated" in text for text in app.dataframe[0].value["Decided by"].dropna())
@@ -499,6 +500,6 @@ def test_a_charts_words_stand_out_from_its_ground(
 
 def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
     for drawing in (spool_svg(four_speed, "25"), controller_svg(four_speed)):
-        assert INK in drawing
-        assert INK not in on_dark(drawing)
+        assert PAPER.ink in drawing
+        assert PAPER.ink not in on_dark(drawing)
         assert 'rx="4" fill="#FFFFFF"' not in on_dark(drawing)

@@ -8,11 +8,11 @@ from typing import Any
 from atleak import __version__
 from atleak.controller import REFERENCE_TEMPERATURE
 from atleak.errors import InputError, nearest_name
-from atleak.limits import VERDICTS
-from atleak.report.engine import engine_of
+from atleak.limits import LimitOrigin
 from atleak.report.pdf.blocks import Block, facts, joined, table, text
-from atleak.report.pdf.names import Names, distinct
+from atleak.report.pdf.names import Names
 from atleak.report.road_series import RoadSeries
+from atleak.verdicts import VERDICTS, Verdict
 from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
 
 SECTIONS = (
@@ -89,7 +89,7 @@ class Body:
         components = len({found.state.land.component for found in diagnosis.lands})
         counts = {verdict: sum(found.verdict == verdict for found in diagnosis.lands) for verdict in VERDICTS}
         legend = [
-            [verdict, f"{say.get('verdicts', verdict)}: {counts[verdict]}"] for verdict in _LEGEND if counts[verdict]
+            [verdict, f"{say.level(verdict)}: {counts[verdict]}"] for verdict in reversed(VERDICTS) if counts[verdict]
         ]
         words = joined(text for _, text in legend)
         yield {
@@ -125,7 +125,7 @@ class Body:
             cells: list[Any] = [
                 names.pair(found),
                 str(state.land.land),
-                {"sign": found.verdict, "text": say.get("verdicts", found.verdict)},
+                {"sign": found.verdict, "text": say.level(found.verdict)},
                 names.clearance(found),
                 say.number(state.land.mounting_clearance * UM, 1),
                 say.number(None if found.wear is None else found.wear * PERCENT, 0),
@@ -156,7 +156,7 @@ class Body:
                 [
                     str(number),
                     self.names.land_name(step.land),
-                    {"sign": step.land.verdict, "text": say.get("verdicts", step.land.verdict)},
+                    {"sign": step.land.verdict, "text": say.level(step.land.verdict)},
                     say.percent(step.share_before),
                     say.percent(step.share_after),
                     say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–",
@@ -177,7 +177,9 @@ class Body:
         ]
         if items:
             yield {"kind": "list", "items": items}
-        unsure = [found for found in self.diagnosis.lands if found.verdict == "ok" and found.decision in _CONDITIONAL]
+        unsure = [
+            found for found in self.diagnosis.lands if found.verdict == Verdict.OK and found.decision in _CONDITIONAL
+        ]
         if unsure:
             yield text(say("texts.unsure", lands=joined(names.land_number(found) for found in unsure)))
 
@@ -212,7 +214,7 @@ class Body:
                     say.number(found.effective_clearance * UM, 1),
                     names.flow(found.leakage, 3) + interval * (found.leakage > 0.0),
                     say.number(found.share * PERCENT, 2),
-                    {"sign": found.verdict, "text": say.get("verdicts", found.verdict)},
+                    {"sign": found.verdict, "text": say.level(found.verdict)},
                 ]
             )
         yield table(_with_units(names, columns), rows, "10000000000", "lcrrrrrrrrl")
@@ -362,7 +364,7 @@ class Body:
                 rho=say.number(fluid.density(found.condition.temperature, model) * G_CM3, 4),
                 temperature=say.plain(found.condition.temperature),
             )
-            for found in distinct(diagnosis.projections)
+            for found in diagnosis.reported
         ]
         instruments = [
             joined(
@@ -408,10 +410,8 @@ class Body:
         say, limits = self.say, self.diagnosis.limits
         rows = []
         for name, steps in limits.rules.items():
-            factor, unit = (UM, "µm") if name == "radial_clearance" else (PERCENT, "%")
-            table_name = "bands" if name == "total_share" else "verdicts"
             levels = joined(
-                say("rules.level", level=say.get(table_name, level), limit=f"{say.plain(limit * factor)}\u00a0{unit}")
+                say("rules.level", level=say.level(level), limit=f"{say.plain(limit * name.factor)}\u00a0{name.unit}")
                 for level, limit in steps.levels
             )
             rows.append([say(f"rules.{name}"), levels, say.get("origins", steps.origin), steps.source])
@@ -440,11 +440,15 @@ class Body:
             lands = [self.names.land_number(found) for found in diagnosis.lands if found.state.status == status]
             if lands:
                 items.append(say(f"texts.{key}", lands=joined(lands)))
-        own = [say(f"rules.{name}") for name, steps in diagnosis.limits.rules.items() if "choice" in steps.origin]
+        own = [
+            say(f"rules.{name}")
+            for name, steps in diagnosis.limits.rules.items()
+            if steps.origin is LimitOrigin.PROJECT
+        ]
         if own:
             items.append(say("texts.project_limits", rules=joined(own)))
         pump = diagnosis.controller.pump
-        if engine_of(diagnosis).uses_slip:
+        if diagnosis.model.uses_slip:
             items.append(say("texts.slip"))
         else:
             items.append(say("texts.efficiency", value=say.plain(pump.volumetric_efficiency)))
@@ -504,7 +508,6 @@ class Body:
 
 _SAID_ELSEWHERE = ("controller_representative",)  # among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
-_LEGEND = ("critical", "replace", "watch", "ok", "not_measured")
 
 
 def _worth_saying(mileage: float | None) -> bool:

@@ -17,19 +17,19 @@ import pypdfium2
 import pytest
 from PIL import Image
 
-import atleak.report.wording
+import atleak.wording
 from atleak.controller import load_controller
 from atleak.diagnosis import diagnose
-from atleak.drawing import SHADES
 from atleak.errors import InputError
 from atleak.job import Job
+from atleak.look import look_of
 from atleak.profile import PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.pdf.pictures import printable_picture
-from atleak.report.wording import languages, wording
+from atleak.wording import languages, wording
 
-TEXTS = Path(atleak.report.wording.__file__).parent / "texts"
+TEXTS = Path(atleak.wording.__file__).parent / "texts"
 
 
 def picture(width: int = 300, height: int = 200, form: str = "PNG", **options: object) -> bytes:
@@ -270,7 +270,7 @@ def test_shades_are_told_apart_in_grey():
         red, green, blue = (int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
         return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
-    greys = [grey(SHADES[verdict].fill) for verdict in ("ok", "watch", "replace", "critical")]
+    greys = [grey(look_of(verdict).fill) for verdict in ("ok", "watch", "replace", "critical")]
     assert all(light - dark > 0.1 for light, dark in pairwise(greys)), greys
 
 

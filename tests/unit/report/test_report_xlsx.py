@@ -18,7 +18,7 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.job import Job
 from atleak.profile import PAPER, WORKSHOP
 from atleak.report.xlsx import write_workbook
-from atleak.report.xlsx.book import verdict_word
+from atleak.wording import signed
 
 SHEETS = ["Summary", "Lands", "Gaps", "Gaps hot idle", "Rules", "Readings", "Road test", "Conditions", "Limits"]
 
@@ -119,9 +119,7 @@ def test_a_changed_diameter_changes_clearance_flow_share_and_verdict(worn, conte
         assert found == pytest.approx(value, rel=1e-9, abs=0.0), heading
     assert worn.lands[0].verdict == "ok"
     assert other.lands[0].verdict != "ok"
-    assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == verdict_word(
-        other.lands[0].verdict
-    )
+    assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == signed(other.lands[0].verdict)
     total = sheets.book.defined_names["stated_share"].attr_text.split("!")
     assert sheets.value(*total) == pytest.approx(other.projection.share * 100, rel=1e-9, abs=0.0)
 
@@ -219,7 +217,7 @@ def test_same_job_same_bytes(worn):
 
 
 def test_unit_without_hot_idle(worn):
-    other: Diagnosis = replace(worn, hot_idle=None, road=None)
+    other: Diagnosis = replace(worn, projections=worn.projections[:1], road=None)
     sheets = pd.read_excel(io.BytesIO(write_workbook(other)), sheet_name=None, engine="calamine")
     assert "Gaps hot idle" not in sheets
 

@@ -15,12 +15,14 @@ from atleak.errors import InputError
 from atleak.fluid import Fluid
 from atleak.instruments import load_instruments
 from atleak.leakage import LeakageModel
-from atleak.limits import Limits, Steps
+from atleak.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.profile import PAPER, WORKSHOP
 from atleak.projection import project
 from atleak.readings import clearances
+from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, NOTHING_ELSE, Assumptions, assess
 from atleak.uncertainty.table import budget_rows, land_rows
+from atleak.verdicts import Band, Verdict
 
 from .conftest import a_sheet, two_instruments
 
@@ -146,7 +148,7 @@ def test_draws_below_zero_leak_nothing(judge: Callable, twenty_lands: Controller
 
 
 def test_probability_and_decision_follow_the_reading(judge: Callable, four_speed: Controller, limits: Limits) -> None:
-    steps = Steps((("replace", 30 * UM),), "set by the workshop", "")
+    steps = Steps(((Verdict.REPLACE, 30 * UM),), LimitOrigin.WORKSHOP, "")
     only = replace(limits, wear=None, clearance=steps, pair_share=None)
     seen = []
     for clearance in (27.0, 29.5, 30.5, 33.0):
@@ -162,7 +164,7 @@ def test_probability_and_decision_follow_the_reading(judge: Callable, four_speed
 def test_wear_is_judged_against_an_uncertain_mounting_clearance(judge: Callable, four_speed: Controller) -> None:
     given = replace(NOTHING_ELSE, mounting_clearance=1 * UM)
     land = judge(a_sheet(four_speed, clearance=30 * UM), assumptions=given).unit.lands[0]
-    rule = land.rule("wear")
+    rule = next(decided for decided in land.rules if decided.rule.kind is RuleKind.WEAR)
     mounting = land.sources.state.land.mounting_clearance
     rng = np.random.default_rng(0)
     new = rng.normal(mounting, 1 * UM, 400_000)
@@ -175,7 +177,7 @@ def test_wear_is_judged_against_an_uncertain_mounting_clearance(judge: Callable,
 
 def test_bands_of_the_total_have_probabilities(judge: Callable, four_speed: Controller, limits: Limits) -> None:
     share = judge(a_sheet(four_speed)).projections[0].share
-    steps = Steps((("amber", share), ("red", 1.2 * share), ("critical", 9.0)), "set by the workshop", "")
+    steps = Steps(((Band.AMBER, share), (Band.RED, 1.2 * share), (Band.CRITICAL, 9.0)), LimitOrigin.WORKSHOP, "")
     total = judge(a_sheet(four_speed), limits=replace(limits, total_share=steps), assumptions=DEFAULTS).unit.totals[0]
     bands = dict(total.band_probabilities)
     assert math.fsum(bands.values()) == pytest.approx(1.0, abs=1e-12)
@@ -191,7 +193,8 @@ def test_pump_that_delivers_nothing_is_over_every_limit(four_speed: Controller, 
     sheet = a_sheet(four_speed)
     states = clearances(sheet, four_speed)
     model = LeakageModel(four_speed, states, hipol, WORKSHOP)
-    unit = assess(model, states, [project(model, slow)], limits, readings=sheet, draws=500)
+    at = [project(model, slow)]
+    unit = assess(model, states, at, unit_rules(states, at, limits), readings=sheet, draws=500)
     total = unit.totals[0]
     assert math.isinf(total.share)
     assert total.decision.decision == "fail"
@@ -232,7 +235,7 @@ def test_nothing_measured_says_nothing(four_speed: Controller, hipol: Fluid, lim
     states = clearances(None, four_speed)
     model = LeakageModel(four_speed, states, hipol, WORKSHOP)
     projections = [project(model, point) for point in four_speed.operating_points]
-    unit = assess(model, states, projections, limits, draws=500)
+    unit = assess(model, states, projections, unit_rules(states, projections, limits), draws=500)
     assert all(land.u_clearance is None and land.decision is None for land in unit.lands)
     assert not land_rows(unit)
     assert len(unit.totals) == len(projections)
@@ -294,7 +297,7 @@ def test_a_unit_of_sixty_lands_is_assessed(
     states = clearances(sheet, sixty)
     model = LeakageModel(sixty, states, hipol, WORKSHOP)
     projections = [project(model, point) for point in sixty.operating_points]
-    unit = assess(model, states, projections, limits, readings=sheet, draws=20_000)
+    unit = assess(model, states, projections, unit_rules(states, projections, limits), readings=sheet, draws=20_000)
     assert unit.draws == 20_000
     assert len(unit.lands) == 60
     assert all(land.u_clearance for land in unit.lands)

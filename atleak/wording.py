@@ -1,4 +1,4 @@
-"""The words and numbers of a report in a reader's language."""
+"""Words and numbers in a reader's language: one file of texts for each."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from atleak.errors import InputError, nearest_name
+from atleak.look import look_of
+from atleak.verdicts import Band, Verdict
 from atleak.workshop_units import PERCENT
 
 _FOLDER = Path(__file__).parent / "texts"
@@ -41,6 +43,14 @@ class Wording:
     def get(self, table: str, name: str) -> str:
         """The text for a name that need not be known: itself where it is not."""
         return self.texts[table].get(name, name)
+
+    def level(self, level: Verdict | Band) -> str:
+        """The word of a verdict or a band."""
+        return self.texts["bands" if isinstance(level, Band) else "verdicts"][level]
+
+    def signed(self, level: Verdict | Band) -> str:
+        """Sign and word of a verdict or a band: ``■ replace``."""
+        return f"{look_of(level).sign} {self.level(level)}"
 
     def number(self, value: float | None, digits: int) -> str:
         """A number with the language's decimal sign; a dash where unknown, ∞ where infinite.
@@ -91,3 +101,8 @@ def wording(language: str) -> Wording:
             nearest=nearest_name(language, known),
         )
     return Wording(language, tomllib.loads((_FOLDER / f"{language}.toml").read_text(encoding="utf-8")))
+
+
+def signed(level: Verdict | Band) -> str:
+    """Sign and English word of a verdict or a band: ``■ replace``."""
+    return wording("en").signed(level)
