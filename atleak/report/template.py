@@ -19,6 +19,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.controller import Controller, Land
 from atleak.look import SHEET_COLOURS
+from atleak.marks import PROPERTY, sealed, unsealed
 from atleak.readings import Part, Reading
 
 SHEET = "Measurements"
@@ -148,6 +149,8 @@ def write_readings(
     bytes
         of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
     """
+    readings = list(readings)
+    empty = not readings and not fields
     rows = list(_rows(controller, readings, blank_rows))
     buffer = io.BytesIO()
     options = {
@@ -158,13 +161,15 @@ def write_readings(
     }
     with xlsxwriter.Workbook(buffer, options) as book:
         book.set_properties({"title": f"Measuring sheet: {controller.name}", "created": _CREATED})
+        if empty:
+            book.set_custom_property(PROPERTY, unsealed("measuring sheet"))
         formats = _formats(book)
         sheet = _Sheet(book.add_worksheet(SHEET), formats, controller)
         sheet.head(fields or {})
         sheet.body(rows)
         sheet.set_up(len(rows))
         _instructions(book.add_worksheet(INSTRUCTIONS), formats, controller)
-    return buffer.getvalue()
+    return sealed(buffer.getvalue()) if empty else buffer.getvalue()
 
 
 def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> Iterator[_Row]:

@@ -16,7 +16,7 @@ import streamlit as st
 from atleak import catalogue
 from atleak.controller import Controller, OperatingPoint, load_controller
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.errors import Place, RoadTestError
+from atleak.errors import OutputError, Place, RoadTestError
 from atleak.fluid import load_fluid
 from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUMENT, Instruments, load_instrument
 from atleak.intake.readings import read_readings
@@ -224,8 +224,8 @@ def remember_columns(log: File, columns: dict[str, str], units: dict[str, str]) 
     """Keep how this log's columns were settled, for every log with the same header; why it cannot be kept, else ""."""
     try:
         remember(default_path(), understood(log).signature, columns, units)
-    except OSError as error:
-        return error.strerror or str(error)
+    except OutputError as error:
+        return error.problem
     return ""
 
 

@@ -23,7 +23,9 @@ from atleak.drawing import controller_svg, shortened
 from atleak.errors import InputError, nearest_name
 from atleak.job import Job, clean_text
 from atleak.look import LOOKS, PAPER
+from atleak.marks import KEYWORD
 from atleak.report.charts import FONTS, Bar, glyphs, road_chart, shares_chart
+from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
 from atleak.report.pdf.front import Front
@@ -104,9 +106,8 @@ def report_data(
         "title": title,
         "author": job.workshop.name or "atleak",
         "description": say("title.subject"),
-        "running": " · ".join(
-            part for part in (job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin) if part
-        ),
+        "keywords": KEYWORD,
+        "running": joined((job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
         "made": f"atleak {__version__}",
         "page": say("title.page", page="{page}", pages="{pages}"),
         "note": None,

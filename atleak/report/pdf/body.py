@@ -13,6 +13,7 @@ from atleak.report.pdf.blocks import Block, facts, joined, table, text
 from atleak.report.pdf.names import Names
 from atleak.report.road_series import RoadSeries
 from atleak.verdicts import VERDICTS, Verdict
+from atleak.wording import isolated
 from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
 
 SECTIONS = (
@@ -301,7 +302,8 @@ class Body:
             land = f"{say('columns.land')}\u00a0{each.land}" if each.land else ""
             decision = say.get("job_decisions", each.decision) if each.decision else "–"
             date = say.date(each.date) if each.date else ""
-            rows.append([joined((f"{each.component}  {name}".strip(), land)), each.work, decision, each.reason, date])
+            pair = joined((f"{each.component}  {isolated(name)}".strip(), land))
+            rows.append([pair, each.work, decision, each.reason, date])
         names = ("pair", "work", "decision", "reason", "date")
         yield table([say(f"columns.{name}") for name in names], rows, "45262", "lllll", empty=False)
 
@@ -378,7 +380,9 @@ class Body:
             if not each.empty
         ]
         measured = f"{diagnosis.measured} / {len(diagnosis.lands)}"
-        temperature = REFERENCE_TEMPERATURE if job.measuring_temperature_c is None else job.measuring_temperature_c
+        temperature = f"{say.plain(REFERENCE_TEMPERATURE)} °C"
+        if job.measuring_temperature_c is not None:
+            temperature = say("facts.not_corrected", temperature=say.plain(job.measuring_temperature_c))
         options = joined(f"{name} = {_option(value)}" for name, value in diagnosis.profile.options.items())
         sure = diagnosis.uncertainty
         taken = (
@@ -400,7 +404,7 @@ class Body:
                 [say("facts.profile"), diagnosis.profile.label],
                 [say("facts.options"), options],
                 [say("facts.measured"), measured],
-                [say("facts.measuring_temperature"), f"{say.plain(temperature)} °C"],
+                [say("facts.measuring_temperature"), temperature],
                 *([[say("facts.instruments"), joined(instruments, "; ")]] if instruments else []),
                 *([[say("facts.uncertainty"), taken]] if taken else []),
             ]
@@ -416,7 +420,7 @@ class Body:
             )
             rows.append([say(f"rules.{name}"), levels, say.get("origins", steps.origin), steps.source])
         yield table([say(f"columns.{name}") for name in ("rule", "limit", "origin", "source")], rows, "3426", "llll")
-        yield text(f"{limits.name}. {say('texts.limit_note')}", small=True)
+        yield text(f"{isolated(limits.name)}. {say('texts.limit_note')}", small=True)
 
     def _assumptions(self, charts: dict[str, str]) -> Iterable[Block]:
         say, diagnosis = self.say, self.diagnosis
@@ -433,9 +437,8 @@ class Body:
             values = joined(diagnosis.controller.pump.representative)
             items.append(say("texts.representative_lands", values=values))
         if diagnosis.fluid.representative:
-            items.append(
-                f"{diagnosis.fluid.name}: {say('facts.representative')}: {joined(diagnosis.fluid.representative)}."
-            )
+            values = joined(diagnosis.fluid.representative)
+            items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {values}.")
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
             lands = [self.names.land_number(found) for found in diagnosis.lands if found.state.status == status]
             if lands:

@@ -9,7 +9,7 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.job import Job
 from atleak.projection import Projection
 from atleak.rules import Rule
-from atleak.wording import Wording
+from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, RPM, UM
 
 _MOSTLY = 0.5  # of an uncertainty's variance
@@ -45,7 +45,7 @@ class Names:
     def pair(self, found: LandDiagnosis) -> str:
         """Component and its name."""
         component = found.state.land.component
-        return f"{component} {self.diagnosis.controller.components[component]}"
+        return f"{component} {isolated(self.diagnosis.controller.components[component])}"
 
     def column(self, name: str) -> str:
         """The heading of a column."""

@@ -18,13 +18,20 @@ from atleak.wording import wording
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
+
+
+def _or_words(limit: str, words: str, digits: str) -> str:
+    """A number format that says words from a limit on; negative numbers keep their sign in every office suite."""
+    return f'[>={limit}]"{words}";[<0]-{digits};{digits}'
+
+
 NUMBER_FORMATS = {
     "mm": "0.0000",
     "um": "0.00",
     "kpa": "0.0",
     "flow": "0.0000",
     "mm3": "0.000",
-    "percent": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";0.00',
+    "percent": _or_words(f"{NO_DELIVERY / 10:.0E}", "pump delivers nothing", "0.00"),
     "temperature": "0.0",
     "rpm": "0",
     "nu": "0.0000",
@@ -32,7 +39,7 @@ NUMBER_FORMATS = {
     "time": "0.00",
     "count": "0",
     "scientific": "0.00E+00",
-    "mileage": '[>=10000000]"beyond 10 million";0',
+    "mileage": _or_words("10000000", "beyond 10 million", "0"),
     "plain": "General",
 }
 

@@ -16,7 +16,7 @@ from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
-from atleak.wording import signed
+from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
 ROAD_ROWS = 2000  # of the thinned road test
@@ -303,7 +303,7 @@ class Sheets:
                         row += 1
             else:
                 put(sheet, row, 0, _words(name), self.book.heading)
-                row = put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
+                row = put_text(sheet, row, 1, _field(name, value), self.book.wrapped, 84) + 2
 
     def write_messages(self, sheet: Worksheet) -> None:
         rows = [
@@ -347,6 +347,13 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return ", ".join(map(str, value))
     return value if value is None or isinstance(value, int | float | str) else str(value)
+
+
+def _field(name: str, value: Any) -> str:
+    if name == "measuring_temperature_c":
+        say = wording("en")
+        return say("facts.not_corrected", temperature=say.plain(value))
+    return str(value)
 
 
 def _words(name: str) -> str:

@@ -338,3 +338,34 @@ def test_a_pump_that_delivers_nothing_and_another_controller(worn):
     assert minimal.name in text_of(write_pdf(other, paper="letter"))
     for each in (still, other):
         assert is_archival(write_pdf(each, language="de"))
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "23.5 °C (noted, not corrected)"),
+        ("pl", "23,5 °C (odnotowano, bez korekty wyników)"),
+        ("de", "23,5 °C (vermerkt, nicht korrigiert)"),
+    ],
+)
+def test_a_measuring_temperature_is_noted_and_not_corrected(unmeasured, language, said):
+    printed = write_pdf(unmeasured, Job(measuring_temperature_c=23.5), language=language, sections=["conditions"])
+    assert said in text_of(printed)
+    unknown = write_pdf(unmeasured, Job(number="1"), language=language, sections=["conditions"])
+    assert said.partition("(")[2] not in text_of(unknown)
+
+
+def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):
+    job = Job(
+        number="2026-0417",
+        workshop={"name": "شركة النور للسيارات"},
+        customer={"name": "محمد علي", "number": "44-17", "email": "somebody@example.org"},
+        vehicle={"registration": "12-345-67"},
+        transmission={"maker": "אבג", "code": "4G-22"},
+    )
+    first, *others = pages_of(write_pdf(worn, job))
+    assert len(others) > 2
+    for page in others:
+        assert page.splitlines()[0].split(" · ")[1:3] == ["2026-0417", "12-345-67 Internal leakage of a valve body"]
+    for numbers in (", 44-17, somebody@example.org", "Transmission אבג 4G-22"):
+        assert numbers in first
