@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
+from atleak.controller import HOT_IDLE, Controller, OperatingPoint
 from atleak.errors import Message
 from atleak.fluid import Fluid
 from atleak.instruments import Instruments
@@ -273,9 +273,7 @@ def _land(
 ) -> LandDiagnosis:
     land = state.land
     stated = projections[0]
-    rate = land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-    rise = stated.condition.temperature - REFERENCE_TEMPERATURE
-    wear = (state.radial_clearance - land.mounting_clearance) / land.mounting_clearance if state.measured else None
+    wear = state.wear if state.measured else None
     rules = tuple(_rules(state, wear, projections, limits)) if state.measured else ()
     excess = max(
         now.share_of(now.drawn_by(land.key)) - new.share_of(new.drawn_by(land.key)) if now.pump_capacity > 0.0 else 0.0
@@ -286,7 +284,7 @@ def _land(
     return LandDiagnosis(
         state=state,
         wear=wear,
-        effective_clearance=max(state.radial_clearance + rate * rise, 0.0),
+        effective_clearance=state.effective_clearance(stated.condition.temperature),
         leakage=leakage,
         drawn_from_pump=stated.drawn_by(land.key),
         share=stated.share_of(leakage),

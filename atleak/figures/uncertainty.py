@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import plotly.graph_objects as go
 
+from atleak.equations.gap import FULLY_ECCENTRIC
 from atleak.figures.diagnosis import BAND_COLOURS, BAND_SYMBOLS
 from atleak.limits import Limits, Steps
 from atleak.uncertainty import DECISIONS, Decision, LandUncertainty, UnitUncertainty
@@ -104,7 +105,7 @@ def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
         x=ends,
         y=[name for land in chosen for name in (_name(land), _name(land), None)],
         mode="lines",
-        name="up to fully eccentric, × 2.5",
+        name=f"up to fully eccentric, × {FULLY_ECCENTRIC:g}",
         line={"color": _NEUTRAL, "width": 1, "dash": "dot"},
         hoverinfo="skip",
     )

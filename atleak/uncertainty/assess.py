@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.equations.gap import axial_cube, circumferential_cube, eccentricity_factor
+from atleak.equations.gap import FULLY_ECCENTRIC, axial_cube, circumferential_cube
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.instruments import Instruments, Part, load_instruments
@@ -265,7 +265,7 @@ def assess(
         draws=draws,
         seed=seed,
     )
-    eccentric = float(eccentricity_factor(model.profile.eccentricity, 1.0))
+    eccentric = model.law.eccentricity_factor
     lands = tuple(
         _land(land, found, projections, limits, coverage, guard_factor, eccentric)
         for land, found in zip(sources, spread.lands, strict=True)
@@ -349,7 +349,7 @@ def _wear(land: LandSources, steps: Steps, guard_factor: float) -> RuleDecision:
     """Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values."""
     state = land.state
     mounting, u_mounting = state.land.mounting_clearance, land.assumptions.mounting_clearance
-    wear = (state.radial_clearance - mounting) / mounting
+    wear = state.wear
     limits = [limit for _, limit in steps.levels]
     spreads = tuple(math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for limit in limits)
     each = tuple(probability_over(wear, limits, spreads).tolist())
@@ -371,7 +371,7 @@ def _at(land: LandSources, projection: Projection, found: LandSpread, eccentric:
         share=share,
         u_share=found.share_spread.standard_uncertainty,
         share_interval=found.share_spread.interval,
-        eccentric=(found.leakage / eccentric, 2.5 * found.leakage / eccentric),
+        eccentric=(found.leakage / eccentric, FULLY_ECCENTRIC * found.leakage / eccentric),
         budget=_fractions(effects),
         clearance_fraction=of_clearance / whole if whole > 0.0 and math.isfinite(whole) else 0.0,
         closed_form=found.by_quadrature,
