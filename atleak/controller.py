@@ -135,8 +135,7 @@ class PressureRelation:
     limit: float | None  # [Pa], the valve's own
 
     def __call__(self, main_pressure: Any) -> Any:
-        pressure = main_pressure * self.ratio + self.offset
-        return pressure if self.limit is None else np.minimum(pressure, self.limit)
+        return pressure_equations.regulated_pressure(main_pressure, self.ratio, self.offset, self.limit)
 
     def line_between(self, low: float, high: float) -> tuple[float, float] | None:
         """(ratio, offset) that holds for all p_g between two, or None where the limit begins between them."""

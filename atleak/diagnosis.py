@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atleak.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
-from atleak.equations.clearance import wear as wear_of
+from atleak.controller import HOT_IDLE, Controller, OperatingPoint
 from atleak.errors import Message
 from atleak.fluid import Fluid
 from atleak.instruments import Instruments
@@ -307,9 +306,7 @@ def _land(
 ) -> LandDiagnosis:
     land = state.land
     stated = projections[0]
-    rate = land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-    rise = stated.condition.temperature - REFERENCE_TEMPERATURE
-    wear = float(wear_of(state.radial_clearance, land.mounting_clearance)) if state.measured else None
+    wear = state.wear if state.measured else None
     own = rules.of_land(land.key)
     excess = max(
         now.share_of(now.drawn_by(land.key)) - new.share_of(new.drawn_by(land.key)) if now.pump_capacity > 0.0 else 0.0
@@ -320,7 +317,7 @@ def _land(
     return LandDiagnosis(
         state=state,
         wear=wear,
-        effective_clearance=max(state.radial_clearance + rate * rise, 0.0),
+        effective_clearance=state.effective_clearance(stated.condition.temperature),
         leakage=leakage,
         drawn_from_pump=stated.drawn_by(land.key),
         share=stated.share_of(leakage),

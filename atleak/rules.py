@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from atleak.controller import OperatingPoint
-from atleak.equations.clearance import wear
 from atleak.limits import Level, LimitOrigin, Limits, RuleKind, Steps
 from atleak.projection import Projection
 from atleak.readings import LandClearance
@@ -118,8 +117,7 @@ def unit_rules(states: Sequence[LandClearance], projections: Sequence[Projection
 def _land_rules(state: LandClearance, projections: Sequence[Projection], limits: Limits) -> tuple[Rule, ...]:
     land, rules = state.land, []
     if limits.wear is not None:
-        worn = float(wear(state.radial_clearance, land.mounting_clearance))
-        rules.append(Rule(RuleKind.WEAR, None, worn, limits.wear))
+        rules.append(Rule(RuleKind.WEAR, None, state.wear, limits.wear))
     steps = clearance_limits(state, limits)
     if steps is not None:
         rules.append(Rule(RuleKind.CLEARANCE, None, state.radial_clearance, steps))

@@ -65,3 +65,22 @@ def above(name: str, given: ArrayLike, low: float, unit: str = "") -> NDArray[np
     if value.size and not value.min() > low:
         refuse(name, value, value <= low, f"above {low:g} {unit}".rstrip(), unit)
     return value
+
+
+def pair_of_diameters(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> tuple[Any, Any]:
+    """Both diameters, the sleeve's at least as large as the spool's."""
+    sleeve = positive("sleeve diameter", sleeve_diameter, "m")
+    spool = positive("spool diameter", spool_diameter, "m")
+    refuse("sleeve diameter", sleeve, sleeve < spool, "at least the spool's", "m")
+    return sleeve, spool
+
+
+def net_areas(a_1: ArrayLike, a_2w: ArrayLike, a_3w: ArrayLike, a_g1: ArrayLike, a_g2: ArrayLike) -> tuple[Any, Any]:
+    """The net area that control pressure acts on, and the net area that main pressure acts on."""
+    control = (
+        not_negative("area A_1", a_1, "m²")
+        - not_negative("area A_2W", a_2w, "m²")
+        + not_negative("area A_3W", a_3w, "m²")
+    )
+    main = not_negative("area A_g1", a_g1, "m²") - not_negative("area A_g2", a_g2, "m²")
+    return control, main

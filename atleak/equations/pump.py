@@ -89,47 +89,6 @@ def capacity(displacement: ArrayLike, speed: ArrayLike, volumetric_efficiency: A
     return result(q_p * n * within("volumetric efficiency", volumetric_efficiency, 0.0, 1.0))
 
 
-def wilson_efficiency(
-    slip_coefficient: ArrayLike, pressure: ArrayLike, dynamic_viscosity: ArrayLike, speed: ArrayLike
-) -> Any:
-    """Volumetric efficiency of a pump with laminar slip, ``η_v = 1 − C_s Δp / (μ ω)``, ``ω = 2 π n``.
-
-    Parameters
-    ----------
-    slip_coefficient : float or array
-        C_s [-].
-    pressure : float or array
-        Δp, from suction to delivery [Pa].
-    dynamic_viscosity : float or array
-        μ [Pa·s].
-    speed : float or array
-        n [1/s].
-
-    Returns
-    -------
-    float or ndarray
-        η_v [-]. Not clipped: zero or below means that the pump cannot hold this pressure at this speed.
-
-    Raises
-    ------
-    DomainError
-        Negative slip coefficient; viscosity or speed not positive. For a pump at rest use `slip_flow`.
-
-    References
-    ----------
-    Wilson W. E., Positive-Displacement Pumps and Fluid Motors, Pitman 1950.
-
-    Examples
-    --------
-    >>> round(wilson_efficiency(1e-7, 800e3, 8.55819e-3, 2500 / 60), 4)
-    0.9643
-    """
-    c_s = not_negative("slip coefficient", slip_coefficient)
-    mu = positive("dynamic viscosity", dynamic_viscosity, "Pa·s")
-    n = positive("pump speed", speed, "1/s")
-    return result(1.0 - c_s * values(pressure) / ((2.0 * math.pi) * mu * n))
-
-
 def slip_flow(
     displacement: ArrayLike, slip_coefficient: ArrayLike, pressure: ArrayLike, dynamic_viscosity: ArrayLike
 ) -> Any:

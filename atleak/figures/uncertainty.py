@@ -9,6 +9,7 @@ import math
 
 import plotly.graph_objects as go
 
+from atleak.equations.gap import FULLY_ECCENTRIC
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.limits import RuleKind
 from atleak.look import DECISION_MARKS, SCREEN
@@ -89,7 +90,7 @@ def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
         x=ends,
         y=[name for land in chosen for name in (_name(land), _name(land), None)],
         mode="lines",
-        name="up to fully eccentric, × 2.5",
+        name=f"up to fully eccentric, × {FULLY_ECCENTRIC:g}",
         line={"color": SCREEN.rule, "width": 1, "dash": "dot"},
         hoverinfo="skip",
     )

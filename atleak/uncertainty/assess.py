@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from atleak.controller import OperatingPoint
-from atleak.equations.gap import axial_cube, circumferential_cube, eccentricity_factor
+from atleak.equations.gap import FULLY_ECCENTRIC, axial_cube, circumferential_cube
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.instruments import Instruments, Part, load_instruments
@@ -275,7 +275,7 @@ def assess(
         draws=draws,
         seed=seed,
     )
-    eccentric = float(eccentricity_factor(model.profile.eccentricity, 1.0))
+    eccentric = model.law.eccentricity_factor
     lands = tuple(
         _land(land, found, projections, rules.of_land(land.state.land.key), coverage, guard_factor, eccentric)
         for land, found in zip(sources, spread.lands, strict=True)
@@ -375,7 +375,7 @@ def _at(land: LandSources, projection: Projection, found: LandSpread, eccentric:
         share=share,
         u_share=found.share_spread.standard_uncertainty,
         share_interval=found.share_spread.interval,
-        eccentric=(found.leakage / eccentric, 2.5 * found.leakage / eccentric),
+        eccentric=(found.leakage / eccentric, FULLY_ECCENTRIC * found.leakage / eccentric),
         budget=_fractions(effects),
         clearance_fraction=of_clearance / whole if whole > 0.0 and math.isfinite(whole) else 0.0,
         closed_form=found.by_quadrature,

@@ -15,6 +15,8 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.controller import REFERENCE_TEMPERATURE, Pressure
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
+from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS
 from atleak.leakage import GapLeakage
 from atleak.limits import ROUNDING, RuleKind
 from atleak.look import DATA_BAR, INPUT
@@ -30,7 +32,6 @@ _INPUT = {"font_color": INPUT}
 _RANKED = [verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED]
 _FIRST_LEVEL = 5  # column of the sheet of rules in which the first level's limit stands
 _VERDICT = _FIRST_LEVEL + len(FLAGGED)  # and of the verdict, behind the limits
-_ENTRY_LOSS = 1.5  # velocity heads, as atleak.equations.gap.entry_loss_flow
 
 
 @dataclass(frozen=True)
@@ -148,11 +149,15 @@ class LiveSheets:
             a, b = fluid.d341
             reference, slope = fluid.density_at, _number(fluid.density_slope * G_CM3)
             texts = (
-                f"10^(10^({_number(a)}-{_number(b)}*LOG10({at('T')}+273.15)))-0.7",
+                f"10^(10^({_number(a)}-{_number(b)}*LOG10({at('T')}+{_number(-ABSOLUTE_ZERO)})))-{ASTM_D341_SHIFT}",
                 f"{_number(reference[1] * G_CM3)}+{slope}*({at('T')}-{_number(reference[0])})",
             )
         elif model == "regression":
-            texts = (f"343.92*EXP(-0.043*{at('T')})", f"-0.0007*{at('T')}+0.8409")
+            (nu, exponent), (rho, slope) = STUDY_VISCOSITY, STUDY_DENSITY
+            texts = (
+                f"{_number(nu)}*EXP({exponent}*{at('T')})",
+                f"{slope * G_CM3}*{at('T')}+{_number(rho * G_CM3)}",
+            )
         yield "kinematic viscosity ν", "mm²/s", "nu", texts[0], viscosity, "nu"
         yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"
 
@@ -263,10 +268,10 @@ class LiveSheets:
     def _flow(self, row: int) -> str:
         """The gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
         profile, r = self.diagnosis.profile, row + 1
-        eccentric = f"(1+1.5*{_number(profile.eccentricity)}^2)*" if profile.eccentricity else ""
+        eccentric = f"(1+{ECCENTRIC_GAIN}*{_number(profile.eccentricity)}^2)*" if profile.eccentricity else ""
         if profile.entry_loss:
             viscous = f"(12*J{r}*K{r}*H{r})"
-            root = f"SQRT({viscous}^2+2*{_ENTRY_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
+            root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
             law = f"2*PI()*G{r}*I{r}^3*F{r}*0.001/({viscous}+{root})"
         else:
             law = f"PI()*G{r}*I{r}^3*F{r}*0.001/(12*J{r}*K{r}*H{r})"
@@ -456,10 +461,7 @@ class _Columns:
         gaps = at.projection.gaps_of(found.key)
         if gaps:
             return "um", text, gaps[0].effective_clearance * UM, {}
-        state = found.state
-        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-        rise_k = at.projection.condition.temperature - REFERENCE_TEMPERATURE
-        return "um", text, max(state.radial_clearance + rate * rise_k, 0.0) * UM, {}
+        return "um", text, found.state.effective_clearance(at.projection.condition.temperature) * UM, {}
 
     def _leakage(self, found: LandDiagnosis, prefix: str) -> tuple[str, str | None, float, dict[str, Any]]:
         at = next(each for each in self.sheets.conditions if each.prefix == prefix)

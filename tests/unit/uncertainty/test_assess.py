@@ -11,6 +11,7 @@ import pytest
 
 from atleak.controller import Controller
 from atleak.equations import uncertainty as equations
+from atleak.equations import uncertainty_referees as referees
 from atleak.errors import InputError
 from atleak.fluid import Fluid
 from atleak.instruments import load_instruments
@@ -43,8 +44,8 @@ def test_twenty_lands_with_a_common_error(
     total = case.unit.totals[0]
     found = 100.0 * total.u_leakage / total.leakage
     u = 0.0283 * hot
-    own = equations.cube_variance(hot, u)
-    shared = equations.cube_covariance(hot, u, hot, u, common_part)
+    own = referees.cube_variance(hot, u)
+    shared = referees.cube_covariance(hot, u, hot, u, common_part)
     exact = 100.0 * math.sqrt(20 * own + 380 * shared) / (20 * hot**3)
     assert exact == pytest.approx(percent, abs=0.005)
     assert abs(found - exact) < 3.0 * exact * math.sqrt(0.6 / draws)  # standard error, a little more than normal
@@ -71,15 +72,15 @@ def test_closed_form_and_draws_agree_within_three_standard_errors(judge: Callabl
     assert not again.closed_form
     factor = gap.leakage / gap.effective_clearance**3
     u = case.unit.lands[0].u_clearance
-    exact = factor * math.sqrt(equations.cube_variance(gap.effective_clearance, u))
+    exact = factor * math.sqrt(referees.cube_variance(gap.effective_clearance, u))
     assert land.u_leakage == pytest.approx(exact, rel=1e-9, abs=0.0)
-    ends = [factor * equations.cube_quantile(p, gap.effective_clearance, u) for p in (0.025, 0.975)]
+    ends = [factor * referees.cube_quantile(p, gap.effective_clearance, u) for p in (0.025, 0.975)]
     assert land.leakage_interval == pytest.approx(ends, rel=1e-9, abs=0.0)
     assert abs(again.u_leakage / exact - 1.0) < 3.0 * math.sqrt(0.6 / draws)
     for p, drawn_end, end in zip((0.025, 0.975), again.leakage_interval, ends, strict=True):
         z = equations.normal_quantile(p)
         c = gap.effective_clearance + z * u
-        density = equations.normal_density(z) / (factor * 3.0 * c * c * u)
+        density = referees.normal_density(z) / (factor * 3.0 * c * c * u)
         assert abs(drawn_end - end) < 3.0 * math.sqrt(p * (1 - p) / draws) / density
 
 
@@ -142,7 +143,7 @@ def test_draws_below_zero_leak_nothing(judge: Callable, twenty_lands: Controller
     assert land.clearance_interval[0] == 0.0
     assert land.leakage_interval[0] == 0.0
     assert not land.conditions[0].closed_form or gap.effective_clearance > 0
-    _, variance = equations.truncated_cube_moments(gap.effective_clearance, land.u_clearance)
+    _, variance = referees.truncated_cube_moments(gap.effective_clearance, land.u_clearance)
     exact = gap.leakage / gap.effective_clearance**3 * math.sqrt(variance)
     assert land.conditions[0].u_leakage == pytest.approx(exact, rel=0.02, abs=0.0)
 
