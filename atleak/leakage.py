@@ -37,7 +37,7 @@ ENTRY_LOSS_WORTH_SAYING = 0.02
 
 
 class Clearance(Protocol):
-    """What the engine needs to know of a land's measured or assumed state."""
+    """Hold what the engine needs to know of a land's measured or assumed state."""
 
     land: Land
     spool_diameter: float  # [m]
@@ -86,7 +86,7 @@ class GapGeometry:
 
     @cached_property
     def drop_coefficients(self) -> tuple[tuple[str, float], ...]:
-        """(section, coefficient) of the pressures that make up the drop: p_g to 0.1 p_g is 0.9 p_g."""
+        """List (section, coefficient) of the pressures that make up the drop: p_g to 0.1 p_g is 0.9 p_g."""
         coefficients = dict.fromkeys(SECTIONS, 0.0)
         for end, sign in ((self.gap.high, 1.0), (self.gap.low, -1.0)):
             if end.section is not None:
@@ -102,12 +102,12 @@ class GapLaw:
 
     @property
     def linear(self) -> bool:
-        """Whether the flow is in proportion to the pressure drop and to one over the dynamic viscosity."""
+        """Tell whether the flow is in proportion to the pressure drop and to one over the dynamic viscosity."""
         return not self.profile.entry_loss
 
     @cached_property
     def eccentricity_factor(self) -> float:
-        """How much more than a concentric gap every gap leaks [-]."""
+        """Compute how much more than a concentric gap every gap leaks [-]."""
         return float(gap_equations.eccentricity_factor(self.profile.eccentricity, 1.0))
 
     def diameter(self, spool_diameter: Any, clearance: Any) -> Any:
@@ -146,7 +146,7 @@ class PumpFlow:
 
     @property
     def per_revolution(self) -> Any:
-        """What it delivers in one revolution before slip [m³]."""
+        """Give what it delivers in one revolution before slip [m³]."""
         return self.pump.displacement * (1.0 if self.with_slip else self.pump.volumetric_efficiency)
 
     def slip(self, main_pressure: Any, dynamic_viscosity: Any) -> Any:
@@ -186,18 +186,18 @@ class LeakageModel:
 
     @cached_property
     def law(self) -> GapLaw:
-        """The gap law as the profile has it."""
+        """Return the gap law as the profile has it."""
         return GapLaw(self.profile)
 
     @cached_property
     def pump(self) -> PumpFlow:
-        """The controller's pump as the profile counts it; with slip only where the controller states a coefficient."""
+        """Return the pump as the profile counts it: with slip only where the controller states a coefficient."""
         pump = self.controller.pump
         return PumpFlow(pump, self.profile.pump_efficiency == "wilson" and pump.slip_coefficient is not None)
 
     @cached_property
     def geometries(self) -> tuple[GapGeometry, ...]:
-        """Every gap of the controller, in its order, with the clearance of its land."""
+        """List every gap of the controller, in its order, with the clearance of its land."""
         states = {state.land.key: state for state in self.clearances}
         rates = {
             key: state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter) for key, state in states.items()
@@ -266,7 +266,7 @@ class LeakageModel:
 
     @property
     def uses_slip(self) -> bool:
-        """Whether the pump's efficiency follows from slip rather than from a constant."""
+        """Tell whether the pump's efficiency follows from slip rather than from a constant."""
         return self.pump.with_slip
 
     def minimum_speed(self, leakage: float, main_pressure: float, temperature: float) -> float:

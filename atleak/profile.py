@@ -12,7 +12,7 @@ from atleak.fluid import VISCOSITY_MODELS, ViscosityModel
 
 @dataclass(frozen=True)
 class Profile:
-    """A set of options of the engine.
+    """Say how the engine computes: a set of options.
 
     Attributes
     ----------
@@ -44,18 +44,18 @@ class Profile:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Every option but the name."""
+        """Return every option but the name."""
         return {name: value for name, value in asdict(self).items() if name != "name"}
 
     @property
     def label(self) -> str:
-        """The name, and what was set apart from it: ``workshop, diameter=spool``."""
+        """Join the name and what was set apart from it: ``workshop, diameter=spool``."""
         base = PROFILES[self.name].options
         changed = [f"{name}={_text(value)}" for name, value in self.options.items() if base[name] != value]
         return ", ".join([self.name, *changed])
 
     def with_options(self, **options: Any) -> Profile:
-        """This profile with some options set.
+        """Return this profile with some options set.
 
         Raises
         ------
@@ -79,7 +79,7 @@ _SWITCH = {"on": True, "off": False, "true": True, "false": False, "1": True, "0
 
 
 def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
-    """A profile by name, with options given as text (``{"entry_loss": "on"}``).
+    """Find a profile by name, with options given as text (``{"entry_loss": "on"}``).
 
     Raises
     ------

@@ -36,7 +36,7 @@ costs more than the sums.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -139,6 +139,7 @@ class _GearSum:
 
     terms: tuple[_Term, ...]
     alone: tuple[GapGeometry, ...] = ()
+    always_open: bool = False  # no gap closes at any temperature that the fluid's data cover
 
     @cached_property
     def groups(self) -> tuple[tuple[str, _Drop], ...]:
@@ -158,13 +159,11 @@ class _GearSum:
         """The drop of each group as coefficients of the section pressures, shape (groups, sections)."""
         return np.array([[dict(drop).get(section, 0.0) for section in SECTIONS] for _, drop in self.groups])
 
-    def between(self, lowest: float, highest: float) -> _GearSum:
-        """Let the gaps that close between two temperatures [°C] stand alone; itself where none does."""
-        if not self.terms:
+    def at(self, temperature: np.ndarray) -> _GearSum:
+        """Let the gaps that close somewhere between these temperatures [°C] stand alone; itself where none does."""
+        if self.always_open or not self.terms:
             return self
-        cold, rate = self._clearances
-        ends = [effective_clearance(cold, rate, end - REFERENCE_TEMPERATURE) for end in (lowest, highest)]
-        open_ = np.minimum(*ends) > 0.0
+        open_ = _open(self.terms, *_span(temperature))
         if open_.all():
             return self
         return _GearSum(
@@ -172,9 +171,13 @@ class _GearSum:
             tuple(term.geometry for term, keep in zip(self.terms, open_, strict=True) if not keep),
         )
 
-    @cached_property
-    def _clearances(self) -> np.ndarray:
-        return np.array([(term.geometry.radial_clearance, term.geometry.thermal_rate) for term in self.terms]).T
+
+def _open(terms: Sequence[_Term], lowest: float, highest: float) -> np.ndarray:
+    """Tell which gaps are open at both ends of a range of temperature [°C], and so all through it."""
+    cold = np.array([term.geometry.radial_clearance for term in terms])
+    rate = np.array([term.geometry.thermal_rate for term in terms])
+    rises = np.array([[lowest], [highest]]) - REFERENCE_TEMPERATURE
+    return (effective_clearance(cold, rate, rises) > 0.0).all(axis=0)
 
 
 def _gear_sums(model: LeakageModel) -> dict[int, _GearSum]:
@@ -183,7 +186,11 @@ def _gear_sums(model: LeakageModel) -> dict[int, _GearSum]:
     if not model.law.linear:
         return {gear: _GearSum((), tuple(g for g in gaps if gear in g.gap.gears)) for gear in model.controller.gears}
     terms = [_Term.of(geometry, model.law) for geometry in gaps]
-    return {gear: _GearSum(tuple(t for t in terms if gear in t.geometry.gap.gears)) for gear in model.controller.gears}
+    always_open = bool(_open(terms, *model.fluid.span(model.profile.viscosity)).all())
+    return {
+        gear: _GearSum(tuple(t for t in terms if gear in t.geometry.gap.gears), (), always_open)
+        for gear in model.controller.gears
+    }
 
 
 # --- the samples
@@ -204,12 +211,6 @@ class _Log:
             self.main_pressure[samples], self.converter_pressure[samples], self.temperature[samples], self.gear[samples]
         )
 
-    @cached_property
-    def pressure_range(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Lowest and highest p_g and p_k; NaN where a sample is missing."""
-        main, converter = self.main_pressure, self.converter_pressure
-        return (float(main.min()), float(main.max())), (float(converter.min()), float(converter.max()))
-
 
 def _compute_chunk(
     model: LeakageModel, sums: dict[int, _GearSum], log: _Log, series: LeakageSeries, part: slice, rows: np.ndarray
@@ -220,7 +221,8 @@ def _compute_chunk(
     viscosity = model.dynamic_viscosity(log.temperature)
     powers, lines = rows[:5], rows[5:]  # μ q = p_g · lines[0] + p_k · lines[1] + lines[2]
     _powers(log.temperature, powers)
-    span, matrices = _span(log.temperature), {}
+    matrices: dict[int | None, tuple[_GearSum, np.ndarray | None]] = {}
+    straight = None if sections else _straight_lines(model.controller, log)
     one_by_one = []
     for gear, samples in _by_gear(log.gear):
         if gear not in sums:
@@ -230,8 +232,8 @@ def _compute_chunk(
                 series.other_gear += log.gear[samples].size
             continue
         if gear not in matrices:
-            gaps = sums[gear].between(*span)
-            matrices[gear] = gaps, None if sections else _matrix(gaps, model.controller, log)
+            gaps = sums[gear].at(log.temperature)
+            matrices[gear] = gaps, _matrix(gaps, straight)
         gaps, matrix = matrices[gear]
         if matrix is None:
             one_by_one.append((gaps, samples))
@@ -248,38 +250,48 @@ def _compute_chunk(
     for flow in sections.values():
         flow[:] = total
     for gaps, samples in one_by_one:
-        flows, reversed_samples = _group_by_group(
-            model, gaps, log.part(samples), viscosity[samples], powers[:, samples]
-        )
-        total[samples] = sum(flows.values())
+        flows, negative = _group_by_group(model, gaps, log.part(samples), viscosity[samples], powers[:, samples])
+        whole = sum(flows.values())
+        missing = np.isnan(whole) if np.isnan(whole.sum()) else None
+        total[samples] = whole
         for name, flow in sections.items():
-            flow[samples] = np.where(np.isnan(total[samples]), np.nan, flows[name])
-        for name, count in reversed_samples.items():
+            flow[samples] = flows[name] if missing is None else np.where(missing, np.nan, flows[name])
+        for name, count in negative.items():
             series.reversed_samples[name] += count
     # μ is NaN outside the fluid's data, and only there or where there is no temperature: one sum shows whether
     if np.isnan(viscosity.sum()):
         series.outside_fluid += int(np.count_nonzero(np.isnan(viscosity) & np.isfinite(log.temperature)))
 
 
-def _matrix(gaps: _GearSum, controller: Controller, log: _Log) -> np.ndarray | None:
-    """Give M of ``μ q = (p_g, p_k, 1) · M · (1, τ, … τ⁴)``, shape (3, 5).
+def _straight_lines(controller: Controller, log: _Log) -> tuple[np.ndarray, np.ndarray] | None:
+    """Give every section pressure as a sum of p_g, p_k and 1, shape (sections, 3), and the ends of p_g, p_k and 1.
 
-    None where μ q is not linear in p_g and p_k within the range of these samples: the limit of a valve begins, a drop
-    turns negative, a pressure is missing, or gaps stand alone.
+    The ends are the four corners of what these samples span, shape (3, 4). None where the limit of a valve begins among
+    the samples.
     """
-    if gaps.alone or not gaps.groups:
-        return None
-    (low, high), (low_k, high_k) = log.pressure_range
-    lines = {"p_g": (1.0, 0.0, 0.0), "p_k": (0.0, 1.0, 0.0)}  # each section pressure as a sum of p_g, p_k and 1
+    main, converter = log.main_pressure, log.converter_pressure
+    low, high = float(main.min()), float(main.max())
+    lines = {"p_g": (1.0, 0.0, 0.0), "p_k": (0.0, 1.0, 0.0)}
     for section in ("p_s", "p_m"):
         line = controller.relations[section].line_between(low, high)
         if line is None:
             return None
         lines[section] = (line[0], 0.0, line[1])
-    pressures = np.array([lines[section] for section in SECTIONS])
-    corners = np.array([(main, converter, 1.0) for main in (low, high) for converter in (low_k, high_k)])
+    low_k, high_k = float(converter.min()), float(converter.max())
+    corners = np.array([(low, low, high, high), (low_k, high_k, low_k, high_k), (1.0, 1.0, 1.0, 1.0)])
+    return np.array([lines[section] for section in SECTIONS]), corners
+
+
+def _matrix(gaps: _GearSum, straight: tuple[np.ndarray, np.ndarray] | None) -> np.ndarray | None:
+    """Give M of ``μ q = (p_g, p_k, 1) · M · (1, τ, … τ⁴)``, shape (3, 5), from the straight lines of the pressures.
+
+    None where there are none, where a drop turns negative or a pressure is missing, and where gaps stand alone.
+    """
+    if straight is None or gaps.alone or not gaps.groups:
+        return None
+    pressures, corners = straight
     drops = gaps.drops @ pressures  # of every group, as sums of p_g, p_k and 1
-    if not (drops @ corners.T).min() >= 0.0:
+    if not (drops @ corners).min() >= 0.0:
         return None
     return drops.T @ gaps.polynomials
 

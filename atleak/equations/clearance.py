@@ -11,7 +11,7 @@ from atleak.equations._domain import not_negative, pair_of_diameters, positive, 
 
 
 def radial_clearance(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> Any:
-    """Radial clearance of a pair from its two diameters, ``(D − d) / 2``.
+    """Compute the radial clearance of a pair from its two diameters, ``(D − d) / 2``.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def radial_clearance(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> A
 
 
 def worn_clearance(mounting_clearance: ArrayLike, wear_increment: ArrayLike) -> Any:
-    """Radial clearance after wear, ``c_r = c_m + Δc_e``.
+    """Compute the radial clearance after wear, ``c_r = c_m + Δc_e``.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def worn_clearance(mounting_clearance: ArrayLike, wear_increment: ArrayLike) -> 
 
 
 def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
-    """Wear of a pair, ``Z = (c_r − c_m) / c_m``.
+    """Compute the wear of a pair, ``Z = (c_r − c_m) / c_m``.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def thermal_rate(
     body_expansion: ArrayLike,
     spool_expansion: ArrayLike,
 ) -> Any:
-    """How fast a radial clearance opens when body and spool warm up together, ``(β_k D − β_s d) / 2``.
+    """Compute how fast a radial clearance opens when body and spool warm up together, ``(β_k D − β_s d) / 2``.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def thermal_rate(
 
 
 def effective_clearance(radial_clearance: ArrayLike, thermal_rate: ArrayLike, temperature_rise: ArrayLike) -> Any:
-    """Radial clearance at operating temperature, with body and spool equally warm.
+    """Compute the radial clearance at operating temperature, with body and spool equally warm.
 
     ``c_re = c_r + (β_k D − β_s d) ΔT / 2``, and zero where the pair binds.
 

@@ -35,7 +35,7 @@ _LN_LN10 = math.log(_LN10)
 
 
 def study_viscosity(temperature: ArrayLike) -> Any:
-    """Kinematic viscosity of the source study's fluid by its regression, ``ν = 343.92 e^(−0.043 T)`` mm²/s.
+    """Compute the kinematic viscosity of the source study's fluid by its regression, ``ν = 343.92 e^(−0.043 T)`` mm²/s.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def study_viscosity(temperature: ArrayLike) -> Any:
 
 
 def study_density(temperature: ArrayLike) -> Any:
-    """Density of the source study's fluid by its regression, ``ρ = −0.0007 T + 0.8409`` g/cm³.
+    """Compute the density of the source study's fluid by its regression, ``ρ = −0.0007 T + 0.8409`` g/cm³.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def study_density(temperature: ArrayLike) -> Any:
 def astm_d341_coefficients(
     temperature_1: ArrayLike, viscosity_1: ArrayLike, temperature_2: ArrayLike, viscosity_2: ArrayLike
 ) -> tuple[Any, Any]:
-    """The two constants of ASTM D341 from two data-sheet points.
+    """Compute the two constants of ASTM D341 from two data-sheet points.
 
     ``log₁₀ log₁₀(ν + 0.7) = A − B log₁₀ T`` with ν in mm²/s and T in K.
 
@@ -161,7 +161,7 @@ def astm_d341_coefficients(
 
 
 def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
-    """Kinematic viscosity at a temperature by ASTM D341 (Walther's equation).
+    """Compute the kinematic viscosity at a temperature by ASTM D341 (Walther's equation).
 
     ``log₁₀ log₁₀(ν + 0.7) = A − B log₁₀ T`` with ν in mm²/s and T in K.
 
@@ -220,7 +220,7 @@ def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
 
 
 def astm_d341_reliable(temperature: ArrayLike) -> Any:
-    """Whether ASTM D341 can be relied on at a temperature.
+    """Tell whether ASTM D341 can be relied on at a temperature.
 
     Below −20 °C real fluids (Brookfield) are 1.2 to 3.4 times as viscous as it says.
 
@@ -250,7 +250,7 @@ def astm_d341_reliable(temperature: ArrayLike) -> Any:
 
 
 def dynamic_viscosity(kinematic_viscosity: ArrayLike, density: ArrayLike) -> Any:
-    """Dynamic viscosity, ``μ = ν ρ``.
+    """Compute the dynamic viscosity, ``μ = ν ρ``.
 
     Parameters
     ----------

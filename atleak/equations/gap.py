@@ -41,7 +41,7 @@ def annular_flow(
     contact_length: ArrayLike,
     eccentricity: ArrayLike = 0.0,
 ) -> Any:
-    """Laminar leakage through a thin annular gap, concentric or eccentric.
+    """Compute the laminar leakage through a thin annular gap, concentric or eccentric.
 
     ``q = π Δp d c³ (1 + 1.5 e²/c²) / (12 ν ρ l)``
 
@@ -105,7 +105,7 @@ def annular_flow(
 
 
 def eccentricity_factor(eccentricity: ArrayLike, clearance: ArrayLike) -> Any:
-    """How much more an eccentric gap leaks than a concentric one, ``1 + 1.5 e²/c²``.
+    """Compute how much more an eccentric gap leaks than a concentric one, ``1 + 1.5 e²/c²``.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def entry_loss_flow(
     contact_length: ArrayLike,
     loss_coefficient: ArrayLike = ENTRY_AND_EXIT_LOSS,
 ) -> Any:
-    """Laminar leakage through a thin concentric gap that also spends pressure on accelerating the fluid.
+    """Compute the laminar leakage through a thin concentric gap that also spends pressure on accelerating the fluid.
 
     The mean velocity u solves ``|Δp| = 12 ν ρ l u / c² + K ρ u² / 2``; the flow is ``q = π d c u`` with the
     sign of the pressure drop.
@@ -211,7 +211,7 @@ def entry_loss_flow(
 
 
 def reynolds_number(flow: ArrayLike, diameter: ArrayLike, kinematic_viscosity: ArrayLike) -> Any:
-    """Reynolds number of the flow through an annular gap, on its hydraulic diameter 2c.
+    """Compute the Reynolds number of the flow through an annular gap, on its hydraulic diameter 2c.
 
     ``Re = 2 |q| / (π d ν)``: the clearance cancels.
 
@@ -250,7 +250,7 @@ def reynolds_number(flow: ArrayLike, diameter: ArrayLike, kinematic_viscosity: A
 
 
 def circumferential_cube(clearances: ArrayLike, axis: int = -1) -> Any:
-    """Effective cubed clearance of clearances found around the circumference, ``mean(c³)``.
+    """Compute the effective cubed clearance of clearances found around the circumference, ``mean(c³)``.
 
     Parameters
     ----------
@@ -284,7 +284,7 @@ def circumferential_cube(clearances: ArrayLike, axis: int = -1) -> Any:
 
 
 def axial_cube(clearances: ArrayLike, axis: int = -1) -> Any:
-    """Effective cubed clearance of clearances found along the length, ``1 / mean(c⁻³)``.
+    """Compute the effective cubed clearance of clearances found along the length, ``1 / mean(c⁻³)``.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ def axial_cube(clearances: ArrayLike, axis: int = -1) -> Any:
 
 
 def obliteration(clearance: ArrayLike) -> Any:
-    """Whether the boundary layer on the walls closes a gap.
+    """Tell whether the boundary layer on the walls closes a gap.
 
     Parameters
     ----------
@@ -360,7 +360,7 @@ def obliteration(clearance: ArrayLike) -> Any:
 
 
 def _eccentricity(eccentricity: ArrayLike, clearance: Any) -> Any:
-    """The eccentricity, none below zero and none above the clearance."""
+    """Return the eccentricity, none below zero and none above the clearance."""
     e = not_negative("eccentricity", eccentricity, "m")
     if e.ndim or e != 0.0:
         refuse("eccentricity", e, e > clearance, "at most the radial clearance", "m")
@@ -368,7 +368,7 @@ def _eccentricity(eccentricity: ArrayLike, clearance: Any) -> Any:
 
 
 def _several(clearances: ArrayLike, axis: int) -> Any:
-    """Clearances along an axis, at least one."""
+    """Return clearances along an axis, at least one."""
     c = np.atleast_1d(not_negative("radial clearance", clearances, "m"))
     if c.shape[axis] == 0:
         raise DomainError("radial clearances must be at least one along the axis that is averaged, found none")

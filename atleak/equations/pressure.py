@@ -12,7 +12,7 @@ from atleak.equations._domain import net_areas, not_negative, positive, refuse, 
 
 
 def annulus_area(diameter: ArrayLike, rod_diameter: ArrayLike = 0.0) -> Any:
-    """Area of a ring, ``A_W = π (d² − d_w²) / 4``; of a full disc without a rod.
+    """Compute the area of a ring, ``A_W = π (d² − d_w²) / 4``; of a full disc without a rod.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def annulus_area(diameter: ArrayLike, rod_diameter: ArrayLike = 0.0) -> Any:
 
 
 def spring_force(rate: ArrayLike, deflection: ArrayLike) -> Any:
-    """Force of a compression spring, ``F = k x``.
+    """Compute the force of a compression spring, ``F = k x``.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def spring_force(rate: ArrayLike, deflection: ArrayLike) -> Any:
 def spring_rate(
     shear_modulus: ArrayLike, wire_diameter: ArrayLike, active_coils: ArrayLike, mean_coil_diameter: ArrayLike
 ) -> Any:
-    """Rate of a helical spring, ``k = G d_w⁴ / (8 z D_p³)``.
+    """Compute the rate of a helical spring, ``k = G d_w⁴ / (8 z D_p³)``.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def spring_rate(
 
 
 def spring_deflection(free_length: ArrayLike, length: ArrayLike) -> Any:
-    """Deflection of a compression spring, ``x = l_free − l_n``.
+    """Compute the deflection of a compression spring, ``x = l_free − l_n``.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def control_pressure(
     a_g1: ArrayLike,
     a_g2: ArrayLike,
 ) -> Any:
-    """Control pressure that holds the spool of valve 17 in equilibrium.
+    """Compute the control pressure that holds the spool of valve 17 in equilibrium.
 
     ``p_s = [p_g (A_g1 − A_g2) + F_sp] / (A_1 − A_2W + A_3W)``, affine in main pressure.
 
@@ -221,7 +221,7 @@ def control_pressure(
 def regulated_pressure(
     main_pressure: ArrayLike, ratio: ArrayLike, offset: ArrayLike = 0.0, limit: ArrayLike | None = None
 ) -> Any:
-    """Pressure that a valve makes of main pressure, a straight line up to a limit: ``min(α p_g + p_0, limit)``.
+    """Compute the pressure that a valve makes of main pressure, a line up to a limit: ``min(α p_g + p_0, limit)``.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from atleak.equations._domain import not_negative, positive, result, values, wit
 
 
 def displacement(module: ArrayLike, teeth: ArrayLike, width: ArrayLike, tooth_height: ArrayLike) -> Any:
-    """Displacement of an internal-gear pump with a crescent, ``q_p = π m z b h``.
+    """Compute the displacement of an internal-gear pump with a crescent, ``q_p = π m z b h``.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def displacement(module: ArrayLike, teeth: ArrayLike, width: ArrayLike, tooth_he
 
 
 def capacity(displacement: ArrayLike, speed: ArrayLike, volumetric_efficiency: ArrayLike) -> Any:
-    """Flow that a pump delivers, ``Q_p = q_p n η_v``.
+    """Compute the flow that a pump delivers, ``Q_p = q_p n η_v``.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def capacity(displacement: ArrayLike, speed: ArrayLike, volumetric_efficiency: A
 def slip_flow(
     displacement: ArrayLike, slip_coefficient: ArrayLike, pressure: ArrayLike, dynamic_viscosity: ArrayLike
 ) -> Any:
-    """Flow that slips back inside a pump, whatever its speed, ``q_p C_s Δp / (2 π μ)``.
+    """Compute the flow that slips back inside a pump, whatever its speed, ``q_p C_s Δp / (2 π μ)``.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def slip_flow(
 
 
 def minimum_speed(leakage: ArrayLike, slip: ArrayLike, displacement: ArrayLike) -> Any:
-    """Speed below which the pump cannot make up for what is lost, ``n_min = (q + slip) / q_p``.
+    """Compute the speed below which the pump cannot make up for what is lost, ``n_min = (q + slip) / q_p``.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ def effective_clearance_two_temperatures(
     body_rise: ArrayLike,
     spool_rise: ArrayLike,
 ) -> Any:
-    """Radial clearance with body and spool at temperatures of their own.
+    """Compute the radial clearance with body and spool at temperatures of their own.
 
     ``c_re = c_r + (β_k D ΔT_k − β_s d ΔT_s) / 2``
 
@@ -95,7 +95,7 @@ def annular_flow_compressible(
     mean_density: ArrayLike,
     reference_density: ArrayLike,
 ) -> Any:
-    """Laminar leakage through a thin concentric gap of a fluid whose density depends on pressure.
+    """Compute the laminar leakage through a thin concentric gap of a fluid whose density depends on pressure.
 
     ``q = π Δp d c³ ρ(p̄) / (12 μ l ρ(0))``
 
@@ -158,7 +158,7 @@ def exact_annulus_flow(
     dynamic_viscosity: ArrayLike,
     contact_length: ArrayLike,
 ) -> Any:
-    """Laminar flow through a concentric annulus of any thickness.
+    """Compute the laminar flow through a concentric annulus of any thickness.
 
     ``q = π Δp / (8 μ l) · [r_o⁴ − r_i⁴ − (r_o² − r_i²)² / ln(r_o/r_i)]``, evaluated as
     ``π Δp / (2 μ l) · (r_i r_o)² · sinh L · (cosh L − sinh L / L)`` with ``L = ln(r_o/r_i)``, which loses no
@@ -226,7 +226,7 @@ def exact_annulus_flow(
 
 
 def taper_cube(c1: ArrayLike, c2: ArrayLike) -> Any:
-    """Effective cubed clearance of a gap that narrows or widens linearly along its length.
+    """Compute the effective cubed clearance of a gap that narrows or widens linearly along its length.
 
     ``2 c₁² c₂² / (c₁ + c₂)``
 
@@ -263,7 +263,7 @@ def taper_cube(c1: ArrayLike, c2: ArrayLike) -> Any:
 
 
 def oval_cube(mean_clearance: ArrayLike, lobe_amplitude: ArrayLike) -> Any:
-    """Effective cubed clearance of a two-lobe out-of-round gap, ``c(θ) = c₀ + a cos 2θ``.
+    """Compute the effective cubed clearance of a two-lobe out-of-round gap, ``c(θ) = c₀ + a cos 2θ``.
 
     ``c₀³ (1 + 1.5 (a/c₀)²)``
 
@@ -301,7 +301,7 @@ def oval_cube(mean_clearance: ArrayLike, lobe_amplitude: ArrayLike) -> Any:
 
 
 def pressure_force(pressure: ArrayLike, area: ArrayLike) -> Any:
-    """Force of a pressure on an area, ``F = p A``.
+    """Compute the force of a pressure on an area, ``F = p A``.
 
     Parameters
     ----------
@@ -343,7 +343,7 @@ def spool_balance(
     a_g1: ArrayLike,
     a_g2: ArrayLike,
 ) -> Any:
-    """What is left of the forces on the spool of valve 17; zero in equilibrium.
+    """Compute what is left of the forces on the spool of valve 17; zero in equilibrium.
 
     ``F_s1 − F_g1 + F_g2 − F_s2 + F_s3 − F_sp``, with control pressure on A_1, A_2W and A_3W, main pressure on
     A_g1 and A_g2.
@@ -388,7 +388,7 @@ def spool_balance(
 
 
 def modulated_pressure(main_pressure: ArrayLike, ratio: ArrayLike, limit: ArrayLike = MODULATED_LIMIT) -> Any:
-    """Modulated pressure, proportional to main pressure up to a limit: ``p_m = min(α_m p_g, limit)``.
+    """Compute the modulated pressure, proportional to main pressure up to a limit: ``p_m = min(α_m p_g, limit)``.
 
     Parameters
     ----------
@@ -426,7 +426,7 @@ def modulated_pressure(main_pressure: ArrayLike, ratio: ArrayLike, limit: ArrayL
 def wilson_efficiency(
     slip_coefficient: ArrayLike, pressure: ArrayLike, dynamic_viscosity: ArrayLike, speed: ArrayLike
 ) -> Any:
-    """Volumetric efficiency of a pump with laminar slip, ``η_v = 1 − C_s Δp / (μ ω)``, ``ω = 2 π n``.
+    """Compute the volumetric efficiency of a pump with laminar slip, ``η_v = 1 − C_s Δp / (μ ω)``, ``ω = 2 π n``.
 
     Parameters
     ----------

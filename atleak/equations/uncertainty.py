@@ -22,7 +22,7 @@ _each_quantile = np.frompyfunc(_NORMAL.inv_cdf, 1, 1)
 
 
 def normal_cdf(deviate: ArrayLike) -> Any:
-    """Probability that a standard normal variable is below a deviate, ``Φ(z)``.
+    """Compute the probability that a standard normal variable is below a deviate, ``Φ(z)``.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def normal_cdf(deviate: ArrayLike) -> Any:
 
 
 def normal_quantile(probability: ArrayLike) -> Any:
-    """The deviate below which a standard normal variable lies with a given probability.
+    """Compute the deviate below which a standard normal variable lies with a given probability.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def normal_quantile(probability: ArrayLike) -> Any:
 
 
 def rectangular(half_width: ArrayLike) -> Any:
-    """Standard uncertainty of a value known to lie within ± a half width, ``a/√3``.
+    """Compute the standard uncertainty of a value known to lie within ± a half width, ``a/√3``.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def rectangular(half_width: ArrayLike) -> Any:
 
 
 def pooled_standard_deviation(standard_deviations: ArrayLike, degrees_of_freedom: ArrayLike) -> Any:
-    """Standard deviation common to several groups, ``√(Σ ν s² / Σ ν)``.
+    """Compute the standard deviation common to several groups, ``√(Σ ν s² / Σ ν)``.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def pooled_standard_deviation(standard_deviations: ArrayLike, degrees_of_freedom
 
 
 def persistent_rounding_variance(resolution: ArrayLike, standard_deviation: ArrayLike) -> Any:
-    """Variance of the rounding error that stays however often a reading is repeated.
+    """Compute the variance of the rounding error that stays however often a reading is repeated.
 
     ``Σ_k q²/(2π²k²) · exp(−4π²k²s²/q²)`` with q the step of the reading and s the spread of single readings before
     they are rounded. Where they do not spread at all it is q²/12; from s = q/2 on repeats average rounding out.
@@ -187,7 +187,7 @@ def persistent_rounding_variance(resolution: ArrayLike, standard_deviation: Arra
 
 
 def probability_over(value: ArrayLike, limit: ArrayLike, standard_uncertainty: ArrayLike) -> Any:
-    """Probability that a true value is above an upper limit, ``Φ((y − T)/u)``.
+    """Compute the probability that a true value is above an upper limit, ``Φ((y − T)/u)``.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def probability_over(value: ArrayLike, limit: ArrayLike, standard_uncertainty: A
 
 
 def guard_band(standard_uncertainty: ArrayLike, factor: float = 1.645) -> Any:
-    """Distance to keep from a limit, ``k u``; 1.645 leaves a one-sided risk of 5 %.
+    """Compute the distance to keep from a limit, ``k u``; 1.645 leaves a one-sided risk of 5 %.
 
     Raises
     ------

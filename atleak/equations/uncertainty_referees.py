@@ -19,13 +19,13 @@ _DENSITY_AT_ZERO = 1.0 / math.sqrt(2.0 * math.pi)
 
 
 def normal_density(deviate: ArrayLike) -> Any:
-    """Density of the standard normal distribution, ``φ(z) = exp(−z²/2)/√(2π)``."""
+    """Compute the density of the standard normal distribution, ``φ(z) = exp(−z²/2)/√(2π)``."""
     z = values(deviate)
     return result(_DENSITY_AT_ZERO * np.exp(-0.5 * z * z))
 
 
 def correlated_sum(standard_uncertainties: ArrayLike, correlation: float) -> float:
-    """Standard uncertainty of a sum whose terms are all correlated alike, ``√((1−ρ) Σu² + ρ (Σu)²)``.
+    """Compute the standard uncertainty of a sum whose terms are all correlated alike, ``√((1−ρ) Σu² + ρ (Σu)²)``.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def correlated_sum(standard_uncertainties: ArrayLike, correlation: float) -> flo
 
 
 def half_difference_uncertainty(first: ArrayLike, second: ArrayLike) -> Any:
-    """Standard uncertainty of half the difference of two independent values: of a clearance from two diameters.
+    """Compute the standard uncertainty of half the difference of two independent values, as of two diameters.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def half_difference_uncertainty(first: ArrayLike, second: ArrayLike) -> Any:
 
 
 def cube_mean(mean: ArrayLike, standard_uncertainty: ArrayLike) -> Any:
-    """Mean of the cube of a normal variable, ``c³ + 3 c s²``.
+    """Compute the mean of the cube of a normal variable, ``c³ + 3 c s²``.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def cube_mean(mean: ArrayLike, standard_uncertainty: ArrayLike) -> Any:
 
 
 def cube_variance(mean: ArrayLike, standard_uncertainty: ArrayLike) -> Any:
-    """Variance of the cube of a normal variable, ``9 c⁴s² + 36 c²s⁴ + 15 s⁶``.
+    """Compute the variance of the cube of a normal variable, ``9 c⁴s² + 36 c²s⁴ + 15 s⁶``.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def cube_covariance(
     standard_uncertainty_2: ArrayLike,
     correlation: ArrayLike,
 ) -> Any:
-    """Covariance of the cubes of two normal variables.
+    """Compute the covariance of the cubes of two normal variables.
 
     ``9 ρ s₁s₂ (c₁² + s₁²)(c₂² + s₂²) + 18 ρ² c₁c₂ s₁²s₂² + 6 ρ³ s₁³s₂³``; with ρ = 1 and equal variables this is
     `cube_variance`.
@@ -151,7 +151,7 @@ def cube_covariance(
 
 
 def cube_quantile(probability: ArrayLike, mean: ArrayLike, standard_uncertainty: ArrayLike) -> Any:
-    """Quantile of the cube of a normal variable, ``(c + z s)³``: exact, because the cube rises throughout.
+    """Compute the quantile of the cube of a normal variable, ``(c + z s)³``: exact, because the cube rises throughout.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def cube_quantile(probability: ArrayLike, mean: ArrayLike, standard_uncertainty:
 
 
 def truncated_cube_moments(mean: ArrayLike, standard_uncertainty: ArrayLike) -> tuple[Any, Any]:
-    """Mean and variance of ``max(X, 0)³`` for a normal X: a clearance below zero leaks nothing.
+    """Compute the mean and variance of ``max(X, 0)³`` for a normal X: a clearance below zero leaks nothing.
 
     Parameters
     ----------
