@@ -9,10 +9,11 @@ from atleak.errors import ReadingsError
 from atleak.intake.readings.headings import Column, Header, Role
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.sheet import Cell, Sheet
-from atleak.intake.readings.words import is_blank, part_of, plain, text_of
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.words import is_blank, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
 
-_UNIT_WORDS = {"unit", "units", "einheit", "einheiten", "jednostka", "jednostki"}
+_UNIT_WORDS = vocabulary("unit")
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,16 @@ class Columns:
     sheet_unit: Unit | None  # where a heading names none
     problems: list[ReadingsError] = field(default_factory=list)
 
+    @property
+    def keys(self) -> tuple[Column, ...]:
+        """The columns that say what a diameter is of, and its unit."""
+        found = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
+        return tuple(column for column in found if column is not None)
 
-def understand(sheet: Sheet, header: Header, names: Names) -> Columns:
+
+def understand(table: Table, names: Names) -> Columns:
     """Which column is what. What is missing or contradictory is among the ``problems``."""
+    sheet, header = table.sheet, table.header
     component = _component(sheet, header, names)
     problems: list[ReadingsError] = []
     columns = Columns(
@@ -49,7 +57,7 @@ def understand(sheet: Sheet, header: Header, names: Names) -> Columns:
         sheet_unit=_sheet_unit(sheet, header),
         problems=problems,
     )
-    problems.extend(_missing(sheet, header, names, columns))
+    problems.extend(_missing(table, names, columns))
     return columns
 
 
@@ -122,8 +130,7 @@ def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list
         if name in group:
             problems.append(
                 ReadingsError(
-                    f"two columns are read as the same {name}: {_one_line(group[name].heading)!r} and "
-                    f"{_one_line(column.heading)!r}",
+                    f"two columns are read as the same {name}: {group[name].name!r} and {column.name!r}",
                     place=sheet.place(header.last, column.index, column.heading),
                     expected="headings that tell repeats apart, such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
                 )
@@ -137,7 +144,7 @@ def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list
                 ReadingsError(
                     "one coordinate alone makes no diameter",
                     place=sheet.place(header.last, column.index, column.heading),
-                    value=_one_line(column.heading),
+                    value=column.name,
                     expected="both coordinates (x1 and x2), or the diameter",
                 )
             )
@@ -166,23 +173,21 @@ def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
     return None
 
 
-def _missing(sheet: Sheet, header: Header, names: Names, columns: Columns) -> Iterator[ReadingsError]:
+def _missing(table: Table, names: Names, columns: Columns) -> Iterator[ReadingsError]:
+    sheet, header = table.sheet, table.header
     missing = []
-    if columns.component is None:
+    if columns.component is None and table.component is None:
         missing.append("the component's number")
-    if columns.part is None and not all(column.part for column in header.values):
+    if columns.part is None and table.part is None and not all(column.part for column in header.values):
         missing.append("the part (spool or sleeve)")
-    single = len(names.controller.lands) == len(names.with_lands)
+    lands = names.controller.lands
+    single = len(lands) == len(names.with_lands) or sum(land.component == table.component for land in lands) == 1
     if columns.plane is None and columns.land is None and not single:
         missing.append("the measurement plane (or land)")
     if missing:
         yield ReadingsError(
             f"no column holds {' nor '.join(missing)}",
-            place=sheet.place(header.last),
-            value=", ".join(_one_line(column.heading) for column in header.columns),
+            place=sheet.place(max(header.last, 0)),
+            value=", ".join(column.name for column in header.columns),
             expected="headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'",
         )
-
-
-def _one_line(heading: str) -> str:
-    return " ".join(heading.split())

@@ -5,14 +5,15 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from atleak.errors import Message, Place, ReadingsError, nearest_name
 from atleak.intake.readings.columns import Columns, understand
-from atleak.intake.readings.headings import Column, Header
+from atleak.intake.readings.headings import Column
 from atleak.intake.readings.names import Names
-from atleak.intake.readings.sheet import Cell, Sheet, column_letter
-from atleak.intake.readings.values import MM, Converted, Key, RawValue, convert
+from atleak.intake.readings.sheet import Cell, column_letter
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.values import MM, Key, RawValue
 from atleak.intake.readings.words import (
     at,
     direction_of,
@@ -35,69 +36,69 @@ _DIAMETER = "a diameter such as 9.939"
 
 
 @dataclass
-class Table:
-    """What `read_rows` found."""
+class Rows:
+    """What `read_rows` found: diameters as written, and what is wrong.
 
-    converted: Converted
-    problems: list[ReadingsError]
-    messages: list[Message]
-    rows_without_reading: int
+    ``cells`` are those that were read, by row and column; ``of_row`` is what the rows that were read are of.
+    """
+
+    table: Table
+    columns: Columns
+    found: list[tuple[Key, RawValue]] = field(default_factory=list)
+    problems: list[ReadingsError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+    rows_without_reading: int = 0
+    cells: set[tuple[int, int]] = field(default_factory=set)
+    of_row: dict[int, Key] = field(default_factory=dict)
 
 
-def read_rows(sheet: Sheet, header: Header, names: Names, told: Unit | None) -> Table:
-    """Every reading under the headings of a sheet, and everything that is wrong with it."""
-    columns = understand(sheet, header, names)
+def read_rows(table: Table, names: Names, told: Unit | None) -> Rows:
+    """Every reading of a table, and everything that is wrong with it."""
+    columns = understand(table, names)
     if columns.problems:
-        return Table(Converted(), columns.problems, [], 0)
-    return _Reader(sheet, header, columns, names, told).read()
+        return Rows(table, columns, problems=columns.problems)
+    return _Reader(table, columns, names, told).read()
 
 
 class _Reader:
-    def __init__(self, sheet: Sheet, header: Header, columns: Columns, names: Names, told: Unit | None) -> None:
-        self.sheet, self.header, self.columns, self.names, self.told = sheet, header, columns, names, told
+    def __init__(self, table: Table, columns: Columns, names: Names, told: Unit | None) -> None:
+        self.table, self.columns, self.names, self.told = table, columns, names, told
+        self.sheet, self.header = table.sheet, table.header
         self.problems: list[ReadingsError] = []
         self.messages: list[Message] = []
         self.blanks: dict[Column, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()
+        self.cells: set[tuple[int, int]] = set()
+        self.of_row: dict[int, Key] = {}
 
-    def read(self) -> Table:
+    def read(self) -> Rows:
         unread = 0
         found: list[tuple[Key, RawValue]] = []
         faulty_rows = {row for row, _ in self.sheet.faults}
-        for row in range(self.header.last + 1, len(self.sheet.rows)):
+        named = self.columns.component or self.columns.part or self.columns.plane or self.columns.land
+        for row in self.table.rows:
             cells = self.sheet.rows[row]
-            if (all(is_blank(cell) for cell in cells) and row not in faulty_rows) or self._repeats_headings(row):
+            if all(is_blank(cell) for cell in cells) and row not in faulty_rows:
                 continue
             values = list(self._raw_values(row))
             if not values:
-                unread += not is_blank(self.sheet.filled(row, self.columns.component.index))
+                unread += named is not None and not is_blank(self.sheet.filled(row, named.index))
                 continue
             self._overlong(row)
+            self.cells.update((row, column.index) for column in self.columns.keys)
             for group, value in values:
                 key = self._key(row, group)
                 if key is not None and value is not None:
                     found.append((key, value))
+                    self.of_row.setdefault(row, key)
+                    self.cells.update((row, column.index) for column in group.values())
         self._tell_blanks()
         self._tell_overridden()
-        value = self.header.values[0]
-        headings = self._place(self.header.last, value)
-        converted = convert(found, self.names.controller, headings)
-        return Table(converted, [*self.problems, *converted.problems], [*self.messages, *converted.messages], unread)
-
-    def _repeats_headings(self, row: int) -> bool:
-        """Headings printed again at the top of a page."""
-        same = 0
-        for column in self.header.columns:
-            cell = self.sheet.cell(row, column.index)
-            if not is_blank(cell):
-                if plain(cell) != plain(self.sheet.filled(self.header.first, column.index)):
-                    return False
-                same += 1
-        return same >= 2
+        return Rows(self.table, self.columns, found, self.problems, self.messages, unread, self.cells, self.of_row)
 
     def _overlong(self, row: int) -> None:
         """A text row with more cells than headings: its decimal commas were taken for the ends of cells."""
-        width = len(self.sheet.rows[self.header.last])
+        width = len(self.header.texts)
         if self.sheet.is_text and any(not is_blank(cell) for cell in self.sheet.rows[row][width:]):
             self._say(
                 f"the row has {len(self.sheet.rows[row])} cells under {width} headings: a decimal comma in a file "
@@ -186,7 +187,7 @@ class _Reader:
         """What the cell does not say itself: as told, in the row's own cell, the heading, or above the table."""
         if self.told is not None:
             if column.unit is not None and column.unit != self.told:
-                self.overridden.add(" ".join(column.heading.split()))
+                self.overridden.add(column.name)
             return self.told
         cell = self.sheet.filled(row, self.columns.unit.index) if self.columns.unit else ""
         if is_blank(cell):
@@ -227,6 +228,8 @@ class _Reader:
 
     def _component(self, row: int) -> str | None:
         column = self.columns.component
+        if column is None:
+            return self.table.component
         cell = self._required(row, column)
         if cell is None:
             return None
@@ -250,6 +253,8 @@ class _Reader:
             )
 
     def _part(self, row: int) -> Part | None:
+        if self.columns.part is None:
+            return self.table.part
         cell = self._required(row, self.columns.part)
         if cell is None:
             return None
@@ -358,10 +363,10 @@ class _Reader:
         if self.overridden:
             text = f"read in {self.told.name} as told, although the heading says otherwise: "
             text += ", ".join(sorted(self.overridden))
-            self.messages.append(Message("warning", "unit_told", text, self.sheet.place(self.header.last)))
+            self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
 
     def _place(self, row: int, column: Column) -> Place:
-        return self.sheet.place(row, column.index, " ".join(column.heading.split()))
+        return self.sheet.place(row, column.index, column.name)
 
     def _say(self, problem: str, place: Place, **details: object) -> None:
         self.problems.append(ReadingsError(problem, place=place, **details))  # type: ignore[arg-type]

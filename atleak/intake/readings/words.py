@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import datetime
 import re
+import tomllib
 import unicodedata
+from collections.abc import Iterable
 from functools import lru_cache
+from importlib import resources
 
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sheet import Cell
@@ -35,17 +38,27 @@ _ABSENT = {
 _PARTS: dict[Part, tuple[str, ...]] = {
     "spool": (
         *("spool", "piston", "rod", "plunger", "shaft", "valve", "valve spool", "spool valve", "piston rod"),
+        *("spools", "pistons", "plungers"),
         *("damper", "damper piston", "damper piston rod", "male", "inner", "d", "di", "ds"),
         *("schieber", "kolben", "kolbenstange", "ventilschieber", "steuerschieber", "welle"),
-        *("suwak", "tłok", "tłoczek", "tłoczysko"),
+        *("suwak", "tłok", "tłoczek", "tłoczysko", "suwaki", "tłoki", "tłoczki"),
+        *("tiroir", "carrete", "pistón", "émbolo", "поршень", "поршни", "золотник", "pistone", "píst", "šoupátko"),
     ),
     "sleeve": (
         *("sleeve", "bore", "opening", "cylindrical opening", "sleeve opening", "hole", "body", "housing", "casing"),
+        *("sleeves", "bores", "openings"),
         *("cylinder", "bushing", "female", "outer", "D", "Di", "Dk"),
         *("hülse", "huelse", "bohrung", "gehäuse", "gehaeuse", "buchse", "zylinder"),
-        *("tuleja", "otwór", "gniazdo", "korpus"),
+        *("hülsen", "huelsen", "bohrungen"),
+        *("tuleja", "otwór", "gniazdo", "korpus", "tuleje", "otwory", "gniazda"),
+        *("alésage", "chemise", "orificio", "taladro", "отверстие", "отверстия", "втулка", "гильза"),
+        *("foro", "alesaggio", "otvor", "pouzdro"),
     ),
 }
+# words for other things too, so that they name no part where they stand in a title
+_TOO_COMMON = frozenset(
+    ("valve", "body", "housing", "casing", "shaft", "rod", "male", "female", "inner", "outer", "hole", "opening")
+)
 _SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, D the sleeve
 _PART_WORDS: dict[str, Part] = {}
 
@@ -63,6 +76,37 @@ def plain(text: object) -> str:
 def _plain(text: str) -> str:
     folded = unicodedata.normalize("NFKD", text).lower().replace("ł", "l").replace("ß", "ss")
     return _SPACES.sub(" ", "".join(sign for sign in folded if not unicodedata.combining(sign))).strip()
+
+
+class Vocabulary:
+    """Words of one meaning in all languages; some as the beginning of a word."""
+
+    def __init__(self, words: Iterable[str]) -> None:
+        listed = [plain(word) for word in words]
+        self._words = frozenset(word for word in listed if not word.endswith("*"))
+        self._stems = tuple(word[:-1] for word in listed if word.endswith("*"))
+
+    def __contains__(self, word: str) -> bool:
+        return word in self._words or (bool(self._stems) and word.startswith(self._stems))
+
+    def __rand__(self, words: Iterable[str]) -> set[str]:
+        """Those of the words that have this meaning: ``words & vocabulary("diameter")``."""
+        return {word for word in words if word in self}
+
+
+@lru_cache(maxsize=1)
+def _vocabularies() -> dict[str, dict[str, list[str]]]:
+    return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
+
+
+def vocabulary(*meanings: str) -> Vocabulary:
+    """The words of headings and titles for one or several meanings of ``vocabulary.toml``.
+
+    >>> {"solldurchmesser", "mm"} & vocabulary("specification")
+    {'solldurchmesser'}
+    """
+    by_language = (_vocabularies()[meaning] for meaning in meanings)
+    return Vocabulary(word for languages in by_language for words in languages.values() for word in words)
 
 
 def is_blank(cell: Cell) -> bool:
@@ -163,6 +207,18 @@ def part_of(text: str) -> Part | None:
     return _PART_WORDS.get(folded) or _PART_WORDS.get(re.sub(r"\s*[\(\[/].*$", "", folded))
 
 
+@lru_cache(maxsize=4096)
+def part_in(text: str) -> Part | None:
+    """The one part a title speaks of, or None.
+
+    >>> part_in("Pistons, 20 °C"), part_in("Valve body 12"), part_in("spools and sleeves")
+    ('spool', None, None)
+    """
+    words = {word for word in re.findall(r"[^\W\d_]{3,}", plain(text)) if word not in _TOO_COMMON}
+    parts = {part for word in words if (part := part_of(word)) is not None}
+    return parts.pop() if len(parts) == 1 else None
+
+
 _DIRECTIONS = {
     "x": 0.0, "x1-x2": 0.0, "x1x2": 0.0, "x-x": 0.0, "xx": 0.0, "i": 0.0, "a": 0.0, "1": 0.0, "i-i": 0.0, "a-a": 0.0,
     "horizontal": 0.0, "waagerecht": 0.0, "poziomo": 0.0, "poziomy": 0.0,
@@ -201,6 +257,34 @@ def repeat_of(cell: Cell) -> int | None:
     text = plain(text_of(cell))
     found = re.fullmatch(r"[a-z#]*[ .#]*([0-9]{1,4})\.?", text)
     return int(found[1] if found else _ROMAN.get(text, "0")) or None
+
+
+@lru_cache(maxsize=16384)
+def number_of(text: str) -> float | None:
+    """The number that a text is, or None."""
+    try:
+        return number(text)[0]
+    except ReadingsError:
+        return None
+
+
+_NOT_AMONG_DIGITS = r"(?<![\d.,:/\-])"
+_IN_TEXT = re.compile(
+    _NOT_AMONG_DIGITS + r"(\d{1,2}[.,]\d{3,4}|\d{1,2}[.,]\d{1,2}(?=\s?mm)|0?[.,]\d{3,5})(?![.,:/]?\d)"
+)
+
+
+@lru_cache(maxsize=16384)
+def numbers_in(text: str) -> tuple[float, ...]:
+    """The number that a text is, or the diameters that are mentioned in it.
+
+    >>> numbers_in("17,998 mm"), numbers_in("was 17.991 before"), numbers_in("12.05.2026")
+    ((17.998,), (17.991,), ())
+    """
+    whole = number_of(text)
+    if whole is not None:
+        return (whole,)
+    return tuple(float(found[1].replace(",", ".")) for found in _IN_TEXT.finditer(text))
 
 
 def plane_names(cell: Cell) -> list[str]:

@@ -1,0 +1,295 @@
+"""No diameter is lost: every number of that size is read, left aside with a word, or the sheet is refused.
+
+It looks at every cell of the visible sheets once more, whatever the headings were understood to say.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.readings.headings import Column, Role, split_unit
+from atleak.intake.readings.names import Names
+from atleak.intake.readings.rows import Rows
+from atleak.intake.readings.sheet import Cell, Sheet
+from atleak.intake.readings.sizes import INCH, MM, Sizes, is_whole, numbers_of
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.words import is_blank, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.units import Unit, find_unit
+
+_WHY: dict[Role, str] = {
+    "specification": "what the diameter should be, not what was measured",
+    "mean": "means of readings",
+    "raw": "raw readings beside corrected ones",
+    "remark": "remarks",
+}
+_SAYS_SIZE = vocabulary("diameter", "found", "reading", "specification", "mean", "raw")
+_QUANTITY = vocabulary("quantity")
+_SHOWN = 4
+
+
+@dataclass
+class Account:
+    """What became of the cells of a file, by the sheet's name; the rest is told by `close`."""
+
+    names: Names
+    units: Sequence[str]  # of the diameters that were read
+    problems: list[ReadingsError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+    _done: dict[str | None, set[tuple[int, int]]] = field(default_factory=lambda: defaultdict(set))
+    _tables: dict[str | None, list[tuple[range, Table]]] = field(default_factory=lambda: defaultdict(list))
+
+    def __post_init__(self) -> None:
+        self._sizes = Sizes(self.names.controller)
+        stated = [unit for name in self.units if (unit := find_unit(name, "length")) is not None]
+        self._units = tuple(dict.fromkeys((*stated, MM, INCH)))
+        self._small = tuple(unit for unit in self._units if unit.factor < MM.factor)
+
+    def enter(self, rows: Rows) -> None:
+        """Accounts for a table that was read, and judges the columns that were not."""
+        table = rows.table
+        done = self._done[table.sheet.name]
+        self._tables[table.sheet.name].append((table.rows, table))
+        self._headings(table)
+        done |= rows.cells
+        for column in rows.columns.keys:
+            done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
+        rivals = []
+        used = {column.index for column in (*rows.columns.keys, *table.header.values)}
+        for index in range(table.sheet.width):
+            if index not in used and self._rivals(rows, index):
+                rivals.append(index)
+        if rivals:
+            self.problems.append(_which(table, rivals))
+        self._slipped(rows)
+
+    def leave_table(self, table: Table) -> None:
+        """Leaves a table aside that holds no readings of this valve body."""
+        self._tables[table.sheet.name].append((table.block, table))
+        self._headings(table)
+        sizes: list[tuple[int, int]] = []
+        for row in table.block:
+            sizes += [
+                (row, column) for column in table.columns if self._is_size(table.sheet, row, column, headed=table)
+            ]
+            self._done[table.sheet.name].update((row, column) for column in table.columns)
+        if sizes:
+            text = f"the table in {table.where} is left aside, {table.aside}: {self._shown(table.sheet, sizes)}"
+            self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.header.first, 0))))
+
+    def holds_sizes(self, table: Table) -> bool:
+        """Whether numbers of the size of a diameter stand where a table's headings say diameter."""
+        return any(
+            self._is_size(table.sheet, row, column.index, headed=table)
+            for row in table.rows
+            for column in table.header.values
+        )
+
+    def leave_sheet(self, sheet: Sheet) -> None:
+        """Leaves a whole sheet aside, which the user or its name says."""
+        cells = [(row, column) for row, cells in enumerate(sheet.rows) for column in range(len(cells))]
+        sizes = [at for at in cells if self._is_size(sheet, *at)]
+        self._done[sheet.name].update(cells)
+        if sizes:
+            text = f"sheet {sheet.name!r} is left aside: {self._shown(sheet, sizes)}"
+            self.messages.append(Message("info", "sheet_aside", text, Place(sheet.file, sheet.name)))
+
+    def close(self, sheets: Sequence[Sheet]) -> None:
+        """Names every number of the size of a diameter that is neither read nor left aside."""
+        for sheet in sheets:
+            done = self._done[sheet.name]
+            groups: dict[tuple[str, int], list[tuple[int, int]]] = defaultdict(list)
+            block, before = 0, -2
+            for row, cells in enumerate(sheet.rows):
+                lost = [
+                    column
+                    for column, cell in enumerate(cells)
+                    if cell != "" and (row, column) not in done and self._is_size(sheet, row, column)
+                ]
+                table = self._table_at(sheet, row, lost[0]) if lost else None
+                if lost and table is None:
+                    lost = [column for column in lost if not self._is_labelled(sheet, row, column)]
+                    if lost and self._looks_read(sheet, row):
+                        self.problems.append(_without_headings(sheet, row, lost[0]))
+                        continue
+                    block = block if before == row - 1 else row
+                    before = row
+                for column in lost:
+                    groups[("rows", block) if table is None else ("column", column)].append((row, column))
+            for (kind, index), cells_lost in groups.items():
+                self.messages.append(self._lost(sheet, kind, index, cells_lost))
+
+    # --- one table ------------------------------------------------------------------------------------------------
+
+    def _headings(self, table: Table) -> None:
+        header = table.header
+        for row in range(max(header.first, 0), header.last + 1):
+            self._done[table.sheet.name].update((row, column) for column in table.columns)
+
+    def _rivals(self, rows: Rows, index: int) -> bool:
+        """Whether a column that was not read could be the measurement; leaves aside what its heading explains."""
+        table, sheet = rows.table, rows.table.sheet
+        column = _column(table, index)
+        units = _units(table, index) or self._units
+        filled = [row for row in rows.of_row if not is_blank(sheet.cell(row, index))]
+        near = [row for row in filled if self._is_near(sheet.cell(row, index), units, rows, row)]
+        most = 2 * len(near) > len(filled)
+        sizes = [(row, index) for row in table.rows if self._is_size(sheet, row, index, headed=table)]
+        role = None if column is None else column.role
+        if role in ("specification", "mean", "raw") or (role == "remark" and most):
+            self._leave_column(table, index, sizes or [(row, index) for row in near], role)
+            return False
+        if role == "quantity" and not (most and column.unit is not None):
+            self._done[sheet.name].update((row, index) for row in table.rows)
+            return False
+        if most and all(is_whole(sheet.cell(row, index)) for row in near) and units[0].factor >= MM.factor:
+            self._leave_column(table, index, [(row, index) for row in near], None)
+            return False
+        return most
+
+    def _is_near(self, cell: Cell, units: Sequence[Unit], rows: Rows, row: int) -> bool:
+        key = rows.of_row[row]
+        return any(self._sizes.near_plane(value, units, key.component, key.plane) for value in numbers_of(cell))
+
+    def _leave_column(self, table: Table, index: int, sizes: list[tuple[int, int]], role: Role | None) -> None:
+        sheet = table.sheet
+        self._done[sheet.name].update((row, index) for row in table.rows)
+        if sizes:
+            why = f" ({_WHY[role]})" if role else ""
+            text = f"column {_name(table, index)} is left aside{why}: {self._shown(sheet, sizes)}"
+            level = "warning" if role in (None, "remark") else "info"
+            self.messages.append(Message(level, "column_aside", text, _heading_place(table, index)))
+
+    def _slipped(self, rows: Rows) -> None:
+        """A number of the size of a diameter in a row whose diameter is empty."""
+        sheet = rows.table.sheet
+        done = self._done[sheet.name]
+        for row in rows.table.rows:
+            cells = sheet.rows[row]
+            if all(
+                any(not is_blank(sheet.cell(row, each.index)) for each in group.values())
+                for group in rows.columns.groups
+            ):
+                continue
+            if all(is_blank(sheet.filled(row, column.index)) for column in rows.columns.keys):
+                continue
+            for index, cell in enumerate(cells):
+                lone = not isinstance(cell, str) or number_of(cell) is not None
+                if (
+                    cell != ""
+                    and lone
+                    and (row, index) not in done
+                    and self._is_size(sheet, row, index, headed=rows.table)
+                ):
+                    self.problems.append(
+                        ReadingsError(
+                            "this number has the size of a diameter and stands in a column that is not read, while the "
+                            "row's diameter is empty: slipped into the wrong column?",
+                            place=sheet.place(row, index, rows.table.heading(index)),
+                            value=cell,
+                            expected="the diameter under "
+                            + " or ".join(repr(column.name) for column in rows.table.header.values),
+                        )
+                    )
+                    done.add((row, index))
+
+    def _table_at(self, sheet: Sheet, row: int, column: int) -> Table | None:
+        """The table that a cell stands in, or else beside."""
+        tables = [table for rows, table in self._tables[sheet.name] if row in rows]
+        return next((table for table in tables if column in table.columns), next(iter(tables), None))
+
+    # --- one cell -------------------------------------------------------------------------------------------------
+
+    def _is_size(self, sheet: Sheet, row: int, column: int, headed: Table | None = None) -> bool:
+        """Whether a cell holds a number of the size of a diameter; in the unit of its heading, where that has one."""
+        cell = sheet.cell(row, column)
+        values = numbers_of(cell)
+        if not values:
+            return False
+        headed = headed or self._table_at(sheet, row, column)
+        units = (_units(headed, column) if headed is not None else ()) or self._units
+        if is_whole(cell) and headed is not None:
+            units = tuple(unit for unit in units if unit.factor < MM.factor)
+        return any(self._sizes.near(value, units) for value in values)
+
+    def _is_labelled(self, sheet: Sheet, row: int, column: int) -> bool:
+        """Outside of the tables: a number behind words for another quantity, or a count behind any others."""
+        label = next(
+            (
+                cell
+                for cell in reversed(sheet.rows[row][:column])
+                if isinstance(cell, str) and number_of(cell) is None and cell
+            ),
+            None,
+        )
+        if label is None:
+            return False
+        words = set(plain(label).replace(":", " ").split())
+        if words & _SAYS_SIZE or self.names.is_named(label) or part_of(label):
+            return False
+        return bool(words & _QUANTITY) or is_whole(sheet.cell(row, column))
+
+    def _looks_read(self, sheet: Sheet, row: int) -> bool:
+        """Whether a row outside of every table says what a diameter is of."""
+        texts = [text_of(cell) for cell in sheet.rows[row] if not is_blank(cell)]
+        return any(self.names.is_named(text) or part_of(text) is not None for text in texts)
+
+    def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:
+        rows = sorted({sheet.row_number(row) for row, _ in cells})
+        if kind == "column":
+            table = self._table_at(sheet, *cells[0])
+            where = f"column {_name(table, index)}"
+        else:
+            where = f"row {rows[0]}" if len(rows) == 1 else f"rows {rows[0]} to {rows[-1]}"
+        text = f"{where}: not read, though of the size of a diameter: {self._shown(sheet, cells)}"
+        prose = all(isinstance(sheet.cell(*at), str) and number_of(sheet.cell(*at)) is None for at in cells)
+        return Message("info" if prose else "warning", "not_read", text, sheet.place(cells[0][0], cells[0][1]))
+
+    def _shown(self, sheet: Sheet, cells: Sequence[tuple[int, int]]) -> str:
+        shown = [f"{text_of(sheet.cell(*at))} (row {sheet.row_number(at[0])})" for at in cells[:_SHOWN]]
+        more = f" and {len(cells) - _SHOWN} more" if len(cells) > _SHOWN else ""
+        return ", ".join(shown) + more
+
+
+def _column(table: Table, index: int) -> Column | None:
+    return next((column for column in table.header.columns if column.index == index), None)
+
+
+def _units(table: Table, index: int) -> tuple[Unit, ...]:
+    text = table.heading(index)
+    unit = split_unit(text)[1] if text else None
+    return () if unit is None else (unit,)
+
+
+def _name(table: Table, index: int) -> str:
+    text = table.heading(index)
+    return repr(text) if text else f"{table.sheet.place(0, index).column} (without a heading)"
+
+
+def _heading_place(table: Table, index: int) -> Place:
+    return table.sheet.place(max(table.header.last, 0), index, table.heading(index))
+
+
+def _which(table: Table, rivals: Sequence[int]) -> ReadingsError:
+    names = [_name(table, index) for index in rivals]
+    read = [repr(column.name) for column in table.header.values]
+    word = "column" if len(names) == 1 else "columns"
+    verb = "holds" if len(names) == 1 else "hold"
+    return ReadingsError(
+        f"{word} {', '.join(names)} {verb} numbers of the size of the diameters as {', '.join(read)} does: "
+        "which is the measurement?",
+        place=_heading_place(table, rivals[0]),
+        expected="headings that say so: 'measured [mm]', or 'nominal', 'mean', 'remark' over what is not the "
+        "measurement; 'diameter 1', 'diameter 2' over repeats",
+    )
+
+
+def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
+    return ReadingsError(
+        "this row looks like a reading, and stands under no headings",
+        place=sheet.place(row, column),
+        value=sheet.cell(row, column),
+        expected="the row in the table, in the same columns, or headings above it",
+    )
