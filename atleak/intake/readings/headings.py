@@ -15,10 +15,10 @@ from atleak.readings import Part
 
 Role = Literal[
     "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean",
-    "raw", "specification", "quantity", "remark",
+    "raw", "specification", "quantity", "remark", "gauge",
 ]  # fmt: skip
 KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction", "repeat")
-_SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark")
+_SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark", "gauge")
 
 EXPECTED = (
     "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
@@ -53,6 +53,7 @@ _NAME = vocabulary("name")
 _GENERIC = vocabulary("generic")
 _NUMBERED = vocabulary("number", "generic")
 _UNIT = vocabulary("unit")
+_GAUGE = vocabulary("gauge")
 _TRAILING_UNITS = {
     *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
     *("thou", "cm", "мм", "мкм"),
@@ -89,6 +90,11 @@ class Column:
     @property
     def holds_value(self) -> bool:
         return self.role in {"diameter", "coordinate"}
+
+    @property
+    def holds_size(self) -> bool:
+        """Whether diameters may stand in it, measured or not."""
+        return self.holds_value or self.role in {"specification", "mean", "gauge"}
 
     @property
     def group(self) -> tuple[Part | None, float | None, int | None]:
@@ -141,9 +147,7 @@ class Header:
     @property
     def starts_table(self) -> bool:
         """Whether this can only be headings: two sizes, or a size beside what it is of."""
-        sizes = [
-            column for column in self.columns if column.role in ("specification", "mean") or _is_named_size(column)
-        ]
+        sizes = [column for column in self.columns if column.holds_size and _is_named_size(column)]
         others = [column for column in self.columns if column.role == "quantity" and column.unit is not None]
         keys = {column.role for column in self.columns}.intersection(KEYS)
         several = sum(column.holds_value for column in self.columns) > 1  # "spool" and "bore", or "0°" and "90°"
@@ -151,10 +155,12 @@ class Header:
 
 
 def _is_named_size(column: Column) -> bool:
-    """A value by a word of its own, not only by "spool" or "0°", which stand in rows of readings too."""
+    """A size by a word of its own, not only by "spool" or "0°", which stand in rows of readings too."""
+    if not column.holds_value:
+        return True
     words = set(_TOKEN.findall(plain(column.heading).replace("_", " ")))
     named = words & _SIZE or words & _READING or _both_ends(words) or column.role == "coordinate"
-    return column.holds_value and bool(named or column.unit is not None or column.standing)
+    return bool(named or column.unit is not None or column.standing)
 
 
 def best_header(sheet: Sheet) -> Header | None:
@@ -299,6 +305,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
         (plain(text) in {"d", "di"} and unit is not None, "diameter"),
         (all(_is_angle(word) for word in words), "diameter"),
+        (bool(words & _GAUGE) and unit is not None, "gauge"),
     ]
     for holds, role in simple:
         if holds:

@@ -17,7 +17,6 @@ from atleak.readings import Part
 
 _ASIDE = vocabulary("aside")
 _READ = vocabulary("reading", "found")
-_GAUGE = vocabulary("gauge")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
 
@@ -215,7 +214,7 @@ def _side_by_side(table: Table) -> Iterator[Table]:
     for start in sorted(set(starts)):
         left = [column for column in header.columns if edges[-1] <= column.index < start]
         right = [column for column in header.columns if start <= column.index]
-        if all(_keys(side) and any(_is_size(column) for column in side) for side in (left, right)):
+        if all(_keys(side) and any(column.holds_size for column in side) for side in (left, right)):
             edges.append(start)
     if len(edges) == 1:
         yield table
@@ -225,10 +224,6 @@ def _side_by_side(table: Table) -> Iterator[Table]:
         texts = tuple(text if left <= index < right else "" for index, text in enumerate(header.texts))
         part = replace(header, columns=settled(columns), texts=texts)
         yield replace(table, sheet=_only(table.sheet, left, right), header=part)
-
-
-def _is_size(column: Column) -> bool:
-    return column.holds_value or column.role in ("specification", "mean")
 
 
 def _titled(table: Table, names: Names) -> Table:
@@ -268,7 +263,7 @@ def _why_aside(table: Table, titles: Sequence[str]) -> str:
         words = set(_WORD.findall(plain(title)))
         if words & _ASIDE and not words & _READ:
             return f"by its title {title!r} no readings"
-    if not header.of("component") and any(set(_WORD.findall(plain(text))) & _GAUGE for text in header.texts):
+    if not header.of("component") and header.of("gauge"):
         return "a check of the instrument"
     return ""
 

@@ -13,7 +13,7 @@ from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.readings.headings import Column, Role, split_unit
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.rows import Rows
-from atleak.intake.readings.sheet import Cell, Sheet
+from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_whole, numbers_of
 from atleak.intake.readings.tables import Table
 from atleak.intake.readings.words import is_blank, number_of, part_of, plain, text_of, vocabulary
@@ -25,7 +25,7 @@ _WHY: dict[Role, str] = {
     "raw": "raw readings beside corrected ones",
     "remark": "remarks",
 }
-_SAYS_SIZE = vocabulary("diameter", "found", "reading", "specification", "mean", "raw")
+_SAYS_SIZE = vocabulary("diameter", "found", "reading", "specification", "mean", "raw", "aside", "gauge")
 _QUANTITY = vocabulary("quantity")
 _SHOWN = 4
 
@@ -56,25 +56,22 @@ class Account:
         done |= rows.cells
         for column in rows.columns.keys:
             done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
-        rivals = []
         used = {column.index for column in (*rows.columns.keys, *table.header.values)}
-        for index in range(table.sheet.width):
-            if index not in used and self._rivals(rows, index):
-                rivals.append(index)
+        unread = [index for index in range(table.sheet.width) if index not in used]
+        unexplained = [index for index in unread if not self._explained(rows, index)]
+        self._slipped(rows)
+        rivals = [index for index in unexplained if self._is_rival(rows, index)]
         if rivals:
             self.problems.append(_which(table, rivals))
-        self._slipped(rows)
 
     def leave_table(self, table: Table) -> None:
         """Leaves a table aside that holds no readings of this valve body."""
         self._tables[table.sheet.name].append((table.block, table))
         self._headings(table)
-        sizes: list[tuple[int, int]] = []
-        for row in table.block:
-            sizes += [
-                (row, column) for column in table.columns if self._is_size(table.sheet, row, column, headed=table)
-            ]
-            self._done[table.sheet.name].update((row, column) for column in table.columns)
+        of_sizes = {column.index for column in table.header.columns if column.holds_size}
+        cells = [(row, column) for row in table.block for column in table.columns]
+        sizes = [at for at in cells if self._is_size(table.sheet, *at, headed=table, whole=at[1] in of_sizes)]
+        self._done[table.sheet.name].update(cells)
         if sizes:
             text = f"the table in {table.where} is left aside, {table.aside}: {self._shown(table.sheet, sizes)}"
             self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.header.first, 0))))
@@ -128,30 +125,50 @@ class Account:
         for row in range(max(header.first, 0), header.last + 1):
             self._done[table.sheet.name].update((row, column) for column in table.columns)
 
-    def _rivals(self, rows: Rows, index: int) -> bool:
-        """Whether a column that was not read could be the measurement; leaves aside what its heading explains."""
-        table, sheet = rows.table, rows.table.sheet
-        column = _column(table, index)
-        units = _units(table, index) or self._units
-        filled = [row for row in rows.of_row if not is_blank(sheet.cell(row, index))]
-        near = [row for row in filled if self._is_near(sheet.cell(row, index), units, rows, row)]
-        most = 2 * len(near) > len(filled)
-        sizes = [(row, index) for row in table.rows if self._is_size(sheet, row, index, headed=table)]
+    def _explained(self, rows: Rows, index: int) -> bool:
+        """Whether the heading of a column that was not read says why; such a column is left aside."""
+        table, column = rows.table, _column(rows.table, index)
         role = None if column is None else column.role
-        if role in ("specification", "mean", "raw") or (role == "remark" and most):
-            self._leave_column(table, index, sizes or [(row, index) for row in near], role)
-            return False
-        if role == "quantity" and not (most and column.unit is not None):
-            self._done[sheet.name].update((row, index) for row in table.rows)
-            return False
-        if most and all(is_whole(sheet.cell(row, index)) for row in near) and units[0].factor >= MM.factor:
-            self._leave_column(table, index, [(row, index) for row in near], None)
-            return False
-        return most
+        if role in ("specification", "mean", "raw"):
+            sizes = [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
+            self._leave_column(table, index, sizes or self._near(rows, index), role)
+            return True
+        if role == "quantity" and not (column.unit is not None and self._is_diameter(rows, index)):
+            self._done[table.sheet.name].update((row, index) for row in table.rows)
+            return True
+        return False
 
-    def _is_near(self, cell: Cell, units: Sequence[Unit], rows: Rows, row: int) -> bool:
-        key = rows.of_row[row]
-        return any(self._sizes.near_plane(value, units, key.component, key.plane) for value in numbers_of(cell))
+    def _is_rival(self, rows: Rows, index: int) -> bool:
+        """Whether a column that was not read could be the measurement as well; not one of remarks or of counts."""
+        if not self._is_diameter(rows, index):
+            return False
+        table, near, column = rows.table, self._near(rows, index), _column(rows.table, index)
+        if column is not None and column.role == "remark":
+            self._leave_column(table, index, near, "remark")
+            return False
+        units = _units(table, index) or self._units
+        if units[0].factor >= MM.factor and all(is_whole(table.sheet.cell(*at)) for at in near):
+            self._leave_column(table, index, near, None)
+            return False
+        return True
+
+    def _is_diameter(self, rows: Rows, index: int) -> bool:
+        """Whether a column holds the diameters of its rows: in most of its cells, and not in a single one of many."""
+        filled = sum(not is_blank(rows.table.sheet.cell(row, index)) for row in rows.of_row)
+        near = len(self._near(rows, index))
+        return 2 * near > filled and (near > 1 or 2 * near > len(rows.of_row))
+
+    def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
+        """The cells of a column that come near the nominal diameter of their row."""
+        units = _units(rows.table, index) or self._units
+        return [
+            (row, index)
+            for row, key in rows.of_row.items()
+            if any(
+                self._sizes.near_plane(value, units, key.component, key.plane)
+                for value in numbers_of(rows.table.sheet.cell(row, index))
+            )
+        ]
 
     def _leave_column(self, table: Table, index: int, sizes: list[tuple[int, int]], role: Role | None) -> None:
         sheet = table.sheet
@@ -202,7 +219,7 @@ class Account:
 
     # --- one cell -------------------------------------------------------------------------------------------------
 
-    def _is_size(self, sheet: Sheet, row: int, column: int, headed: Table | None = None) -> bool:
+    def _is_size(self, sheet: Sheet, row: int, column: int, headed: Table | None = None, whole: bool = False) -> bool:
         """Whether a cell holds a number of the size of a diameter; in the unit of its heading, where that has one."""
         cell = sheet.cell(row, column)
         values = numbers_of(cell)
@@ -210,7 +227,7 @@ class Account:
             return False
         headed = headed or self._table_at(sheet, row, column)
         units = (_units(headed, column) if headed is not None else ()) or self._units
-        if is_whole(cell) and headed is not None:
+        if headed is not None and not whole and is_whole(cell):
             units = tuple(unit for unit in units if unit.factor < MM.factor)
         return any(self._sizes.near(value, units) for value in values)
 
@@ -258,9 +275,9 @@ def _column(table: Table, index: int) -> Column | None:
 
 
 def _units(table: Table, index: int) -> tuple[Unit, ...]:
-    text = table.heading(index)
-    unit = split_unit(text)[1] if text else None
-    return () if unit is None else (unit,)
+    """The unit that a heading states; "Micrometer" alone is the instrument."""
+    rest, unit = split_unit(table.heading(index))
+    return () if unit is None or not rest.strip() else (unit,)
 
 
 def _name(table: Table, index: int) -> str:
