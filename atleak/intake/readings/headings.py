@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Literal
 
 from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.words import direction_of, is_blank, number_of, part_of, plain, vocabulary
+from atleak.intake.readings.words import direction_of, is_blank, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Part
 
@@ -230,7 +230,8 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
 
 
 def _heading(sheet: Sheet, first: int, last: int, column: int) -> str:
-    texts = [str(sheet.filled(row, column)).strip() for row in range(first, last + 1)]
+    cells = [sheet.filled(row, column) for row in range(first, last + 1)]
+    texts = [str(cell).strip() if isinstance(cell, str) else text_of(cell) for cell in cells]
     return " ".join(dict.fromkeys(text for text in texts if text))
 
 

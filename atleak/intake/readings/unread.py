@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from atleak.errors import Message, Place, ReadingsError
-from atleak.intake.readings.headings import Column, Role, split_unit
+from atleak.intake.readings.headings import Role, split_unit
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet import Sheet
@@ -24,6 +24,7 @@ _WHY: dict[Role, str] = {
     "mean": "means of readings",
     "raw": "raw readings beside corrected ones",
     "remark": "remarks",
+    "quantity": "another quantity by its heading",
 }
 _SAYS_SIZE = vocabulary("diameter", "found", "reading", "specification", "mean", "raw", "aside", "gauge")
 _QUANTITY = vocabulary("quantity")
@@ -58,8 +59,9 @@ class Account:
             done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
         used = {column.index for column in (*rows.columns.keys, *table.header.values)}
         unread = [index for index in range(table.sheet.width) if index not in used]
-        unexplained = [index for index in unread if not self._explained(rows, index)]
+        unread = [index for index in unread if not self._is_figure(rows, index)]
         self._slipped(rows)
+        unexplained = [index for index in unread if not self._is_quantity(rows, index)]
         rivals = [index for index in unexplained if self._is_rival(rows, index)]
         if rivals:
             self.problems.append(_which(table, rivals))
@@ -125,25 +127,29 @@ class Account:
         for row in range(max(header.first, 0), header.last + 1):
             self._done[table.sheet.name].update((row, column) for column in table.columns)
 
-    def _explained(self, rows: Rows, index: int) -> bool:
-        """Whether the heading of a column that was not read says why; such a column is left aside."""
-        table, column = rows.table, _column(rows.table, index)
-        role = None if column is None else column.role
-        if role in ("specification", "mean", "raw"):
-            sizes = [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
-            self._leave_column(table, index, sizes or self._near(rows, index), role)
-            return True
-        if role == "quantity" and not (column.unit is not None and self._is_diameter(rows, index)):
-            self._done[table.sheet.name].update((row, index) for row in table.rows)
-            return True
-        return False
+    def _is_figure(self, rows: Rows, index: int) -> bool:
+        """Whether a column holds specifications, means or raw readings by its heading; it is left aside."""
+        table, role = rows.table, _role(rows.table, index)
+        if role not in ("specification", "mean", "raw"):
+            return False
+        sizes = [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
+        self._leave_column(table, index, sizes or self._near(rows, index), role)
+        return True
+
+    def _is_quantity(self, rows: Rows, index: int) -> bool:
+        """Whether a column holds another quantity; not one in millimetres that has the size of the diameters."""
+        table = rows.table
+        if _role(table, index) != "quantity" or (_units(table, index) and self._is_diameter(rows, index)):
+            return False
+        self._leave_column(table, index, self._near(rows, index) if self._is_diameter(rows, index) else [], "quantity")
+        return True
 
     def _is_rival(self, rows: Rows, index: int) -> bool:
         """Whether a column that was not read could be the measurement as well; not one of remarks or of counts."""
         if not self._is_diameter(rows, index):
             return False
-        table, near, column = rows.table, self._near(rows, index), _column(rows.table, index)
-        if column is not None and column.role == "remark":
+        table, near = rows.table, self._near(rows, index)
+        if _role(table, index) == "remark":
             self._leave_column(table, index, near, "remark")
             return False
         units = _units(table, index) or self._units
@@ -181,36 +187,23 @@ class Account:
 
     def _slipped(self, rows: Rows) -> None:
         """A number of the size of a diameter in a row whose diameter is empty."""
-        sheet = rows.table.sheet
-        done = self._done[sheet.name]
-        for row in rows.table.rows:
-            cells = sheet.rows[row]
-            if all(
-                any(not is_blank(sheet.cell(row, each.index)) for each in group.values())
-                for group in rows.columns.groups
-            ):
+        table, sheet = rows.table, rows.table.sheet
+        usual = {index for index in range(sheet.width) if self._is_usual(rows, index)}
+        for row in table.rows:
+            if not _lacks_value(rows, row) or all(is_blank(sheet.filled(row, key.index)) for key in rows.columns.keys):
                 continue
-            if all(is_blank(sheet.filled(row, column.index)) for column in rows.columns.keys):
-                continue
-            for index, cell in enumerate(cells):
+            for index, cell in enumerate(sheet.rows[row]):
+                if index in usual or (row, index) in self._done[sheet.name]:
+                    continue
                 lone = not isinstance(cell, str) or number_of(cell) is not None
-                if (
-                    cell != ""
-                    and lone
-                    and (row, index) not in done
-                    and self._is_size(sheet, row, index, headed=rows.table)
-                ):
-                    self.problems.append(
-                        ReadingsError(
-                            "this number has the size of a diameter and stands in a column that is not read, while the "
-                            "row's diameter is empty: slipped into the wrong column?",
-                            place=sheet.place(row, index, rows.table.heading(index)),
-                            value=cell,
-                            expected="the diameter under "
-                            + " or ".join(repr(column.name) for column in rows.table.header.values),
-                        )
-                    )
-                    done.add((row, index))
+                if lone and self._is_size(sheet, row, index, headed=table):
+                    self.problems.append(_slip(table, row, index))
+                    self._done[sheet.name].add((row, index))
+
+    def _is_usual(self, rows: Rows, index: int) -> bool:
+        """Whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
+        sheet = rows.table.sheet
+        return _role(rows.table, index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
 
     def _table_at(self, sheet: Sheet, row: int, column: int) -> Table | None:
         """The table that a cell stands in, or else beside."""
@@ -270,8 +263,8 @@ class Account:
         return ", ".join(shown) + more
 
 
-def _column(table: Table, index: int) -> Column | None:
-    return next((column for column in table.header.columns if column.index == index), None)
+def _role(table: Table, index: int) -> Role | None:
+    return next((column.role for column in table.header.columns if column.index == index), None)
 
 
 def _units(table: Table, index: int) -> tuple[Unit, ...]:
@@ -287,6 +280,24 @@ def _name(table: Table, index: int) -> str:
 
 def _heading_place(table: Table, index: int) -> Place:
     return table.sheet.place(max(table.header.last, 0), index, table.heading(index))
+
+
+def _lacks_value(rows: Rows, row: int) -> bool:
+    """Whether a row leaves one of its diameters empty."""
+    sheet = rows.table.sheet
+    return any(
+        all(is_blank(sheet.cell(row, column.index)) for column in group.values()) for group in rows.columns.groups
+    )
+
+
+def _slip(table: Table, row: int, index: int) -> ReadingsError:
+    return ReadingsError(
+        "this number has the size of a diameter and stands in a column that is not read, while the row's diameter is "
+        "empty: slipped into the wrong column?",
+        place=table.sheet.place(row, index, table.heading(index)),
+        value=table.sheet.cell(row, index),
+        expected="the diameter under " + " or ".join(repr(column.name) for column in table.header.values),
+    )
 
 
 def _which(table: Table, rivals: Sequence[int]) -> ReadingsError:
