@@ -110,7 +110,7 @@ def _diagnosis(options: argparse.Namespace) -> Diagnosis:
         controller,
         load_fluid(options.fluid),
         load_limits(options.limits),
-        readings=read_readings(Path(options.readings), controller, sheet=options.sheet, unit=options.sheet_unit),
+        readings=read_readings(Path(options.readings), controller, **_reading_choices(options)),
         road_test=None if options.road_test is None else _road_test(options),
         profile=find_profile(options.profile, dict(options.set)),
         condition=stated_condition(
@@ -126,6 +126,11 @@ def _diagnosis(options: argparse.Namespace) -> Diagnosis:
         assumptions=DEFAULTS.with_settings(dict(options.assume)),
         guard_factor=GUARD_FACTOR if options.guard is None else options.guard,
     )
+
+
+def _reading_choices(options: argparse.Namespace) -> dict[str, Any]:
+    """What the command line says of the measuring sheet."""
+    return {"sheet": options.sheet, "unit": options.sheet_unit, "where": dict(options.where)}
 
 
 def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Namespace) -> list[str]:
@@ -149,7 +154,7 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Name
             job,
             readings=Path(options.readings).read_bytes(),
             road_test=None if options.road_test is None else Path(options.road_test).read_bytes(),
-            reading_choices={"sheet": options.sheet, "unit": options.sheet_unit},
+            reading_choices=_reading_choices(options),
             road_test_choices=None if options.road_test is None else _columns(options),
         )
         written += _write(options.job_file, content)
@@ -402,6 +407,14 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     diagnose.add_argument(
         "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
+    )
+    diagnose.add_argument(
+        "--where",
+        metavar="HEADING=VALUE",
+        type=_pair,
+        action="append",
+        default=[],
+        help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
     )
     diagnose.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
     _add_columns(diagnose)

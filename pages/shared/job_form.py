@@ -13,7 +13,7 @@ from atleak.errors import InputError
 from atleak.job import Decision, Grade, Job
 from atleak.report.pdf.pictures import printable_picture
 from pages.shared import show
-from pages.shared.bench import Bench, File, log_choices
+from pages.shared.bench import Bench, File, log_choices, sheet_choices
 
 _TEXTS = {
     "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
@@ -43,7 +43,7 @@ def sources(bench: Bench) -> dict[str, Any]:
     return {
         "readings": bench.sheet.data if bench.sheet else None,
         "road_test": bench.log.data if bench.log else None,
-        "reading_choices": {"sheet": bench.sheet_name or None, "unit": bench.sheet_unit or None},
+        "reading_choices": sheet_choices(bench),
         "road_test_choices": log_choices(bench),
         "catalogue": {slot: choice.data for slot, choice in own.items() if isinstance(choice, File)},
     }
