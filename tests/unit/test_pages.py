@@ -195,6 +195,48 @@ def test_a_temperature_outside_the_fluid_keeps_the_last_result(app: AppTest) -> 
     assert "cannot be computed" not in texts(app)
 
 
+def doubts(app: AppTest) -> list[str]:
+    return [found.value.replace("\\", "") for found in (*app.sidebar.error, *app.sidebar.warning)]
+
+
+def test_a_mileage_that_can_be_read_in_two_ways_is_asked_and_the_last_one_stays(app: AppTest) -> None:
+    number(app, "Mileage [km]").set_value("106 315").run()
+    assert app.session_state["atleak"].good.mileage == 106315.0
+    assert doubts(app) == []
+    number(app, "Mileage [km]").set_value("123.456").run()
+    go(app, "2_Readings")
+    go(app, "1_Diagnosis")
+    assert not app.exception
+    assert app.session_state["atleak"].good.mileage == 106315.0
+    assert number(app, "Mileage [km]").value == "123.456"
+    (doubt,) = doubts(app)
+    assert "write 123456 for 123456 km, or 123.4560 for 123.456 km. 106315 km stays in use." in doubt
+    number(app, "Mileage [km]").set_value("").run()
+    assert app.session_state["atleak"].good.mileage is None
+    assert doubts(app) == []
+
+
+def test_a_wrong_entry_leaves_the_result_and_an_unusual_one_says_so(app: AppTest) -> None:
+    before = app.dataframe[0].value
+    for text in ("955", "abc", "", "1e999"):
+        number(app, "Temperature [°C]").set_value(text).run()
+        assert not app.exception
+        assert len(doubts(app)) == 1
+        assert "80 °C stays in use" in doubts(app)[0]
+        assert app.dataframe[0].value.equals(before)
+    number(app, "Temperature [°C]").set_value("80").run()
+    number(app, "Engine speed [rpm]").set_value("8505").run()
+    assert app.session_state["atleak"].good.rpm == 8505.0
+    assert "8505 rpm is taken, but unusual" in doubts(app)[0]
+
+
+def test_no_page_has_a_number_field_of_another_kind() -> None:
+    for path in (ROOT / "pages").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert "number_input" not in text, path.name
+        assert "NumberColumn" not in text, path.name
+
+
 def test_profile_options_reach_the_engine(app: AppTest) -> None:
     choice(app, "Profile").select("paper").run()
     assert "profile: **paper**" in texts(app)
