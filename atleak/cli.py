@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import errno
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterable, Sequence
@@ -21,6 +20,14 @@ from atleak.errors import AtleakError, InputError, OutputError, Place, nearest_n
 from atleak.files import replace_file
 from atleak.shipped import shipped
 from atleak.verdicts import FLAGGED
+from atleak.written_numbers import (
+    ENGINE_SPEED,
+    MILEAGE,
+    TEMPERATURE,
+    AskedNumber,
+    decimal_number,
+    read_number,
+)
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
@@ -430,10 +437,14 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         help="one option of the profile",
     )
-    diagnose.add_argument("--temperature", metavar="C", type=_number, help="of the stated condition [°C]")
-    diagnose.add_argument("--rpm", metavar="N", type=_number, help="engine speed of the stated condition")
+    diagnose.add_argument(
+        "--temperature", metavar="C", type=_number_of(TEMPERATURE), help="of the stated condition [°C]"
+    )
+    diagnose.add_argument(
+        "--rpm", metavar="N", type=_number_of(ENGINE_SPEED), help="engine speed of the stated condition"
+    )
     diagnose.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
-    diagnose.add_argument("--mileage", metavar="KM", type=_mileage, help="of the vehicle [km]")
+    diagnose.add_argument("--mileage", metavar="KM", type=_number_of(MILEAGE), help="of the vehicle [km]")
     diagnose.add_argument(
         "--assume", metavar="NAME=VALUE", type=_pair, action="append", default=[], help="one assumed uncertainty"
     )
@@ -554,24 +565,28 @@ def _constant(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(
             f"{name!r} is no quantity of a log" + (f"; did you mean {near!r}?" if near else "")
         )
-    known, number = QUANTITIES[name], _number(value)
+    known = QUANTITIES[name]
+    number = _number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(number) if known.unit_kind else number
 
 
 def _number(text: str) -> float:
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-
-
-def _mileage(text: str) -> float:
-    if re.fullmatch(r"\d{1,3}[.,]\d{3}", text):  # a thousands separator, or metres
-        raise argparse.ArgumentTypeError(f"{text!r} can be read in two ways: write the km without a separator")
-    value = _number(text)
-    if not 0.0 <= value < 1e7:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a mileage in km")
+    value = decimal_number(text)
+    if value is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
     return value
+
+
+def _number_of(asked: AskedNumber) -> Callable[[str], float]:
+    """The reader of an option that takes this number."""
+
+    def read(text: str) -> float:
+        found = read_number(text, asked)
+        if found.value is None:
+            raise argparse.ArgumentTypeError(found.doubt)
+        return found.value
+
+    return read
 
 
 def _formats(text: str) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from atleak.errors import InputError, nearest_name
 from atleak.fluid import VISCOSITY_MODELS, ViscosityModel
+from atleak.written_numbers import decimal_number
 
 
 @dataclass(frozen=True)
@@ -119,11 +120,8 @@ def _checked(name: str, value: Any) -> Any:
         if switch is None:
             raise InputError("option entry_loss does not take this value", value=value, expected="on or off")
         return switch
-    try:
-        ratio = float(str(value).replace(",", "."))
-    except ValueError:
-        ratio = float("nan")
-    if not 0.0 <= ratio <= 1.0:
+    ratio = decimal_number(str(value))
+    if ratio is None or not 0.0 <= ratio <= 1.0:
         raise InputError("option eccentricity does not take this value", value=value, expected="a number 0 to 1")
     return ratio
 

@@ -41,7 +41,7 @@ downloads = {
 }
 with st.container(horizontal=True):
     for label, (suffix, content, tip) in downloads.items():
-        st.download_button(label, content, f"{name}.{suffix}", on_click="ignore", help=tip)
+        st.download_button(label, content, f"{name}.{suffix}", key=f"report-{suffix}", on_click="ignore", help=tip)
 
 with st.expander("Fill in from a job record (TOML or JSON)"):
     given = st.file_uploader("Job record", ["toml", "json"], key=job_form.key("record"))

@@ -15,10 +15,10 @@ from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sheet import Cell
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Part
+from atleak.written_numbers import decimal_number
 
 _SPACES = re.compile(r"\s+")
-_NUMBER = re.compile(r"^[+\-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+\-]?\d{1,3})?$", re.IGNORECASE)
-_NUMBER_AND_UNIT = re.compile(r"^([+\-]?[\d.,]*\d(?:[.,])?(?:[eE][+\-]?\d+)?)([^\d.,\s+\-][^\d]*)$")
+_NUMBER_AND_UNIT = re.compile(r"(.*\d[.,]?)\s*([^\d.,\s+\-]\D*)", re.DOTALL)
 _ABSENT = {
     "",
     "-",
@@ -152,41 +152,19 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
             value=str(cell),
             expected="a diameter such as 9.939: format the cell as number or text and type it again",
         )
-    text, written = _split_unit(unicodedata.normalize("NFKC", str(cell)).strip().replace("−", "-"))
-    digits = _decimal_point(re.sub(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", text).strip())
-    if _NUMBER.match(digits):
-        return float(digits), written
+    text, unit = _split_unit(str(cell).strip())
+    value = decimal_number(text)
+    if value is not None:
+        return value, unit
     raise ReadingsError("not a number", value=str(cell), expected="a diameter such as 9.939 or 9,939")
 
 
 def _split_unit(text: str) -> tuple[str, Unit | None]:
-    found = _NUMBER_AND_UNIT.match(_SPACES.sub("", text))
+    found = _NUMBER_AND_UNIT.fullmatch(text)
     if found is None:
         return text, None
     written = find_unit(found[2], "length")
     return (found[1], written) if written else (text, None)
-
-
-def _decimal_point(text: str) -> str:
-    """The last of the two signs is the decimal one; a sign that stands more than once groups thousands."""
-    commas, points = text.count(","), text.count(".")
-    if commas and points:
-        decimal, grouping = (",", ".") if text.rfind(",") > text.rfind(".") else (".", ",")
-        if text.count(decimal) > 1:
-            return text
-        whole, _, rest = text.partition(decimal)
-        return (
-            f"{whole.replace(grouping, '')}.{rest}"
-            if re.fullmatch(rf"[+\-]?\d{{1,3}}(\{grouping}\d{{3}})+", whole)
-            else text
-        )
-    if commas == 1:
-        return text.replace(",", ".")
-    if commas > 1 and re.fullmatch(r"[+\-]?\d{1,3}(,\d{3})+", text):
-        return text.replace(",", "")
-    if points > 1 and re.fullmatch(r"[+\-]?\d{1,3}(\.\d{3})+", text):
-        return text.replace(".", "")
-    return text
 
 
 def part_words() -> list[str]:
