@@ -605,7 +605,7 @@ def test_columns_settled_earlier_travel_with_the_job(run: Run, sample_readings: 
     assert run("diagnose", sample_readings, "--road-test", log, "--job-file", bundle)[0] == 0
     from atleak.job_file import read_job_file
 
-    assert read_job_file(bundle).choices.road_test["mapping"]["main_pressure"] == "p_g two [bar]"
+    assert dict(read_job_file(bundle).case.columns)["main_pressure"] == "p_g two [bar]"
 
 
 def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:

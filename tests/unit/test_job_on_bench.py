@@ -18,7 +18,8 @@ from atleak.instruments import load_instruments
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import default_path, read_road_test, remember, understand
 from atleak.job import Job
-from atleak.job_file import SourceFile, load_source, read_job_file, write_job_file
+from atleak.job_case import Case, SourceFile, load_source, pairs_of
+from atleak.job_file import read_job_file, write_job_file
 from atleak.limits import load_limits
 from atleak.profile import PROFILES
 from atleak.projection import stated_condition
@@ -78,11 +79,16 @@ def packed(diagnosis: Diagnosis, sheet: bytes, own_limits: bytes) -> bytes:
     return write_job_file(
         diagnosis,
         Job(number="A-17", notes="seen"),
-        readings=sheet,
-        road_test=LOG,
-        reading_choices=SHEET,
-        road_test_choices=TOLD,
-        catalogue={"limits": own_limits},
+        Case(
+            readings=SourceFile("two.xlsx", sheet),
+            road_test=SourceFile("drive.csv", LOG),
+            limits=SourceFile("our limits.toml", own_limits),
+            sheet_name=SHEET.get("sheet"),
+            sheet_unit=SHEET.get("unit"),
+            columns=pairs_of(TOLD.get("mapping")),
+            units=pairs_of(TOLD.get("units")),
+            constants=pairs_of(TOLD.get("constants")),
+        ),
     )
 
 
@@ -102,7 +108,7 @@ def open_job(app: AppTest, content: bytes, name: str = "job.zip") -> AppTest:
 
 
 def shown(app: AppTest) -> dict:
-    from pages.shared.bench import diagnosis_of
+    from pages.shared.cases import diagnosis_of
 
     return diagnosis_record(diagnosis_of(app.session_state["atleak"].good))
 
@@ -150,12 +156,12 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
 
 
 def test_a_job_file_written_again_holds_the_same_choices(app: AppTest, content: bytes) -> None:
-    from pages.shared import bench, job_form
+    from pages.shared.cases import diagnosis_of, settled
 
     open_job(app, content)
     good = app.session_state["atleak"].good
-    again = write_job_file(bench.diagnosis_of(good), app.session_state["job"], **job_form.sources(good))
-    assert read_job_file(again).choices == read_job_file(content).choices
+    again = write_job_file(diagnosis_of(good), app.session_state["job"], settled(good))
+    assert read_job_file(again).case == read_job_file(content).case
 
 
 def test_a_change_after_opening_reaches_the_result(app: AppTest, content: bytes) -> None:
