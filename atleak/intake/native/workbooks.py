@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import io
 import itertools
-import posixpath
 import re
 import zipfile
 from collections.abc import Iterator
@@ -14,6 +13,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from atleak.intake.native.child import Refused
+from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths
 
 Cell = Any  # str, float, int, bool, date or time; "" where empty
 Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
@@ -42,10 +42,11 @@ class MeasuringSheet(TypedDict):
     rows: list[list[Cell]]
     merged: list[Range]
     faults: dict[tuple[int, int], str]
+    marks: dict[str, Any]  # the fields of `atleak.intake.workbook_marks.Marks`
 
 
 def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
-    """Every worksheet, with merged ranges and the formulas that have no usable result.
+    """Every worksheet, with merged ranges, formulas that have no usable result, and what is hidden or crossed out.
 
     Raises
     ------
@@ -54,6 +55,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
     """
     _refuse_other_kinds(data)
     merges, faults = _look_inside(data) if data.startswith(b"PK") else ({}, {})
+    marked = marks(data)
     for name, hidden, sheet in _worksheets(data):
         rows, columns = _size(sheet)
         _refuse_vast(rows, columns, name, columns * rows > CELLS)
@@ -64,6 +66,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
             "rows": sheet.to_python(skip_empty_area=False),
             "merged": _within(merges.get(name, []) if ranges is None else ranges, rows, columns, name),
             "faults": faults.get(name, {}),
+            "marks": vars(marked.get(name, Marks())),
         }
 
 
@@ -99,7 +102,7 @@ def stray_cells(data: bytes) -> Iterator[None]:
         naming the sheet's part of the workbook and how far its cells reach.
     """
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        sheets = {path: name for name, path in _xlsx_paths(archive).items()}
+        sheets = {path: name for name, path in sheet_paths(archive).items()}
         for path in archive.namelist():
             if path.startswith("xl/worksheets/") and path.endswith(".xml"):
                 with archive.open(path) as stream:
@@ -195,25 +198,10 @@ def _look_inside(data: bytes) -> tuple[dict[str, list[Range]], dict[str, dict[tu
         if "xl/workbook.xml" in names:
             return {}, {
                 sheet: _formula_faults(archive.read(path))
-                for sheet, path in _xlsx_paths(archive).items()
+                for sheet, path in sheet_paths(archive).items()
                 if path in names
             }
         return (_ods_merges(archive.read("content.xml")) if "content.xml" in names else {}), {}
-
-
-def _xlsx_paths(archive: zipfile.ZipFile) -> dict[str, str]:
-    targets = {
-        relation.get("Id"): relation.get("Target", "")
-        for relation in ElementTree.fromstring(archive.read("xl/_rels/workbook.xml.rels"))
-    }
-    paths = {}
-    for element in ElementTree.fromstring(archive.read("xl/workbook.xml")).iter():
-        if element.tag.endswith("}sheet"):
-            relation = next((value for key, value in element.attrib.items() if key.endswith("}id")), None)
-            target = targets.get(relation, "")
-            path = target.lstrip("/") if target.startswith("/") else posixpath.normpath(f"xl/{target}")
-            paths[element.get("name", "")] = path
-    return paths
 
 
 def _formula_faults(xml: bytes) -> dict[tuple[int, int], str]:
@@ -240,10 +228,7 @@ def _place(reference: re.Match[bytes]) -> tuple[int, int]:
     >>> _place(_REFERENCE.search(b'<c r="AB7">'))
     (6, 27)
     """
-    column = 0
-    for letter in reference[1]:
-        column = column * 26 + letter - 64
-    return int(reference[2]) - 1, column - 1
+    return int(reference[2]) - 1, column_index(reference[1].decode())
 
 
 def _ods_merges(xml: bytes) -> dict[str, list[Range]]:

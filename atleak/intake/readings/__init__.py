@@ -7,20 +7,27 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
 from atleak.controller import Controller
-from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.readings import agreement
+from atleak.intake.readings.asides import LEFT_ASIDE
 from atleak.intake.readings.checks import check
+from atleak.intake.readings.choice import Choice, choose, require_one_measurement
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.files import read_bytes, read_sheets
-from atleak.intake.readings.headings import EXPECTED, Header, find_header
+from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.problems import ReadingsRefused
-from atleak.intake.readings.rows import Table, read_rows
+from atleak.intake.readings.rows import Rows, read_rows
 from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.unread import Account
+from atleak.intake.readings.values import Converted, convert
+from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
 from atleak.readings import Readings
 
@@ -34,6 +41,7 @@ def read_readings(
     name: str | None = None,
     sheet: str | None = None,
     unit: str | None = None,
+    where: Mapping[str, str] | None = None,
 ) -> Readings:
     """The readings of a measuring sheet.
 
@@ -50,6 +58,8 @@ def read_readings(
         the workbook's sheet to read, where more than one holds readings.
     unit
         unit of the diameters ("mm", "µm", "inch" …), instead of what the headings say.
+    where
+        which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
 
     Returns
     -------
@@ -67,144 +77,114 @@ def read_readings(
     """
     told = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
-    headers: dict[int, Header | None] = {}
-
-    def header_of(found: Sheet) -> Header | None:
-        if id(found) not in headers:
-            headers[id(found)] = find_header(found)
-        return headers[id(found)]
-
-    def score(found: Sheet) -> float:
-        header = find_header(found)
-        return -1.0 if header is None else header.score + 0.01 * min(count_values(found, header), 10)
-
-    sheets = read_sheets(data, file, score)
-    candidates = [(found, header_of(found)) for found in sheets]
-    chosen, header, messages = _choose(candidates, file, sheet)
-    table = read_rows(chosen, header, Names(controller), told)
-    converted = table.converted
+    names = Names(controller)
+    sheets = read_sheets(data, file, _score)
+    chosen = choose(sheets, file, names, sheet)
+    read = [read_rows(table, names, told, where) for table in chosen.tables]
+    read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
+    problems = [problem for rows in read for problem in rows.problems]
+    problems += require_one_measurement(read, file)
+    first = next((rows.table for rows in read if rows.found), chosen.tables[0])
+    converted = convert([entry for rows in read for entry in rows.found], controller, first.headings)
+    account = _account(chosen, read, names, converted, told)
+    account.close([each for each in sheets if not each.hidden])
+    read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.found))
     result = Readings(
         file=file,
         sha256=hashlib.sha256(data).hexdigest(),
-        sheet=chosen.name,
+        sheet=None if first.sheet.is_text else ", ".join(map(str, read_from)),
         unit=", ".join(converted.units) or (told.name if told else "mm"),
         unit_assumed=converted.unit_assumed,
-        layout=_layout(table, header),
+        layout=_layout(converted, read),
         readings=tuple(converted.readings),
-        messages=(*messages, *table.messages, *_about(table, chosen)),
+        messages=(
+            *chosen.messages,
+            *(message for rows in read for message in rows.messages),
+            *converted.messages,
+            *_about(read, first.sheet),
+            *account.messages,
+            *_agreement(read, converted),
+        ),
     )
-    problems = [*table.problems, *check(result, controller)]
+    problems += [*converted.problems, *account.problems, *check(result, controller)]
+    for table in chosen.tables:
+        other = agreement.other_controller(table.sheet, table.header, controller)
+        if other is not None:
+            problems = [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
     if not result.readings:
-        raise _not_filled_in(file, chosen, header)
+        raise _none_left(result) or _not_filled_in(first)
     return result
 
 
-def _choose(
-    candidates: Sequence[tuple[Sheet, Header | None]], file: str, wanted: str | None
-) -> tuple[Sheet, Header, list[Message]]:
-    """The one sheet that holds readings."""
-    if wanted is not None and any(found.name is not None for found, _ in candidates):
-        by_name = {found.name: (found, header) for found, header in candidates if found.name is not None}
-        if wanted not in by_name:
-            raise ReadingsError(
-                "the workbook has no such sheet",
-                place=Place(file),
-                value=wanted,
-                expected="one of " + ", ".join(by_name),
-                nearest=nearest_name(wanted, by_name),
-            )
-        found, header = by_name[wanted]
-        if header is None or not header.complete:
-            usable = [each.name for each, other in candidates if other is not None and other.complete]
-            hint = f"; readings are in sheet {', '.join(map(repr, usable))}" if usable else ""
-            raise ReadingsError(f"this sheet holds no readings{hint}", place=Place(file, wanted), expected=EXPECTED)
-        return found, header, []
-    complete = [(found, header) for found, header in candidates if header is not None and header.complete]
-    if not complete:
-        raise _no_header(candidates, file)
-    filled = [(found, header) for found, header in complete if count_values(found, header)]
-    if not filled:
-        raise _not_filled_in(file, *complete[0])
-    if len(filled) > 1:
-        # a hidden sheet is no one's answer while a visible one is there
-        filled = [pair for pair in filled if not pair[0].hidden] or filled
-    if len(filled) > 1:
-        names = [found.name for found, _ in filled]
-        raise ReadingsError(
-            f"{len(names)} sheets hold readings",
-            place=Place(file),
-            value=", ".join(repr(each) for each in names),
-            expected="one: say which sheet, or delete the others",
-        )
-    (found, header), messages = filled[0], []
-    others = [each.name for each, _ in complete if each is not found]
-    if others:
-        messages.append(
-            Message(
-                "info",
-                "sheet_chosen",
-                f"read from sheet {found.name!r}; left aside: {', '.join(repr(each) for each in others)}",
-                Place(file, found.name),
-            )
-        )
-    return found, header, messages
+def _agreement(read: Sequence[Rows], converted: Converted) -> list[Message]:
+    found = [
+        message
+        for rows in read
+        for message in agreement.messages(rows.table, rows.columns, rows.found, converted.readings)
+    ]
+    return list(dict.fromkeys(found))  # what stands above several tables is said once
 
 
-def _no_header(candidates: Sequence[tuple[Sheet, Header | None]], file: str) -> ReadingsError:
-    if not any(any(any(str(cell).strip() for cell in row) for row in found.rows) for found, _ in candidates):
-        return ReadingsError("the workbook is empty", place=Place(file), expected="a measuring sheet filled in")
-    best = max(candidates, key=lambda pair: pair[1].score if pair[1] else 0.0)
-    found, header = best
-    if header is None:
-        names = [each.name for each, _ in candidates if each.name is not None]
-        looked = f" in any of the sheets {', '.join(repr(each) for each in names)}" if len(names) > 1 else ""
-        return ReadingsError(
-            f"no row of headings found{looked}: not a measuring sheet?",
-            place=Place(file, found.name if len(candidates) == 1 else None),
-            expected=EXPECTED,
-        )
-    missing = []
-    if not header.of("component"):
-        missing.append("component")
-    if not header.values:
-        missing.append("diameter, or coordinate x1 and coordinate x2")
-    headings = ", ".join(repr(" ".join(column.heading.split())) for column in header.columns)
+def _none_left(result: Readings) -> ReadingsError | None:
+    """Where every reading was left aside."""
+    said = [message.text for message in result.messages if message.code in LEFT_ASIDE]
+    if not said:
+        return None
     return ReadingsError(
-        f"no heading for {' nor for '.join(missing)}",
-        place=found.place(header.last),
-        value=headings,
-        expected=EXPECTED,
-    )
-
-
-def _not_filled_in(file: str, found: Sheet, header: Header) -> ReadingsError:
-    return ReadingsError(
-        "no readings are filled in: every diameter is empty",
-        place=Place(file, found.name, found.row_number(header.last)),
+        f"no reading is left: {'; '.join(said)}",
+        place=Place(result.file, result.sheet),
         expected="at least one diameter, or two coordinates",
     )
 
 
-def _layout(table: Table, header: Header) -> Literal["table", "tidy", "columns"]:
-    if any(reading.coordinates is not None for reading in table.converted.readings):
+def _score(sheet: Sheet) -> float:
+    header = best_header(sheet)
+    return -1.0 if header is None else header.score + 0.01 * min(count_values(sheet, header), 10)
+
+
+def _account(chosen: Choice, read: Sequence[Rows], names: Names, converted: Converted, told: Unit | None) -> Account:
+    account = Account(names, [*converted.units, *([told.name] if told else [])])
+    for rows in read:
+        account.enter(rows)
+    for table in chosen.doubtful:
+        if account.holds_sizes(table):
+            account.problems += read_rows(table, names, told).problems
+    for table in chosen.aside:
+        account.leave_table(table)
+    for sheet in chosen.sheets_aside:
+        account.leave_sheet(sheet)
+    return account
+
+
+def _not_filled_in(table: Table) -> ReadingsError:
+    sheet, header = table.sheet, table.header
+    return ReadingsError(
+        "no readings are filled in: every diameter is empty",
+        place=Place(sheet.file, sheet.name, sheet.row_number(header.last)),
+        expected="at least one diameter, or two coordinates",
+    )
+
+
+def _layout(converted: Converted, read: Sequence[Rows]) -> Literal["table", "tidy", "columns"]:
+    if any(reading.coordinates is not None for reading in converted.readings):
         return "table"
-    return "columns" if len({column.group for column in header.values}) > 1 else "tidy"
+    return "columns" if any(len({each.group for each in rows.table.header.values}) > 1 for rows in read) else "tidy"
 
 
-def _about(table: Table, chosen: Sheet) -> list[Message]:
+def _about(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
     messages = []
-    if chosen.note:
-        messages.append(Message("info", "read_as", chosen.note, Place(chosen.file)))
-    if table.rows_without_reading:
-        rows = table.rows_without_reading
-        messages.append(
-            Message(
-                "info",
-                "rows_not_measured",
-                f"{rows} row{'s' if rows > 1 else ''} without a reading: not measured",
-                Place(chosen.file, chosen.name),
-            )
-        )
+    if sheet.note:
+        messages.append(Message("info", "read_as", sheet.note, Place(sheet.file)))
+    for rows in read:
+        table = rows.table
+        if table.said_by and rows.found:
+            said = " and ".join(str(each) for each in (table.component, table.part) if each is not None)
+            text = f"{table.where}: {said}, as {table.said_by} says"
+            messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))
+    unread = sum(rows.rows_without_reading for rows in read)
+    if unread:
+        text = f"{unread} row{'s' if unread > 1 else ''} without a reading: not measured"
+        messages.append(Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name)))
     return messages

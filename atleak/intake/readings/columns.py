@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from atleak.errors import ReadingsError
 from atleak.intake.readings.headings import Column, Header, Role
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.sheet import Cell, Sheet
-from atleak.intake.readings.words import is_blank, part_of, plain, text_of
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.words import is_blank, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
 
-_UNIT_WORDS = {"unit", "units", "einheit", "einheiten", "jednostka", "jednostki"}
+_UNIT_WORDS = vocabulary("unit")
 
 
 @dataclass(frozen=True)
@@ -29,13 +31,29 @@ class Columns:
     unit: Column | None
     groups: tuple[dict[str, Column], ...]  # each makes one diameter: "diameter", "coordinate 1", "coordinate 2"
     sheet_unit: Unit | None  # where a heading names none
+    hidden: tuple[Column, ...] = ()  # diameters left aside because a visible column holds the same part
+    hidden_read: tuple[Column, ...] = ()  # hidden diameters that are read because none does
     problems: list[ReadingsError] = field(default_factory=list)
 
+    @property
+    def keys(self) -> tuple[Column, ...]:
+        """The columns that say what a diameter is of, and its unit."""
+        found = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
+        return tuple(column for column in found if column is not None)
 
-def understand(sheet: Sheet, header: Header, names: Names) -> Columns:
+    @property
+    def read(self) -> frozenset[int]:
+        """Every column that something is read from, by its index."""
+        values = (column for group in self.groups for column in group.values())
+        return frozenset(column.index for column in (*self.keys, *values))
+
+
+def understand(table: Table, names: Names) -> Columns:
     """Which column is what. What is missing or contradictory is among the ``problems``."""
+    sheet, header = table.sheet, table.header
     component = _component(sheet, header, names)
     problems: list[ReadingsError] = []
+    shown, hidden, hidden_read = _shown(sheet, header)
     columns = Columns(
         component=component,
         names=tuple(_same(sheet, header, names, component)),
@@ -45,11 +63,13 @@ def understand(sheet: Sheet, header: Header, names: Names) -> Columns:
         direction=_used(sheet, header, "direction"),
         repeat=_used(sheet, header, "repeat"),
         unit=_used(sheet, header, "unit"),
-        groups=tuple(_groups(sheet, header, problems)),
+        groups=tuple(_groups(sheet, header, shown, problems)),
         sheet_unit=_sheet_unit(sheet, header),
+        hidden=hidden,
+        hidden_read=hidden_read,
         problems=problems,
     )
-    problems.extend(_missing(sheet, header, names, columns))
+    problems.extend(_missing(table, names, columns))
     return columns
 
 
@@ -114,21 +134,49 @@ def _same(sheet: Sheet, header: Header, names: Names, component: Column | None) 
             yield column
 
 
-def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list[dict[str, Column]]:
+def _shown(sheet: Sheet, header: Header) -> tuple[tuple[Column, ...], tuple[Column, ...], tuple[Column, ...]]:
+    """Columns of diameters to read; hidden ones beside which a visible one holds the part; hidden ones to read."""
+    concealed = [column for column in header.values if column.index in sheet.marks.hidden_columns]
+    if not concealed:
+        return header.values, (), ()
+    visible = [
+        column
+        for column in header.values
+        if column not in concealed and any(True for _ in _cells(sheet, header, column))
+    ]
+    # coordinates folded away beside the diameter that they make are one reading with it
+    beside = [column for column in concealed if any(_makes_one(column, other) for other in visible)]
+    aside = [
+        column
+        for column in concealed
+        if column not in beside and any(column.part in (None, other.part) or other.part is None for other in visible)
+    ]
+    read = tuple(column for column in concealed if column not in aside and column not in beside)
+    return tuple(column for column in header.values if column not in aside), tuple(aside), read
+
+
+def _makes_one(column: Column, other: Column) -> bool:
+    return column.group == other.group and (column.role, column.coordinate) != (other.role, other.coordinate)
+
+
+def _groups(
+    sheet: Sheet, header: Header, values: Sequence[Column], problems: list[ReadingsError]
+) -> list[dict[str, Column]]:
     groups: dict[object, dict[str, Column]] = {}
-    for column in header.values:
+    for column in values:
         name = "diameter" if column.role == "diameter" else f"coordinate {column.coordinate}"
         group = groups.setdefault(column.group, {})
         if name in group:
             problems.append(
                 ReadingsError(
-                    f"two columns are read as the same {name}: {_one_line(group[name].heading)!r} and "
-                    f"{_one_line(column.heading)!r}",
+                    f"two columns are read as the same {name}: {group[name].name!r} and {column.name!r}",
                     place=sheet.place(header.last, column.index, column.heading),
-                    expected="headings that tell repeats apart, such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
+                    expected="one state of the valve body: delete or hide the other column; or, if they are repeats, "
+                    "headings such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
                 )
             )
         group.setdefault(name, column)
+    problems.extend(_told_apart(sheet, header, values))
     for group in groups.values():
         coordinates = [name for name in ("coordinate 1", "coordinate 2") if name in group]
         if "diameter" not in group and len(coordinates) != 2:
@@ -137,11 +185,26 @@ def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list
                 ReadingsError(
                     "one coordinate alone makes no diameter",
                     place=sheet.place(header.last, column.index, column.heading),
-                    value=_one_line(column.heading),
+                    value=column.name,
                     expected="both coordinates (x1 and x2), or the diameter",
                 )
             )
     return list(groups.values())
+
+
+def _told_apart(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
+    """Columns that number repeats and say something else besides: "diameter 1 before", "diameter 2 after"."""
+    for column, other in pairwise(values):
+        numbered = column.group[:2] == other.group[:2] and column.repeat != other.repeat
+        if numbered and column.besides != other.besides:
+            yield ReadingsError(
+                f"the columns {column.name!r} and {other.name!r} are told apart by more than the number of a repeat: "
+                "two states?",
+                place=sheet.place(header.last, other.index, other.heading),
+                value=", ".join(sorted(column.besides ^ other.besides)),
+                expected="one state of the valve body: delete or hide the other column; or headings that differ in the "
+                "number of the repeat only",
+            )
 
 
 def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
@@ -166,23 +229,21 @@ def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
     return None
 
 
-def _missing(sheet: Sheet, header: Header, names: Names, columns: Columns) -> Iterator[ReadingsError]:
+def _missing(table: Table, names: Names, columns: Columns) -> Iterator[ReadingsError]:
+    sheet, header = table.sheet, table.header
     missing = []
-    if columns.component is None:
+    if columns.component is None and table.component is None:
         missing.append("the component's number")
-    if columns.part is None and not all(column.part for column in header.values):
+    if columns.part is None and table.part is None and not all(column.part for column in header.values):
         missing.append("the part (spool or sleeve)")
-    single = len(names.controller.lands) == len(names.with_lands)
+    lands = names.controller.lands
+    single = len(lands) == len(names.with_lands) or sum(land.component == table.component for land in lands) == 1
     if columns.plane is None and columns.land is None and not single:
         missing.append("the measurement plane (or land)")
     if missing:
         yield ReadingsError(
             f"no column holds {' nor '.join(missing)}",
-            place=sheet.place(header.last),
-            value=", ".join(_one_line(column.heading) for column in header.columns),
+            place=sheet.place(max(header.last, 0)),
+            value=", ".join(column.name for column in header.columns),
             expected="headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'",
         )
-
-
-def _one_line(heading: str) -> str:
-    return " ".join(heading.split())

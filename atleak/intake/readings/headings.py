@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
+from atleak.intake.readings.heading_numbers import besides_numbers, is_angle, numbers_of_heading
 from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.words import direction_of, is_blank, part_of, plain
+from atleak.intake.readings.words import STATES, is_blank, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Part
 
 Role = Literal[
-    "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean", "ignored"
-]
+    "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean",
+    "raw", "specification", "quantity", "remark", "gauge",
+]  # fmt: skip
+KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction", "repeat")
+_SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark", "gauge")
 
 EXPECTED = (
     "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
@@ -23,40 +27,49 @@ EXPECTED = (
 )
 
 _DEPTH = 3  # rows that headings may be spread over
-_PREAMBLE = 120  # rows looked through for headings
 
-
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
-_MEAN = _words("mean average avg mittel mittelwert mittlerer srednia sredni wartosc")
-_IGNORED = _words(
-    "nominal nenn nennmass nominalna nominalny mounting clearance tolerance toleranz note notes remark "
-    "remarks comment comments bemerkung uwagi check checks date datum data limit uncertainty ovality taper material "
-    "contact length expected operator lp spiel luz wear ok"
-)
-_DIRECTION = _words("direction dir richtung messrichtung kierunek angle winkel kat orientation")
-_PLANE = _words("plane planes ebene messebene plaszczyzna przekroj schnitt")
-_LAND = _words("land lands steg bund")
-_REPEAT = _words("repeat repeats repetition rep replicate wiederholung powtorzenie trial run")
-_READING = _words("reading readings measurement measured messung messwert pomiar value wert value")
-_COORDINATE = _words("coordinate coordinates coord koordinate koordinaten wspolrzedna")
-_DIAMETER = _words("diameter diameters diam dia durchmesser srednica ø ⌀ φ")
-_PART = _words("part teil czesc element side")
-_COMPONENT = _words("component components bauteil komponente ventil valve zespol podzespol zawor pair")
-_NUMBER = _words("no nr number id nummer numer #")
-_FIGURE = _words("figure fig bild abb abbildung rys rysunek")
-_NAME = _words("name bezeichnung nazwa designation description")
-_GENERIC = _words("item pos position")
-_UNIT = _words("unit units einheit jednostka")
-_TRAILING_UNITS = _words("mm um µm μm micron microns micrometre micrometer inch inches in mil mils thou cm")
-_TOKEN = re.compile(r"\d+(?:°|deg\b)|[a-z]+\d*|\d+|[ø⌀φ#]")
+_MEAN = vocabulary("mean")
+_SPECIFICATION = vocabulary("specification")
+_FOUND = vocabulary("found")
+_CORRECTED = vocabulary("corrected")
+_RAW = vocabulary("raw")
+_STANDING = vocabulary("corrected", "raw")
+_OUTCOME = vocabulary("found", "corrected", "raw")
+_QUANTITY = vocabulary("quantity")
+_REMARK = vocabulary("remark")
+_DIRECTION = vocabulary("direction")
+_PLANE = vocabulary("plane")
+_LAND = vocabulary("land")
+_REPEAT = vocabulary("repeat")
+_COUNTED = vocabulary("repeat", "reading")
+_READING = vocabulary("reading", "found")
+_COORDINATE = vocabulary("coordinate")
+_DIAMETER = vocabulary("diameter")
+_SIZE = vocabulary("diameter", "coordinate")
+_PART = vocabulary("part")
+_COMPONENT = vocabulary("component")
+_NUMBER = vocabulary("number")
+_FIGURE = vocabulary("figure")
+_NAME = vocabulary("name")
+_GENERIC = vocabulary("generic")
+_NUMBERED = vocabulary("number", "generic")
+_UNIT = vocabulary("unit")
+_GAUGE = vocabulary("gauge")
+_TRAILING_UNITS = {
+    *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
+    *("thou", "cm", "мм", "мкм"),
+}
+_TOKEN = re.compile(r"\d+(?:°|deg\b)|[ø⌀φ#]|[^\W\d_øφ]+\d*|\d+")
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column of the table. ``rank`` says how surely a component column is one, by its heading."""
+    """One column of the table.
+
+    ``rank`` says how surely a component column is one, by its heading. ``standing`` is what a heading says of a
+    diameter beside others: as read from the instrument, or corrected. ``tentative`` is a "result" or "actual" without
+    a unit: it is a diameter only if its cells are.
+    """
 
     index: int
     heading: str
@@ -67,10 +80,23 @@ class Column:
     direction: float | None = None
     repeat: int | None = None
     rank: int = 0
+    standing: Literal["raw", "corrected"] | None = None
+    tentative: bool = False
+    besides: frozenset[str] = frozenset()  # words of a value's heading that say none of this
+
+    @property
+    def name(self) -> str:
+        """The heading on one line."""
+        return " ".join(self.heading.split())
 
     @property
     def holds_value(self) -> bool:
         return self.role in {"diameter", "coordinate"}
+
+    @property
+    def holds_size(self) -> bool:
+        """Whether diameters may stand in it, measured or not."""
+        return self.holds_value or self.role in {"specification", "mean", "gauge"}
 
     @property
     def group(self) -> tuple[Part | None, float | None, int | None]:
@@ -80,11 +106,20 @@ class Column:
 
 @dataclass(frozen=True)
 class Header:
-    """The headings of a sheet: rows ``first`` to ``last`` from 0."""
+    """The headings of a table: rows ``first`` to ``last`` from 0, of all columns in ``texts``.
+
+    A table that goes on under another title, or on another sheet, has no headings of its own: ``last`` is then the row
+    above its first one, -1 at the top of a sheet.
+    """
 
     first: int
     last: int
     columns: tuple[Column, ...]
+    texts: tuple[str, ...] = ()
+
+    def text(self, index: int) -> str:
+        """A column's heading on one line; "" where it has none."""
+        return " ".join(self.texts[index].split()) if index < len(self.texts) else ""
 
     def of(self, role: Role) -> tuple[Column, ...]:
         return tuple(column for column in self.columns if column.role == role)
@@ -101,7 +136,7 @@ class Header:
     @property
     def score(self) -> float:
         """How much this looks like the headings of a measuring sheet."""
-        named = {column.role for column in self.columns} - {"ignored"}
+        named = {column.role for column in self.columns}.difference(_SAYS_NOTHING)
         distinct = {(column.role, column.coordinate, column.group) for column in self.values}
         doubled = len(self.values) - len(distinct)
         return (
@@ -115,17 +150,68 @@ class Header:
             - 0.01 * (self.last - self.first)
         )
 
+    @property
+    def starts_table(self) -> bool:
+        """Whether this can only be headings: two sizes, or a size beside what it is of."""
+        sizes = [column for column in self.columns if column.holds_size and _is_named_size(column)]
+        others = [column for column in self.columns if column.role == "quantity" and column.unit is not None]
+        keys = {column.role for column in self.columns}.intersection(KEYS)
+        several = sum(column.holds_value for column in self.columns) > 1  # "spool" and "bore", or "0°" and "90°"
+        return (len(sizes) or several) + bool(keys) > 1 or (bool(others) and len(keys) > 1)
 
-def find_header(sheet: Sheet) -> Header | None:
-    """The best row (or up to three rows) of headings, or None where no row looks like headings at all."""
+
+def _is_named_size(column: Column) -> bool:
+    """A size by a word of its own, not only by "spool" or "0°", which stand in rows of readings too."""
+    if not column.holds_value:
+        return True
+    words = set(_TOKEN.findall(plain(column.heading).replace("_", " ")))
+    named = words & _SIZE or words & _READING or _both_ends(words) or column.role == "coordinate"
+    return bool(named or column.unit is not None or column.standing)
+
+
+def best_header(sheet: Sheet) -> Header | None:
+    """The row (or up to three rows) that looks most like headings, or None where none does."""
     best: Header | None = None
-    for first in range(min(len(sheet.rows), _PREAMBLE)):
+    for first in range(len(sheet.rows)):
         if not _may_hold_headings(sheet, first):
             continue
         for header in _headers_at(sheet, first):
             if header.score > 2.0 and (best is None or header.score > best.score + 1e-9):
                 best = header
     return best
+
+
+def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Header]:
+    """The headings of every table of a sheet, from top to bottom. ``is_component`` knows the cells of readings."""
+    candidates = []
+    for first in range(len(sheet.rows)):
+        if _may_hold_headings(sheet, first) and not _holds_data(sheet, first, is_component):
+            for header in _headers_at(sheet, first):
+                if header.last > first and _holds_data(sheet, header.last, is_component):
+                    break
+                if header.starts_table:
+                    candidates.append(header)
+    found: list[Header] = []
+    for header in sorted(candidates, key=lambda each: (-round(each.score, 9), each.first)):
+        if all(header.last < other.first or header.first > other.last for other in found):
+            found.append(header)
+    return sorted(found, key=lambda each: each.first)
+
+
+def _holds_data(sheet: Sheet, row: int, is_component: Callable[[str], bool]) -> bool:
+    """Whether a row holds a number with decimals or names a component: headings do neither."""
+    for cell in sheet.rows[row]:
+        if isinstance(cell, str):
+            if cell and (_has_decimals(cell) or is_component(cell)):
+                return True
+        elif isinstance(cell, float) and not cell.is_integer():
+            return True
+    return False
+
+
+@lru_cache(maxsize=16384)
+def _has_decimals(text: str) -> bool:
+    return re.search(r"\d[.,]\d|^[.,]\d", text) is not None and number_of(text) is not None
 
 
 def _may_hold_headings(sheet: Sheet, row: int) -> bool:
@@ -143,14 +229,15 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
         width = max(len(row) for row in sheet.rows[first : last + 1])
         headings = [_heading(sheet, first, last, column) for column in range(width)]
         columns = [found for index, text in enumerate(headings) if (found := read_heading(text, index)) is not None]
-        header = Header(first, last, _settled(columns))
+        header = Header(first, last, settled(columns), tuple(headings))
         if last > first and _is_data(sheet, header, last):
             return
         yield header
 
 
 def _heading(sheet: Sheet, first: int, last: int, column: int) -> str:
-    texts = [str(sheet.filled(row, column)).strip() for row in range(first, last + 1)]
+    cells = [sheet.filled(row, column) for row in range(first, last + 1)]
+    texts = [str(cell).strip() if isinstance(cell, str) else text_of(cell) for cell in cells]
     return " ".join(dict.fromkeys(text for text in texts if text))
 
 
@@ -176,7 +263,7 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     >>> found.role, found.part, found.repeat, found.unit.name
     ('diameter', 'spool', 2, 'µm')
     """
-    rest, unit = _split_unit(text)
+    rest, unit = split_unit(text)
     tokens = _TOKEN.findall(plain(rest).replace("_", " "))
     words = set(tokens)
     if not words:
@@ -186,37 +273,51 @@ def read_heading(text: str, index: int = 0) -> Column | None:
         return None
     if role not in {"diameter", "coordinate"}:
         return Column(index, text, role, unit=unit, rank=rank)
-    coordinate, direction, repeat = _numbers(role, tokens)
-    return Column(index, text, role, unit, coordinate, _part(words, rest), direction, repeat)
+    coordinate, direction, repeat = numbers_of_heading(role, tokens)
+    standing: Literal["raw", "corrected"] | None = (
+        "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
+    )
+    tentative = unit is None and not words & _SIZE and bool(words & _OUTCOME) and repeat is None
+    part = _part(words, rest)
+    return Column(
+        *(index, text, role, unit, coordinate, part, direction, repeat),
+        standing=standing,
+        tentative=tentative,
+        besides=besides_numbers(words),
+    )
 
 
 def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, int]:
     axes = words & {"x1", "x2", "y1", "y2"}
-    sized = words & _DIAMETER or unit is not None
+    diameter = bool(words & _DIAMETER)
+    sized = diameter or unit is not None
     parts = {part_of(word) for word in words if len(word) > 2} - {None}
     numbered = any(re.fullmatch(r"\d+", word) for word in words)
+    key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
     simple: list[tuple[bool, Role]] = [
-        (bool(words & _MEAN), "mean"),
-        (bool(words & _IGNORED), "ignored"),
+        (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
+        (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
+        (bool(words & _QUANTITY), "quantity"),
+        (bool(words & _SPECIFICATION) and (sized or not key), "specification"),
+        (bool(words & _REMARK), "remark"),
         (bool(words & _DIRECTION), "direction"),
         (bool(words & _PLANE), "plane"),
-        (bool(words & _LAND), "land"),
-        (
-            bool(words & _COORDINATE) or (len(axes) >= 1 and not _both_ends(axes) and not words & _DIAMETER),
-            "coordinate",
-        ),
-        (bool(words & _DIAMETER) or _both_ends(axes), "diameter"),
-        (bool(words & (_REPEAT | _READING)) and unit is not None, "diameter"),
-        (bool(words & (_REPEAT | _READING)) and numbered and len(words) <= 3, "diameter"),
+        (bool(words & _LAND) and (numbered or not diameter), "land"),
+        (bool(words & _COORDINATE) or (len(axes) >= 1 and not _both_ends(axes) and not diameter), "coordinate"),
+        (diameter or _both_ends(axes), "diameter"),
+        (bool(words & _COUNTED or words & _FOUND) and unit is not None, "diameter"),
+        (bool(words & _COUNTED) and numbered and len(words) <= 3, "diameter"),
         (bool(words & _REPEAT), "repeat"),
         (bool(words & {"value", "reading"}), "diameter"),
         (bool(words & _UNIT) and not sized, "unit"),
         (bool(words & _PART) and not words & _NUMBER, "part"),
         (len(parts) == 2 and unit is None, "part"),
+        (bool(words & _FOUND) and all(word in _READING or part_of(word) for word in words), "diameter"),
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
         (plain(text) in {"d", "di"} and unit is not None, "diameter"),
-        (all(_is_angle(word) for word in words), "diameter"),
+        (all(is_angle(word) for word in words), "diameter"),
+        (bool(words & _GAUGE) and unit is not None, "gauge"),
     ]
     for holds, role in simple:
         if holds:
@@ -225,54 +326,21 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
 
 
 def _component_rank(words: set[str]) -> tuple[Role | None, int]:
+    if words & _READING or words & STATES:
+        return None, 0  # a measurement, vehicle or inspection by its number
     if words & _NAME:
         return "component", 1
     if words & _COMPONENT:
         return "component", 4 if words & _NUMBER else 3
     if words & _NUMBER and words & _FIGURE:
         return "component", 4
-    if words & (_NUMBER | _GENERIC) and len(words - _NUMBER - _GENERIC) <= 1:
+    if words & _NUMBERED and len([word for word in words if word not in _NUMBERED]) <= 1:
         return "component", 2
     return None, 0
 
 
 def _both_ends(axes: set[str]) -> bool:
     return {"x1", "x2"} <= axes or {"y1", "y2"} <= axes
-
-
-def _is_angle(word: str) -> bool:
-    return re.fullmatch(r"\d+(?:°|deg)", word) is not None
-
-
-def _numbers(role: str, tokens: Sequence[str]) -> tuple[int | None, float | None, int | None]:
-    """Coordinate 1 or 2, direction and repeat from the words of a value's heading."""
-    direction = next((direction_of(token) for token in tokens if _is_angle(token)), None)
-    axes = {token for token in tokens if token in {"x1", "x2", "y1", "y2"}}
-    letters = {axis[0] for axis in axes}
-    if len(letters) == 1 and direction is None:
-        direction = 0.0 if letters == {"x"} else 90.0
-    repeat = coordinate = None
-    plain_numbers: list[int] = []
-    for before, token in zip(("", *tokens), tokens, strict=False):
-        glued = re.fullmatch(r"([a-z]+)(\d+)", token)
-        if token.isdigit():
-            if repeat is None and before in _REPEAT | _READING | {"#"}:
-                repeat = int(token)
-            else:
-                plain_numbers.append(int(token))
-        elif glued and glued[1] in _REPEAT | _READING | {"r"}:
-            repeat = int(glued[2])
-        elif glued and glued[1] in _DIAMETER | _COORDINATE:
-            plain_numbers.append(int(glued[2]))
-    if role == "coordinate":
-        ends = {axis[1] for axis in axes}
-        if len(ends) == 1:
-            coordinate = int(ends.pop())
-        elif plain_numbers:
-            coordinate = plain_numbers.pop(0)
-    if repeat is None and plain_numbers:
-        repeat = plain_numbers[0]
-    return coordinate, direction, repeat
 
 
 def _part(words: set[str], text: str) -> Part | None:
@@ -283,7 +351,7 @@ def _part(words: set[str], text: str) -> Part | None:
     return parts.pop() if len(parts) == 1 else None
 
 
-def _split_unit(text: str) -> tuple[str, Unit | None]:
+def split_unit(text: str) -> tuple[str, Unit | None]:
     for found in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
         inner = re.sub(r"^\s*in\s+(?=\S)", "", found[1])
         unit = find_unit(inner, "length") if inner.strip() else None
@@ -297,7 +365,7 @@ def _split_unit(text: str) -> tuple[str, Unit | None]:
     return text, None
 
 
-def _settled(columns: list[Column]) -> tuple[Column, ...]:
+def settled(columns: list[Column]) -> tuple[Column, ...]:
     """What only the columns together tell.
 
     A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
@@ -318,4 +386,13 @@ def _settled(columns: list[Column]) -> tuple[Column, ...]:
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)
         settled.append(column)
-    return tuple(settled)
+    counted = {
+        key: {each.repeat for each in settled if each.group[:2] == key} for key in {each.group[:2] for each in settled}
+    }
+    # repeats count from 1, with one left out at most: 12 and 24 are something else
+    return tuple(
+        replace(column, repeat=None)
+        if column.repeat is not None and column.repeat > len(counted[column.group[:2]]) + 1
+        else column
+        for column in settled
+    )

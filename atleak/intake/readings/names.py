@@ -21,6 +21,7 @@ class Names:
 
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
+        self._named: dict[str, bool] = {}
         self._planes: dict[tuple[str, str], Land] = {
             (land.component, plain(plane)): land for land in controller.lands for plane in land.planes
         }
@@ -53,6 +54,21 @@ class Names:
         number = self._spellings.get(plain(head.rstrip(".:,–-")))
         named = self._spellings.get(plain(tail.lstrip("–-:, ")))
         return number if number is not None and number == named else None
+
+    def is_named(self, text: str) -> bool:
+        """Whether a text names a component by more than a bare number."""
+        if text not in self._named:
+            self._named[text] = any(letter.isalpha() for letter in text) and self.component(text) is not None
+        return self._named[text]
+
+    def component_in(self, text: str) -> str | None:
+        """The component that a title speaks of: its name alone, behind a colon, or its number behind "valve" …"""
+        for said in (text, text.rpartition(":")[2].strip()):
+            if self.is_named(said):
+                return self.component(said)
+        folded = f" {plain(text)} "
+        found = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
+        return found.pop() if len(found) == 1 else None
 
     def require_component(self, cell: Cell) -> str:
         """As `component`, but one with lands or an error.

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import datetime
 import re
+import tomllib
 import unicodedata
+from collections.abc import Iterable
 from functools import lru_cache
+from importlib import resources
+from typing import Literal
 
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sheet import Cell
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Part
+from atleak.written_numbers import decimal_number
 
 _SPACES = re.compile(r"\s+")
-_NUMBER = re.compile(r"^[+\-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+\-]?\d{1,3})?$", re.IGNORECASE)
-_NUMBER_AND_UNIT = re.compile(r"^([+\-]?[\d.,]*\d(?:[.,])?(?:[eE][+\-]?\d+)?)([^\d.,\s+\-][^\d]*)$")
+_NUMBER_AND_UNIT = re.compile(r"(.*\d[.,]?)\s*([^\d.,\s+\-]\D*)", re.DOTALL)
 _ABSENT = {
     "",
     "-",
@@ -35,17 +39,27 @@ _ABSENT = {
 _PARTS: dict[Part, tuple[str, ...]] = {
     "spool": (
         *("spool", "piston", "rod", "plunger", "shaft", "valve", "valve spool", "spool valve", "piston rod"),
+        *("spools", "pistons", "plungers"),
         *("damper", "damper piston", "damper piston rod", "male", "inner", "d", "di", "ds"),
         *("schieber", "kolben", "kolbenstange", "ventilschieber", "steuerschieber", "welle"),
-        *("suwak", "tłok", "tłoczek", "tłoczysko"),
+        *("suwak", "tłok", "tłoczek", "tłoczysko", "suwaki", "tłoki", "tłoczki"),
+        *("tiroir", "carrete", "pistón", "émbolo", "поршень", "поршни", "золотник", "pistone", "píst", "šoupátko"),
     ),
     "sleeve": (
         *("sleeve", "bore", "opening", "cylindrical opening", "sleeve opening", "hole", "body", "housing", "casing"),
+        *("sleeves", "bores", "openings"),
         *("cylinder", "bushing", "female", "outer", "D", "Di", "Dk"),
         *("hülse", "huelse", "bohrung", "gehäuse", "gehaeuse", "buchse", "zylinder"),
-        *("tuleja", "otwór", "gniazdo", "korpus"),
+        *("hülsen", "huelsen", "bohrungen"),
+        *("tuleja", "otwór", "gniazdo", "korpus", "tuleje", "otwory", "gniazda"),
+        *("alésage", "chemise", "orificio", "taladro", "отверстие", "отверстия", "втулка", "гильза"),
+        *("foro", "alesaggio", "otvor", "pouzdro"),
     ),
 }
+# words for other things too, so that they name no part where they stand in a title
+_TOO_COMMON = frozenset(
+    ("valve", "body", "housing", "casing", "shaft", "rod", "male", "female", "inner", "outer", "hole", "opening")
+)
 _SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, D the sleeve
 _PART_WORDS: dict[str, Part] = {}
 
@@ -63,6 +77,37 @@ def plain(text: object) -> str:
 def _plain(text: str) -> str:
     folded = unicodedata.normalize("NFKD", text).lower().replace("ł", "l").replace("ß", "ss")
     return _SPACES.sub(" ", "".join(sign for sign in folded if not unicodedata.combining(sign))).strip()
+
+
+class Vocabulary:
+    """Words of one meaning in all languages; some as the beginning of a word."""
+
+    def __init__(self, words: Iterable[str]) -> None:
+        listed = [plain(word) for word in words]
+        self._words = frozenset(word for word in listed if not word.endswith("*"))
+        self._stems = tuple(word[:-1] for word in listed if word.endswith("*"))
+
+    def __contains__(self, word: str) -> bool:
+        return word in self._words or (bool(self._stems) and word.startswith(self._stems))
+
+    def __rand__(self, words: Iterable[str]) -> set[str]:
+        """Those of the words that have this meaning: ``words & vocabulary("diameter")``."""
+        return {word for word in words if word in self}
+
+
+@lru_cache(maxsize=1)
+def _vocabularies() -> dict[str, dict[str, list[str]]]:
+    return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
+
+
+def vocabulary(*meanings: str) -> Vocabulary:
+    """The words of headings and titles for one or several meanings of ``vocabulary.toml``.
+
+    >>> {"solldurchmesser", "mm"} & vocabulary("specification")
+    {'solldurchmesser'}
+    """
+    by_language = (_vocabularies()[meaning] for meaning in meanings)
+    return Vocabulary(word for languages in by_language for words in languages.values() for word in words)
 
 
 def is_blank(cell: Cell) -> bool:
@@ -107,41 +152,19 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
             value=str(cell),
             expected="a diameter such as 9.939: format the cell as number or text and type it again",
         )
-    text, written = _split_unit(unicodedata.normalize("NFKC", str(cell)).strip().replace("−", "-"))
-    digits = _decimal_point(re.sub(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", text).strip())
-    if _NUMBER.match(digits):
-        return float(digits), written
+    text, unit = _split_unit(str(cell).strip())
+    value = decimal_number(text)
+    if value is not None:
+        return value, unit
     raise ReadingsError("not a number", value=str(cell), expected="a diameter such as 9.939 or 9,939")
 
 
 def _split_unit(text: str) -> tuple[str, Unit | None]:
-    found = _NUMBER_AND_UNIT.match(_SPACES.sub("", text))
+    found = _NUMBER_AND_UNIT.fullmatch(text)
     if found is None:
         return text, None
     written = find_unit(found[2], "length")
     return (found[1], written) if written else (text, None)
-
-
-def _decimal_point(text: str) -> str:
-    """The last of the two signs is the decimal one; a sign that stands more than once groups thousands."""
-    commas, points = text.count(","), text.count(".")
-    if commas and points:
-        decimal, grouping = (",", ".") if text.rfind(",") > text.rfind(".") else (".", ",")
-        if text.count(decimal) > 1:
-            return text
-        whole, _, rest = text.partition(decimal)
-        return (
-            f"{whole.replace(grouping, '')}.{rest}"
-            if re.fullmatch(rf"[+\-]?\d{{1,3}}(\{grouping}\d{{3}})+", whole)
-            else text
-        )
-    if commas == 1:
-        return text.replace(",", ".")
-    if commas > 1 and re.fullmatch(r"[+\-]?\d{1,3}(,\d{3})+", text):
-        return text.replace(",", "")
-    if points > 1 and re.fullmatch(r"[+\-]?\d{1,3}(\.\d{3})+", text):
-        return text.replace(".", "")
-    return text
 
 
 def part_words() -> list[str]:
@@ -161,6 +184,18 @@ def part_of(text: str) -> Part | None:
         return _PART_WORDS.get(stripped)
     folded = plain(stripped)
     return _PART_WORDS.get(folded) or _PART_WORDS.get(re.sub(r"\s*[\(\[/].*$", "", folded))
+
+
+@lru_cache(maxsize=4096)
+def part_in(text: str) -> Part | None:
+    """The one part a title speaks of, or None.
+
+    >>> part_in("Pistons, 20 °C"), part_in("Valve body 12"), part_in("spools and sleeves")
+    ('spool', None, None)
+    """
+    words = {word for word in re.findall(r"[^\W\d_]{3,}", plain(text)) if word not in _TOO_COMMON}
+    parts = {part for word in words if (part := part_of(word)) is not None}
+    return parts.pop() if len(parts) == 1 else None
 
 
 _DIRECTIONS = {
@@ -203,6 +238,34 @@ def repeat_of(cell: Cell) -> int | None:
     return int(found[1] if found else _ROMAN.get(text, "0")) or None
 
 
+@lru_cache(maxsize=16384)
+def number_of(text: str) -> float | None:
+    """The number that a text is, or None."""
+    try:
+        return number(text)[0]
+    except ReadingsError:
+        return None
+
+
+_NOT_AMONG_DIGITS = r"(?<![\d.,:/\-])"
+_IN_TEXT = re.compile(
+    _NOT_AMONG_DIGITS + r"(\d{1,2}[.,]\d{3,4}|\d{1,2}[.,]\d{1,2}(?=\s?mm)|0?[.,]\d{3,5})(?![.,:/]?\d)"
+)
+
+
+@lru_cache(maxsize=16384)
+def numbers_in(text: str) -> tuple[float, ...]:
+    """The number that a text is, or the diameters that are mentioned in it.
+
+    >>> numbers_in("17,998 mm"), numbers_in("was 17.991 before"), numbers_in("12.05.2026")
+    ((17.998,), (17.991,), ())
+    """
+    whole = number_of(text)
+    if whole is not None:
+        return (whole,)
+    return tuple(float(found[1].replace(",", ".")) for found in _IN_TEXT.finditer(text))
+
+
 def plane_names(cell: Cell) -> list[str]:
     """Spellings under which a controller may know the plane that a cell names, the literal one first.
 
@@ -228,3 +291,192 @@ _PART_WORDS.update(
 def at(place: Place, error: ReadingsError) -> ReadingsError:
     """The same error, now with its place."""
     return ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)
+
+
+# --- what a row is, besides a reading ---------------------------------------------------------------------------------
+
+_LETTERS = re.compile(r"[^\W\d_]+")
+
+
+def _folded(text: str) -> frozenset[str]:
+    return frozenset(plain(text).split())
+
+
+def letters(text: object) -> list[str]:
+    """The words of a text, folded, without its numbers and signs."""
+    return _LETTERS.findall(plain(text))
+
+
+Summary = Literal["mean", "sum", "largest", "smallest", "spread", "count"]
+
+_SUMMARIES: dict[Summary, str] = {
+    "mean": "mean means average averages avg ave aver median mittel mittelwert mittelwerte mw gesamtmittelwert "
+    "zwischenmittel durchschnitt durchschnittswert srednia srednie sredni sr moyenne moy media promedio gemiddelde "
+    "medel prumer среднее средняя средний ср xbar xq",
+    "sum": "sum sums total totals subtotal subtotals summe summen gesamt gesamtsumme gesamtergebnis zwischensumme "
+    "teilergebnis teilsumme suma sumy razem lacznie ogolem somme totale somma totaal сумма итого всего",
+    "largest": "max maximum maks maksimum maximal maximalwert hochstwert grosster najwiekszy najwieksza",
+    "smallest": "min minimum minimal minimalwert kleinster najmniejszy najmniejsza",
+    "spread": "range spread stdev stddev stdv sd sigma variance spannweite streuung standardabweichung stabw rozstep "
+    "rozrzut odchylenie wariancja ecart etendue",
+    "count": "count counts anzahl liczba ilosc",
+}
+_SUMMARY_WORDS: dict[str, Summary] = {plain(word): kind for kind, words in _SUMMARIES.items() for word in words.split()}
+_SUMMARY_SIGNS = {"ø", "⌀", "∅", "x̄", "x̅", "x̿", "x-bar", "x bar", "x quer", "σ", "∑"}
+_BESIDE_A_SUMMARY = _folded(
+    "of from the above over all for per by row rows value values reading readings measurement measurements repeat "
+    "repeats number numbers grand overall calculated arithmetic arithmetical standard deviation n "
+    "aus der die das von dem den wert werte messung messungen wiederholungen arithmetisch arithmetischer uber alle oben "
+    "z ze dla od do wartosc wartosci pomiar pomiaru pomiarow arytmetyczna koncowa calkowita wszystkich powyzej "
+    "standardowe wierszy de la le les des general generale mesures и из значение измерений"
+)
+
+
+def summary_of(cell: Cell, *, key: bool = False) -> Summary | None:
+    """Whether a row with this label holds a mean or a sum of others, in place of a reading.
+
+    ``key`` is for cells that should say a component, part, plane, direction or repeat and do not: there one such word
+    is enough ("accumulator Average"). Elsewhere, in remarks, nothing else may be said.
+
+    >>> summary_of("Mittelwert aus 3 Messungen"), summary_of("below average finish"), summary_of("Grand Total")
+    ('mean', None, 'sum')
+    >>> summary_of("Kolben Summe", key=True), summary_of("Ø", key=True)
+    ('sum', 'mean')
+    """
+    if not isinstance(cell, str):
+        return None
+    return _summary(cell.strip(), key)
+
+
+@lru_cache(maxsize=4096)
+def _summary(text: str, key: bool) -> Summary | None:
+    if key and text.lower().strip(" .:") in _SUMMARY_SIGNS:
+        return "sum" if text.strip(" .:") in {"Σ", "∑"} else "mean"
+    words = letters(text)
+    kinds = [_SUMMARY_WORDS[word] for word in words if word in _SUMMARY_WORDS]
+    if not kinds and key and words and words[-1] == "ergebnis":  # as a German spreadsheet program ends a subtotal
+        return "sum"
+    if not kinds:
+        return None
+    others = [word for word in words if word not in _SUMMARY_WORDS and word not in _BESIDE_A_SUMMARY]
+    return kinds[0] if key or not others else None
+
+
+COUNTS = _folded(  # headings of a column that says which rows count
+    "valid use used usable counts include included accept accepted keep gultig verwenden verwendet verwendbar zahlt "
+    "gilt brauchbar berucksichtigen wazny wazna wazne uzyc uzyty uwzglednic uwzgledniony licz liczy valide valable "
+    "valido годен"
+)
+COUNTS_NOT = _folded(  # headings of a column that says which do not
+    "invalid exclude excluded reject rejected discard discarded outlier outliers void ungultig verworfen ausreisser "
+    "ausgeschlossen streichen gestrichen niewazny niewazna odrzucony odrzucona odrzucic pominac pominiety bledny"
+)
+_NO = _folded("no n nein nie non 0 false falsch falsz not nok нет ✗ ✘ ×") | COUNTS_NOT
+_YES = _folded("yes y ja j tak t oui si 1 true wahr prawda x ✓ ✔ да") | COUNTS_NOT
+
+
+def says_no(cell: Cell) -> bool:
+    """
+    >>> says_no("Nein"), says_no(False), says_no(0.0), says_no("ok")
+    (True, True, True, False)
+    """
+    return plain(text_of(cell)).strip(" .!") in _NO
+
+
+def says_yes(cell: Cell) -> bool:
+    return plain(text_of(cell)).strip(" .!") in _YES
+
+
+def is_rejected(cell: Cell) -> bool:
+    """Whether a remark strikes its row out: nothing but a word for it.
+
+    >>> is_rejected("Ausreißer"), is_rejected("do not use!"), is_rejected("no outlier")
+    (True, True, False)
+    """
+    text = plain(cell).strip(" .!()") if isinstance(cell, str) else ""
+    return text in COUNTS_NOT or text in {"do not use", "not valid", "nicht verwenden", "nie uzywac", "nie uwzgledniac"}
+
+
+# --- what tells two states apart --------------------------------------------------------------------------------------
+
+STATES = _folded(  # headings of a column that says when, or of which specimen
+    "date day month year week inspection visit mileage odometer km hours serial vehicle car unit specimen sample job "
+    "order state condition stage overhaul phase period session before after status when version batch lot set series "
+    "datum tag monat jahr woche inspektion prufung laufleistung kilometerstand betriebsstunden seriennummer fahrzeug "
+    "auftrag zustand stand probe prufling exemplar charge termin "
+    "data dzien miesiac rok tydzien przeglad badanie przebieg godziny seryjny pojazd zlecenie stan probka egzemplarz "
+    "sztuka etap partia date kilometrage vehicule etat serie fecha kilometraje vehiculo estado дата пробег состояние"
+)
+PERSONS = _folded(  # two people who measure the same thing make repeats
+    "operator operators inspector measured person technician initials prufer bearbeiter bediener gemessen messperson "
+    "operatorka mierzyl mierzacy wykonal pomiarowiec"
+)
+QUANTITIES = _folded(  # a number before one of these is no number of a repeat
+    "km mi mile miles h hr hrs hour hours std stunden godz day days tage dni week weeks month months k tkm tys c f bar "
+    "kpa rpm min s v n nm mm um °c °f kw cw q tsd"
+)
+_STATE_VALUE = re.compile(
+    r"(?:19|20)\d\d|\d[\d ., ]*(?:km|mi|miles|h|hours|std|godz)\.?|\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|"
+    r"(?:jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec|mai|okt|dez|marz|sty|lut|kwi|maj|cze|lip|sie|wrz|paz|lis|gru)"
+    r"[a-z]*\.?(?: \d{2,4})?|before|after|old|new|worn|repaired|vorher|nachher|alt|neu|vor|nach|przed|po|stary|nowy"
+)
+
+
+def is_state(cell: Cell) -> bool:
+    """Whether a cell says a time, a mileage or a state.
+
+    >>> is_state("November"), is_state("90 000 km"), is_state("przed"), is_state("scratched")
+    (True, True, True, False)
+    """
+    return isinstance(cell, datetime.date) or _STATE_VALUE.fullmatch(plain(text_of(cell))) is not None
+
+
+_REPEATS = _folded(
+    "repeat repetition replicate measurement reading measuring run trial pass series wiederholung messung durchgang reihe "
+    "messreihe powtorzenie pomiar seria repetition mesure medicion no nr st nd rd th повтор измерение"
+)
+
+
+def is_repeat_title(text: str) -> bool:
+    """Whether a title over a block of rows numbers a repeat, and says nothing else.
+
+    >>> is_repeat_title("2nd measurement"), is_repeat_title("Messung 2:"), is_repeat_title("Messung Mai")
+    (True, True, False)
+    """
+    words = letters(text)
+    return (
+        bool(words) and all(word in _REPEATS for word in words) and re.search(r"(?<!\d)\d{1,2}(?!\d)", text) is not None
+    )
+
+
+_PAGES = _folded("page pages seite seiten blatt strona stron str arkusz folio of von z")
+
+
+def is_page_title(text: str) -> bool:
+    """Whether a line only counts the pages.
+
+    >>> is_page_title("Page 2 of 3"), is_page_title("Seite 2"), is_page_title("November")
+    (True, True, False)
+    """
+    words = letters(text)
+    return bool(words) and all(word in _PAGES for word in words)
+
+
+# --- what a sheet says a second time ----------------------------------------------------------------------------------
+
+CLEARANCES = _folded(
+    "clearance clearances spiel laufspiel einbauspiel kolbenspiel schieberspiel luz luzu jeu gioco holgura зазор"
+)
+NOT_MEASURED = _folded(  # a clearance of this kind is not that of the diameters beside it
+    "mounting nominal new limit max min maximum minimum allowed permissible specified specification spec drawing target "
+    "tolerance design uncertainty einbau einbauspiel soll sollspiel nenn nennspiel neu neuzustand zulassig zulassiges "
+    "grenze zeichnung toleranz montazowy montazowa nominalny nominalna nowy dopuszczalny zadany rysunku wear verschleiss "
+    "zuzycie ratio"
+)
+RADIAL = _folded("radial radiale radiales radialspiel promieniowy promieniowa cr")
+CORRECTIONS = _folded(
+    "correction corrections offset korrektur korrekturwert korrektion poprawka poprawki korekta korekcja bias ringfehler "
+    "einstellringfehler gauge ring"
+)
+ERRORS = _folded("error deviation fehler abweichung blad odchylka")
+CORRECTED = _folded("corrected korrigiert skorygowana skorygowany poprawiona poprawiony corrige")

@@ -8,6 +8,7 @@ from atleak.errors import ReadingsError
 from atleak.intake.native.process import WORKBOOK, read_apart
 from atleak.intake.native.workbooks import Range, measuring_sheets, stray_cells
 from atleak.intake.readings.sheet import Sheet
+from atleak.intake.workbook_marks import Marks
 
 
 def read_workbook(data: bytes, file: str) -> list[Sheet]:
@@ -27,6 +28,7 @@ def read_workbook(data: bytes, file: str) -> list[Sheet]:
             merged=_merged(found["merged"]),
             faults=found["faults"],
             hidden=found["hidden"],
+            marks=Marks(**found["marks"]),
         )
         for found in read_apart(measuring_sheets, data, file, ReadingsError, WORKBOOK, stray_cells)
     ]

@@ -1,0 +1,215 @@
+"""Which tables of which sheets are the measurement, and whether they are one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.intake.readings.columns import count_values
+from atleak.intake.readings.headings import EXPECTED, Header, best_header
+from atleak.intake.readings.names import Names
+from atleak.intake.readings.rows import Rows
+from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.tables import Table, continued, find_tables
+from atleak.intake.readings.values import Key
+from atleak.intake.readings.words import is_repeat_title
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The tables to read, those beside them that hold no readings, and the sheets that were not asked for.
+
+    ``doubtful`` hold values of which no column says the component.
+    """
+
+    tables: tuple[Table, ...]
+    doubtful: tuple[Table, ...]
+    aside: tuple[Table, ...]
+    sheets_aside: tuple[Sheet, ...]
+    messages: tuple[Message, ...]
+
+
+def choose(sheets: Sequence[Sheet], file: str, names: Names, wanted: str | None) -> Choice:
+    """The tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
+
+    Raises
+    ------
+    ReadingsError
+        where there is no such sheet, none holds readings, or none is filled in.
+    """
+    tables = {sheet.name: find_tables(sheet, names) for sheet in sheets}
+    for before, sheet in pairwise(sheets):
+        readable = [table for table in tables[before.name] if table.readable]
+        if not tables[sheet.name] and readable and (more := continued(sheet, readable[-1], names)) is not None:
+            tables[sheet.name] = [more]
+    if wanted is not None and any(sheet.name is not None for sheet in sheets):
+        looked_at = [_wanted(sheets, tables, file, wanted)]
+        tables[wanted] = _unless_none(tables[wanted])
+    else:
+        filled = [sheet for sheet in sheets if any(_is_filled(table) for table in tables[sheet.name])]
+        # a hidden sheet is no one's answer while a visible one is there
+        shown = [sheet for sheet in filled if not sheet.hidden] or filled
+        looked_at = [sheet for sheet in sheets if sheet in shown or not sheet.hidden]
+    readable = [table for sheet in looked_at for table in tables[sheet.name] if table.readable]
+    if not readable:
+        raise _no_readings(sheets, tables, file)
+    rest = [table for sheet in looked_at for table in tables[sheet.name] if not table.readable]
+    read = {table.sheet.name for table in readable if _is_filled(table)}
+    others = [
+        sheet.name for sheet in sheets if sheet.name not in read and any(table.readable for table in tables[sheet.name])
+    ]
+    return Choice(
+        tables=tuple(readable),
+        doubtful=tuple(table for table in rest if not table.aside),
+        aside=tuple(table for table in rest if table.aside),
+        sheets_aside=tuple(sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden),
+        messages=tuple(_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted)),
+    )
+
+
+def _is_filled(table: Table) -> bool:
+    return table.readable and count_values(table.sheet, table.header) > 0
+
+
+def _about_sheets(
+    file: str, read: Sequence[str | None], others: Sequence[str | None], wanted: str | None
+) -> Iterable[Message]:
+    if len(read) > 1:
+        text = f"read as one measurement from sheets {_quoted(read)}, which hold different planes or parts"
+        yield Message("info", "sheets_read", text, Place(file))
+    if others and read and wanted is None:
+        text = f"read from sheet {_quoted(read)}; left aside: {_quoted(others)}"
+        yield Message("info", "sheet_chosen", text, Place(file, read[0]))
+
+
+def _quoted(names: Iterable[str | None]) -> str:
+    return ", ".join(repr(name) for name in names)
+
+
+def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str, wanted: str) -> Sheet:
+    by_name = {sheet.name: sheet for sheet in sheets if sheet.name is not None}
+    if wanted not in by_name:
+        raise ReadingsError(
+            "the workbook has no such sheet",
+            place=Place(file),
+            value=wanted,
+            expected="one of " + ", ".join(by_name),
+            nearest=nearest_name(wanted, by_name),
+        )
+    if not any(table.readable for table in _unless_none(tables[wanted])):
+        usable = [name for name in by_name if any(table.readable for table in tables[name])]
+        hint = f"; readings are in sheet {_quoted(usable)}" if usable else ""
+        raise ReadingsError(f"this sheet holds no readings{hint}", place=Place(file, wanted), expected=EXPECTED)
+    return by_name[wanted]
+
+
+def _unless_none(tables: list[Table]) -> list[Table]:
+    """The tables of a sheet that was asked for: its name alone does not leave them aside."""
+    if any(table.readable for table in tables):
+        return tables
+    return [replace(table, aside="") if table.header.values else table for table in tables]
+
+
+def _no_readings(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str) -> ReadingsError:
+    if not any(any(any(str(cell).strip() for cell in row) for row in sheet.rows) for sheet in sheets):
+        return ReadingsError("the workbook is empty", place=Place(file), expected="a measuring sheet filled in")
+    found = [table for listed in tables.values() for table in listed]
+    put_aside = [table for table in found if table.aside and table.header.values and table.header.of("component")]
+    if put_aside:
+        table = put_aside[0]
+        return ReadingsError(
+            f"the table in {table.where} is left aside ({table.aside}), and there is no other",
+            place=Place(file, table.sheet.name, table.sheet.row_number(max(table.header.first, 0))),
+            expected="a title that says 'measured' where these are the readings",
+        )
+    headers = [(table.sheet, table.header) for table in found]
+    headers += [(sheet, header) for sheet in sheets if (header := best_header(sheet)) is not None]
+    if not headers:
+        names = [sheet.name for sheet in sheets if sheet.name is not None]
+        looked = f" in any of the sheets {_quoted(names)}" if len(names) > 1 else ""
+        return ReadingsError(
+            f"no row of headings found{looked}: not a measuring sheet?",
+            place=Place(file, sheets[0].name if len(sheets) == 1 else None),
+            expected=EXPECTED,
+        )
+    return _incomplete(*max(headers, key=lambda pair: pair[1].score))
+
+
+def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
+    missing = []
+    if not header.of("component"):
+        missing.append("component")
+    if not header.values:
+        missing.append("diameter, or coordinate x1 and coordinate x2")
+    return ReadingsError(
+        f"no heading for {' nor for '.join(missing) or 'what was measured'}",
+        place=sheet.place(header.last),
+        value=", ".join(repr(column.name) for column in header.columns),
+        expected=EXPECTED,
+    )
+
+
+def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsError]:
+    """Problems where two tables of a sheet hold the same diameters and nothing says that they are repeats.
+
+    Raises
+    ------
+    ReadingsError
+        where two sheets do: which is meant, only the user knows.
+    """
+    problems = []
+    first: dict[tuple[str, str, str], list[tuple[Rows, Key]]] = {}
+    asked: dict[str | None, None] = {}
+    told: set[tuple[int, int]] = set()
+    for before, rows in zip((None, *read), read, strict=False):
+        if is_repeat_title(rows.table.title):
+            continue
+        over_the_page = _goes_on(before, rows)
+        mine: dict[tuple[str, str, str], list[tuple[Rows, Key]]] = {}
+        for entry in rows.found:
+            key, raw = entry.key, entry.raw
+            place = key.component, key.part, key.plane
+            if entry.row == over_the_page:
+                continue
+            for other, earlier in first.get(place, ()):
+                if None not in (key.direction, earlier.direction) and key.direction != earlier.direction:
+                    continue
+                sheet, other_sheet = rows.table.sheet, other.table.sheet
+                if sheet.name != other_sheet.name:
+                    asked.update({other_sheet.name: None, sheet.name: None})
+                elif not (key.explicit and earlier.explicit) and (id(other), id(rows)) not in told:
+                    told.add((id(other), id(rows)))
+                    problems.append(_twice(rows, other, key, raw.place))
+            mine.setdefault(place, [])
+            if all(key.direction != known.direction or key.explicit != known.explicit for _, known in mine[place]):
+                mine[place].append((rows, key))
+        for place, entries in mine.items():
+            first.setdefault(place, []).extend(entries)
+    if asked:
+        raise ReadingsError(
+            f"{len(asked)} sheets hold readings of the same planes",
+            place=Place(file),
+            value=_quoted(asked),
+            expected="one: say which sheet, or delete the others",
+        )
+    return problems
+
+
+def _goes_on(before: Rows | None, rows: Rows) -> int | None:
+    """The first row under headings printed again, where it goes on with the station of the row above them."""
+    if before is None or before.table.sheet.name != rows.table.sheet.name or not before.found or not rows.found:
+        return None
+    last = {entry.key for entry in before.found if entry.row == before.found[-1].row}
+    first = {entry.key for entry in rows.found if entry.row == rows.found[0].row}
+    return rows.found[0].row if first == last and not rows.table.title else None
+
+
+def _twice(rows: Rows, other: Rows, key: Key, place: Place) -> ReadingsError:
+    return ReadingsError(
+        f"component {key.component}, {key.part}, plane {key.plane} stands in this table and in the one in "
+        f"{other.table.where} already: repeats, or two states?",
+        place=place,
+        expected="a column 'repeat' in both, or only the table that is meant",
+    )

@@ -1,0 +1,59 @@
+"""Whether a number has the size of a diameter of the controller."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterable
+
+from atleak.controller import Controller
+from atleak.intake.readings.sheet import Cell
+from atleak.intake.readings.words import numbers_in
+from atleak.intake.units import Unit, find_unit
+from atleak.readings import NOMINAL_TOLERANCE
+
+_INCH_DECIMALS = 3  # a diameter in inches has at least so many; 0.5 is half a millimetre of something
+MM, UM, INCH = (find_unit(name, "length") for name in ("mm", "µm", "inch"))
+
+
+class Sizes:
+    """The nominal diameters [m] of a controller, spools and sleeves."""
+
+    def __init__(self, controller: Controller) -> None:
+        self._by_plane = {
+            (land.component, plane): (land.nominal_diameter, land.nominal_sleeve_diameter)
+            for land in controller.lands
+            for plane in land.planes
+        }
+        self._all = sorted({size for sizes in self._by_plane.values() for size in sizes})
+
+    def near(self, value: float, units: Iterable[Unit]) -> bool:
+        """Whether a number in one of the units is within 0.5 mm of any nominal diameter."""
+        for unit in units:
+            size = unit.to_si(value)
+            if unit == INCH and round(value, _INCH_DECIMALS - 1) == value:
+                continue
+            above = bisect_left(self._all, size - NOMINAL_TOLERANCE)
+            if above < len(self._all) and self._all[above] <= size + NOMINAL_TOLERANCE:
+                return True
+        return False
+
+    def near_plane(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
+        """Whether a number is within 0.5 mm of the nominal diameters of one plane."""
+        nominal = self._by_plane.get((component, plane), ())
+        return any(abs(unit.to_si(value) - size) <= NOMINAL_TOLERANCE for unit in units for size in nominal)
+
+
+def numbers_of(cell: Cell) -> tuple[float, ...]:
+    """The number of a cell, or those that its text mentions."""
+    if isinstance(cell, bool):
+        return ()
+    if isinstance(cell, int | float):
+        return (float(cell),)
+    return numbers_in(cell) if isinstance(cell, str) and cell else ()
+
+
+def is_whole(cell: Cell) -> bool:
+    """Whether a number is written without decimals: a count or a name more often than a diameter."""
+    if isinstance(cell, str):
+        return not any(sign in cell for sign in ".,")
+    return isinstance(cell, int) or (isinstance(cell, float) and cell.is_integer())

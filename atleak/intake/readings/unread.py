@@ -1,0 +1,323 @@
+"""No diameter is lost: every number of that size is read, left aside with a word, or the sheet is refused.
+
+It looks at every cell of the visible sheets once more, whatever the headings were understood to say.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.readings.headings import Role, split_unit
+from atleak.intake.readings.names import Names
+from atleak.intake.readings.rows import Rows
+from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.sizes import INCH, MM, Sizes, is_whole, numbers_of
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.words import is_blank, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.units import Unit, find_unit
+
+_WHY: dict[Role, str] = {
+    "specification": "what the diameter should be, not what was measured",
+    "mean": "means of readings",
+    "raw": "raw readings beside corrected ones",
+    "remark": "remarks",
+    "quantity": "another quantity by its heading",
+}
+_SAYS_SIZE = vocabulary("diameter", "found", "reading", "specification", "mean", "raw", "aside", "gauge")
+_QUANTITY = vocabulary("quantity")
+_SHOWN = 4
+
+
+@dataclass
+class Account:
+    """What became of the cells of a file, by the sheet's name; the rest is told by `close`."""
+
+    names: Names
+    units: Sequence[str]  # of the diameters that were read
+    problems: list[ReadingsError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+    _done: dict[str | None, set[tuple[int, int]]] = field(default_factory=lambda: defaultdict(set))
+    _tables: dict[str | None, list[tuple[range, Table]]] = field(default_factory=lambda: defaultdict(list))
+
+    def __post_init__(self) -> None:
+        self._sizes = Sizes(self.names.controller)
+        stated = [unit for name in self.units if (unit := find_unit(name, "length")) is not None]
+        self._units = tuple(dict.fromkeys((*stated, MM, INCH)))
+        self._small = tuple(unit for unit in self._units if unit.factor < MM.factor)
+
+    def enter(self, rows: Rows) -> None:
+        """Accounts for a table that was read, and judges the columns that were not."""
+        table = rows.table
+        done = self._done[table.sheet.name]
+        self._tables[table.sheet.name].append((table.rows, table))
+        self._headings(table)
+        done |= rows.cells
+        for column in rows.columns.keys:
+            done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
+        used = {column.index for column in (*rows.columns.keys, *table.header.values)}
+        unread = [index for index in range(table.sheet.width) if index not in used]
+        unread = [index for index in unread if not self._is_figure(rows, index)]
+        self._slipped(rows)
+        unexplained = [index for index in unread if not self._is_quantity(rows, index)]
+        rivals = [index for index in unexplained if self._is_rival(rows, index)]
+        if rivals:
+            self.problems.append(_which(table, rivals))
+
+    def leave_table(self, table: Table) -> None:
+        """Leaves a table aside that holds no readings of this valve body."""
+        self._tables[table.sheet.name].append((table.block, table))
+        self._headings(table)
+        of_sizes = {column.index for column in table.header.columns if column.holds_size}
+        cells = [(row, column) for row in table.block for column in table.columns]
+        sizes = [at for at in cells if self._is_size(table.sheet, *at, headed=table, whole=at[1] in of_sizes)]
+        self._done[table.sheet.name].update(cells)
+        if sizes:
+            text = f"the table in {table.where} is left aside, {table.aside}: {self._shown(table.sheet, sizes)}"
+            self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.header.first, 0))))
+
+    def holds_sizes(self, table: Table) -> bool:
+        """Whether numbers of the size of a diameter stand where a table's headings say diameter."""
+        return any(
+            self._is_size(table.sheet, row, column.index, headed=table)
+            for row in table.rows
+            for column in table.header.values
+        )
+
+    def leave_sheet(self, sheet: Sheet) -> None:
+        """Leaves a whole sheet aside, which the user or its name says."""
+        cells = [(row, column) for row, cells in enumerate(sheet.rows) for column in range(len(cells))]
+        sizes = [at for at in cells if self._is_size(sheet, *at)]
+        self._done[sheet.name].update(cells)
+        if sizes:
+            text = f"sheet {sheet.name!r} is left aside: {self._shown(sheet, sizes)}"
+            self.messages.append(Message("info", "sheet_aside", text, Place(sheet.file, sheet.name)))
+
+    def close(self, sheets: Sequence[Sheet]) -> None:
+        """Names every number of the size of a diameter that is neither read nor left aside."""
+        for sheet in sheets:
+            done = self._done[sheet.name]
+            groups: dict[tuple[str, int], list[tuple[int, int]]] = defaultdict(list)
+            block, before = 0, -2
+            for row, cells in enumerate(sheet.rows):
+                lost = [
+                    column
+                    for column, cell in enumerate(cells)
+                    if cell != "" and (row, column) not in done and self._is_size(sheet, row, column)
+                ]
+                table = self._table_at(sheet, row, lost[0]) if lost else None
+                if lost and table is None:
+                    lost = [column for column in lost if not self._is_labelled(sheet, row, column)]
+                    if lost and self._looks_read(sheet, row):
+                        self.problems.append(_without_headings(sheet, row, lost[0]))
+                        continue
+                    block = block if before == row - 1 else row
+                    before = row
+                for column in lost:
+                    groups[("rows", block) if table is None else ("column", column)].append((row, column))
+            for (kind, index), cells_lost in groups.items():
+                self.messages.append(self._lost(sheet, kind, index, cells_lost))
+
+    # --- one table ------------------------------------------------------------------------------------------------
+
+    def _headings(self, table: Table) -> None:
+        header = table.header
+        for row in range(max(header.first, 0), header.last + 1):
+            self._done[table.sheet.name].update((row, column) for column in table.columns)
+
+    def _is_figure(self, rows: Rows, index: int) -> bool:
+        """Whether a column holds specifications, means or raw readings by its heading; it is left aside."""
+        table, role = rows.table, _role(rows.table, index)
+        if role not in ("specification", "mean", "raw"):
+            return False
+        sizes = [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
+        self._leave_column(table, index, sizes or self._near(rows, index), role)
+        return True
+
+    def _is_quantity(self, rows: Rows, index: int) -> bool:
+        """Whether a column holds another quantity; not one in millimetres that has the size of the diameters."""
+        table = rows.table
+        if _role(table, index) != "quantity" or (_units(table, index) and self._is_diameter(rows, index)):
+            return False
+        self._leave_column(table, index, self._near(rows, index) if self._is_diameter(rows, index) else [], "quantity")
+        return True
+
+    def _is_rival(self, rows: Rows, index: int) -> bool:
+        """Whether a column that was not read could be the measurement as well; not one of remarks or of counts."""
+        if not self._is_diameter(rows, index):
+            return False
+        table, near = rows.table, self._near(rows, index)
+        if _role(table, index) == "remark":
+            self._leave_column(table, index, near, "remark")
+            return False
+        units = _units(table, index) or self._units
+        if units[0].factor >= MM.factor and all(is_whole(table.sheet.cell(*at)) for at in near):
+            self._leave_column(table, index, near, None)
+            return False
+        return True
+
+    def _is_diameter(self, rows: Rows, index: int) -> bool:
+        """Whether a column holds the diameters of its rows: in most of its cells, and not in a single one of many."""
+        filled = sum(not is_blank(rows.table.sheet.cell(row, index)) for row in rows.of_row)
+        near = len(self._near(rows, index))
+        return 2 * near > filled and (near > 1 or 2 * near > len(rows.of_row))
+
+    def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
+        """The cells of a column that come near the nominal diameter of their row."""
+        units = _units(rows.table, index) or self._units
+        return [
+            (row, index)
+            for row, key in rows.of_row.items()
+            if any(
+                self._sizes.near_plane(value, units, key.component, key.plane)
+                for value in numbers_of(rows.table.sheet.cell(row, index))
+            )
+        ]
+
+    def _leave_column(self, table: Table, index: int, sizes: list[tuple[int, int]], role: Role | None) -> None:
+        sheet = table.sheet
+        self._done[sheet.name].update((row, index) for row in table.rows)
+        if sizes:
+            why = f" ({_WHY[role]})" if role else ""
+            text = f"column {_name(table, index)} is left aside{why}: {self._shown(sheet, sizes)}"
+            level = "warning" if role in (None, "remark") else "info"
+            self.messages.append(Message(level, "column_aside", text, _heading_place(table, index)))
+
+    def _slipped(self, rows: Rows) -> None:
+        """A number of the size of a diameter in a row whose diameter is empty."""
+        table, sheet = rows.table, rows.table.sheet
+        usual = {index for index in range(sheet.width) if self._is_usual(rows, index)}
+        for row in table.rows:
+            if not _lacks_value(rows, row) or all(is_blank(sheet.filled(row, key.index)) for key in rows.columns.keys):
+                continue
+            for index, cell in enumerate(sheet.rows[row]):
+                if index in usual or (row, index) in self._done[sheet.name]:
+                    continue
+                lone = not isinstance(cell, str) or number_of(cell) is not None
+                if lone and self._is_size(sheet, row, index, headed=table):
+                    self.problems.append(_slip(table, row, index))
+                    self._done[sheet.name].add((row, index))
+
+    def _is_usual(self, rows: Rows, index: int) -> bool:
+        """Whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
+        sheet = rows.table.sheet
+        return _role(rows.table, index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
+
+    def _table_at(self, sheet: Sheet, row: int, column: int) -> Table | None:
+        """The table that a cell stands in, or else beside."""
+        tables = [table for rows, table in self._tables[sheet.name] if row in rows]
+        return next((table for table in tables if column in table.columns), next(iter(tables), None))
+
+    # --- one cell -------------------------------------------------------------------------------------------------
+
+    def _is_size(self, sheet: Sheet, row: int, column: int, headed: Table | None = None, whole: bool = False) -> bool:
+        """Whether a cell holds a number of the size of a diameter; in the unit of its heading, where that has one."""
+        cell = sheet.cell(row, column)
+        values = numbers_of(cell)
+        if not values:
+            return False
+        headed = headed or self._table_at(sheet, row, column)
+        units = (_units(headed, column) if headed is not None else ()) or self._units
+        if headed is not None and not whole and is_whole(cell):
+            units = tuple(unit for unit in units if unit.factor < MM.factor)
+        return any(self._sizes.near(value, units) for value in values)
+
+    def _is_labelled(self, sheet: Sheet, row: int, column: int) -> bool:
+        """Outside of the tables: a number behind words for another quantity, or a count behind any others."""
+        label = next(
+            (
+                cell
+                for cell in reversed(sheet.rows[row][:column])
+                if isinstance(cell, str) and number_of(cell) is None and cell
+            ),
+            None,
+        )
+        if label is None:
+            return False
+        words = set(plain(label).replace(":", " ").split())
+        if words & _SAYS_SIZE or self.names.is_named(label) or part_of(label):
+            return False
+        return bool(words & _QUANTITY) or is_whole(sheet.cell(row, column))
+
+    def _looks_read(self, sheet: Sheet, row: int) -> bool:
+        """Whether a row outside of every table says what a diameter is of."""
+        texts = [text_of(cell) for cell in sheet.rows[row] if not is_blank(cell)]
+        return any(self.names.is_named(text) or part_of(text) is not None for text in texts)
+
+    def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:
+        rows = sorted({sheet.row_number(row) for row, _ in cells})
+        if kind == "column":
+            table = self._table_at(sheet, *cells[0])
+            where = f"column {_name(table, index)}"
+        else:
+            where = f"row {rows[0]}" if len(rows) == 1 else f"rows {rows[0]} to {rows[-1]}"
+        text = f"{where}: not read, though of the size of a diameter: {self._shown(sheet, cells)}"
+        prose = all(isinstance(sheet.cell(*at), str) and number_of(sheet.cell(*at)) is None for at in cells)
+        return Message("info" if prose else "warning", "not_read", text, sheet.place(cells[0][0], cells[0][1]))
+
+    def _shown(self, sheet: Sheet, cells: Sequence[tuple[int, int]]) -> str:
+        shown = [f"{text_of(sheet.cell(*at))} (row {sheet.row_number(at[0])})" for at in cells[:_SHOWN]]
+        more = f" and {len(cells) - _SHOWN} more" if len(cells) > _SHOWN else ""
+        return ", ".join(shown) + more
+
+
+def _role(table: Table, index: int) -> Role | None:
+    return next((column.role for column in table.header.columns if column.index == index), None)
+
+
+def _units(table: Table, index: int) -> tuple[Unit, ...]:
+    """The unit that a heading states; "Micrometer" alone is the instrument."""
+    rest, unit = split_unit(table.heading(index))
+    return () if unit is None or not rest.strip() else (unit,)
+
+
+def _name(table: Table, index: int) -> str:
+    text = table.heading(index)
+    return repr(text) if text else f"{table.sheet.place(0, index).column} (without a heading)"
+
+
+def _heading_place(table: Table, index: int) -> Place:
+    return table.sheet.place(max(table.header.last, 0), index, table.heading(index))
+
+
+def _lacks_value(rows: Rows, row: int) -> bool:
+    """Whether a row leaves one of its diameters empty."""
+    sheet = rows.table.sheet
+    return any(
+        all(is_blank(sheet.cell(row, column.index)) for column in group.values()) for group in rows.columns.groups
+    )
+
+
+def _slip(table: Table, row: int, index: int) -> ReadingsError:
+    return ReadingsError(
+        "this number has the size of a diameter and stands in a column that is not read, while the row's diameter is "
+        "empty: slipped into the wrong column?",
+        place=table.sheet.place(row, index, table.heading(index)),
+        value=table.sheet.cell(row, index),
+        expected="the diameter under " + " or ".join(repr(column.name) for column in table.header.values),
+    )
+
+
+def _which(table: Table, rivals: Sequence[int]) -> ReadingsError:
+    names = [_name(table, index) for index in rivals]
+    read = [repr(column.name) for column in table.header.values]
+    word = "column" if len(names) == 1 else "columns"
+    verb = "holds" if len(names) == 1 else "hold"
+    return ReadingsError(
+        f"{word} {', '.join(names)} {verb} numbers of the size of the diameters as {', '.join(read)} does: "
+        "which is the measurement?",
+        place=_heading_place(table, rivals[0]),
+        expected="headings that say so: 'measured [mm]', or 'nominal', 'mean', 'remark' over what is not the "
+        "measurement; 'diameter 1', 'diameter 2' over repeats",
+    )
+
+
+def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
+    return ReadingsError(
+        "this row looks like a reading, and stands under no headings",
+        place=sheet.place(row, column),
+        value=sheet.cell(row, column),
+        expected="the row in the table, in the same columns, or headings above it",
+    )
