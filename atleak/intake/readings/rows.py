@@ -23,6 +23,7 @@ from atleak.intake.readings.words import (
     part_words,
     plain,
     repeat_of,
+    says_specification,
     text_of,
 )
 from atleak.intake.units import Unit, find_unit, unit_names
@@ -39,7 +40,8 @@ _DIAMETER = "a diameter such as 9.939"
 class Rows:
     """What `read_rows` found: diameters as written, and what is wrong.
 
-    ``cells`` are those that were read, by row and column; ``of_row`` is what the rows that were read are of.
+    ``cells`` are those that were read, by row and column; ``of_row`` is what the rows that were read are of; ``aside``
+    holds the rows that are no readings, and the word that says so.
     """
 
     table: Table
@@ -50,6 +52,7 @@ class Rows:
     rows_without_reading: int = 0
     cells: set[tuple[int, int]] = field(default_factory=set)
     of_row: dict[int, Key] = field(default_factory=dict)
+    aside: dict[int, str] = field(default_factory=dict)
 
 
 def read_rows(table: Table, names: Names, told: Unit | None) -> Rows:
@@ -70,6 +73,7 @@ class _Reader:
         self.overridden: set[str] = set()
         self.cells: set[tuple[int, int]] = set()
         self.of_row: dict[int, Key] = {}
+        self.aside: dict[int, str] = {}
 
     def read(self) -> Rows:
         unread = 0
@@ -84,6 +88,9 @@ class _Reader:
             if not values:
                 unread += named is not None and not is_blank(self.sheet.filled(row, named.index))
                 continue
+            if (word := self._says_specification(row)) is not None:
+                self.aside[row] = word
+                continue
             self._overlong(row)
             self.cells.update((row, column.index) for column in self.columns.keys)
             for group, value in values:
@@ -94,7 +101,17 @@ class _Reader:
                     self.cells.update((row, column.index) for column in group.values())
         self._tell_blanks()
         self._tell_overridden()
-        return Rows(self.table, self.columns, found, self.problems, self.messages, unread, self.cells, self.of_row)
+        self._tell_aside()
+        return Rows(
+            self.table, self.columns, found, self.problems, self.messages, unread, self.cells, self.of_row, self.aside
+        )
+
+    def _says_specification(self, row: int) -> str | None:
+        """The word that says of a row that its number is what should be, beside rows of what is."""
+        for cell in self.sheet.rows[row]:
+            if isinstance(cell, str) and says_specification(cell) and self.names.component(cell) is None:
+                return cell
+        return None
 
     def _overlong(self, row: int) -> None:
         """A text row with more cells than headings: its decimal commas were taken for the ends of cells."""
@@ -358,6 +375,12 @@ class _Reader:
                 self._place(next(iter(rows)), column),
                 expected=_IN_TEXT if self.sheet.is_text else _EVERY_ROW,
             )
+
+    def _tell_aside(self) -> None:
+        for word in dict.fromkeys(self.aside.values()):
+            numbers = [self.sheet.row_number(row) for row, said in self.aside.items() if said == word]
+            text = f"{len(numbers)} row{'s' if len(numbers) > 1 else ''} of {word!r} left aside: {_numbers(numbers)}"
+            self.messages.append(Message("info", "rows_aside", text, self.sheet.place(next(iter(self.aside)))))
 
     def _tell_overridden(self) -> None:
         if self.overridden:

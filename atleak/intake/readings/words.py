@@ -99,6 +99,7 @@ def _vocabularies() -> dict[str, dict[str, list[str]]]:
     return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
 
 
+@lru_cache(maxsize=64)
 def vocabulary(*meanings: str) -> Vocabulary:
     """The words of headings and titles for one or several meanings of ``vocabulary.toml``.
 
@@ -107,6 +108,18 @@ def vocabulary(*meanings: str) -> Vocabulary:
     """
     by_language = (_vocabularies()[meaning] for meaning in meanings)
     return Vocabulary(word for languages in by_language for words in languages.values() for word in words)
+
+
+@lru_cache(maxsize=4096)
+def says_specification(text: str) -> bool:
+    """Whether a cell says, and says nothing else, that its row is what a diameter should be.
+
+    >>> says_specification("Nominal"), says_specification("Soll-Ø"), says_specification("nominal, but worn")
+    (True, True, False)
+    """
+    words = set(re.findall(r"[^\W\d_]+", plain(text)))
+    specified = words & vocabulary("specification")
+    return bool(specified) and not words - specified - words & vocabulary("diameter", "reading")
 
 
 def is_blank(cell: Cell) -> bool:
