@@ -8,14 +8,17 @@ from pathlib import Path
 
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError
+from atleak.files import replace_file
 from atleak.job import Job
 from atleak.job_file import read_job_file
 from atleak.limits import Verdict
+from atleak.marks import Kind
 from atleak.report.pdf import write_pdf
 from atleak.report.record import diagnosis_record, to_json
 from atleak.report.xlsx import write_workbook
 
-FORMATS = ("pdf", "xlsx", "json")
+KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
+FORMATS = tuple(KINDS)
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,13 @@ class Reported:
     written: tuple[Path, ...] = ()
     verdict: Verdict | None = None
     error: AtleakError | None = None
+
+
+def report_paths(sources: Sequence[Path], folder: Path, formats: Iterable[str] = ("pdf",)) -> list[dict[str, Path]]:
+    """Where `write_reports` puts the reports: format → path, for every job file."""
+    taken: set[str] = set()
+    stems = [_free(source.stem, taken) for source in sources]
+    return [{form: folder / f"{stem}.{form}" for form in formats} for stem in stems]
 
 
 def write_reports(
@@ -39,6 +49,8 @@ def write_reports(
 ) -> list[Reported]:
     """The reports of every job file; a job that cannot be read is told and does not stop the others.
 
+    What stands in the place of a report is replaced, whole: ask `report_paths` where that must not be.
+
     Parameters
     ----------
     sources
@@ -50,18 +62,15 @@ def write_reports(
     progress
         called after every job with how many are done, how many there are and what became of this one.
     """
-    formats, done = tuple(formats), []
+    done = []
     folder.mkdir(parents=True, exist_ok=True)
-    taken: set[str] = set()
-    for source in sources:
-        stem = _free(source.stem, taken)
+    for source, paths in zip(sources, report_paths(sources, folder, tuple(formats)), strict=True):
         try:
             job_file = read_job_file(source)
             diagnosis = job_file.diagnose()
             written = []
-            for form in formats:
-                path = folder / f"{stem}.{form}"
-                path.write_bytes(_report(form, diagnosis, job_file.job, language, paper))
+            for form, path in paths.items():
+                replace_file(path, _report(form, diagnosis, job_file.job, language, paper))
                 written.append(path)
             found = Reported(source, tuple(written), diagnosis.verdict)
         except AtleakError as error:

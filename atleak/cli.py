@@ -8,21 +8,31 @@ from __future__ import annotations
 import argparse
 import errno
 import os
-import re
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak import __version__
-from atleak.errors import AtleakError, InputError, Place, nearest_name
+from atleak.errors import AtleakError, InputError, OutputError, Place, nearest_name
+from atleak.files import replace_file
 from atleak.shipped import shipped
+from atleak.verdicts import FLAGGED
+from atleak.written_numbers import (
+    ENGINE_SPEED,
+    MILEAGE,
+    TEMPERATURE,
+    AskedNumber,
+    decimal_number,
+    read_number,
+)
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
     from atleak.job import Job
+    from atleak.marks import Kind
     from atleak.road_test import RoadTest
 
 DEFAULT_CONTROLLER = "four_speed_2023"
@@ -64,14 +74,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _diagnose(options: argparse.Namespace) -> int:
-    from atleak.limits import VERDICTS
+    from atleak.verdicts import Verdict
 
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
     inputs = (options.readings, options.road_test, options.job, options.controller, options.fluid, options.limits)
-    _check_targets(inputs, (options.json, options.xlsx, options.pdf, options.job_file))
+    targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
+    _check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     job = None
     if options.job is not None:
         from atleak.job_file import load_job
@@ -86,7 +97,7 @@ def _diagnose(options: argparse.Namespace) -> int:
 
         print_diagnosis(diagnosis)
         _say(written)
-    past = options.fail_on and VERDICTS.index(diagnosis.verdict) >= VERDICTS.index(options.fail_on)
+    past = options.fail_on and diagnosis.verdict.rank >= Verdict(options.fail_on).rank
     return 1 if past else 0
 
 
@@ -106,7 +117,7 @@ def _diagnosis(options: argparse.Namespace) -> Diagnosis:
         controller,
         load_fluid(options.fluid),
         load_limits(options.limits),
-        readings=read_readings(Path(options.readings), controller, sheet=options.sheet, unit=options.sheet_unit),
+        readings=read_readings(Path(options.readings), controller, **_reading_choices(options)),
         road_test=None if options.road_test is None else _road_test(options),
         profile=find_profile(options.profile, dict(options.set)),
         condition=stated_condition(
@@ -122,6 +133,11 @@ def _diagnosis(options: argparse.Namespace) -> Diagnosis:
         assumptions=DEFAULTS.with_settings(dict(options.assume)),
         guard_factor=GUARD_FACTOR if options.guard is None else options.guard,
     )
+
+
+def _reading_choices(options: argparse.Namespace) -> dict[str, Any]:
+    """What the command line says of the measuring sheet."""
+    return {"sheet": options.sheet, "unit": options.sheet_unit, "where": dict(options.where)}
 
 
 def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Namespace) -> list[str]:
@@ -145,7 +161,7 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Name
             job,
             readings=Path(options.readings).read_bytes(),
             road_test=None if options.road_test is None else Path(options.road_test).read_bytes(),
-            reading_choices={"sheet": options.sheet, "unit": options.sheet_unit},
+            reading_choices=_reading_choices(options),
             road_test_choices=None if options.road_test is None else _columns(options),
         )
         written += _write(options.job_file, content)
@@ -170,9 +186,11 @@ def _report(options: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress
 
-    from atleak.batch import write_reports
+    from atleak.batch import KINDS, report_paths, write_reports
 
     sources = [Path(name) for name in options.jobs]
+    planned = report_paths(sources, Path(options.output), options.formats)
+    _check_targets(options, options.jobs, ((KINDS[form], str(path)) for of in planned for form, path in of.items()))
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("reports", total=len(sources))
         reported = write_reports(
@@ -201,17 +219,13 @@ def _told(options: argparse.Namespace) -> dict[str, Any]:
     return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(options.constant)}
 
 
-def _check_targets(inputs: Sequence[str | None], targets: Sequence[str | None]) -> None:
-    """Nothing is written over what is read, nor two things to one place."""
-    taken = {Path(name).resolve() for name in inputs if name is not None}
-    for target in targets:
-        if target is None:
-            continue
-        place = Path(target) if target == "-" else Path(target).resolve()
-        if place in taken:
-            where = "standard output" if target == "-" else target
-            raise InputError("would be written over another file of this command", place=Place(file=where))
-        taken.add(place)
+def _check_targets(
+    options: argparse.Namespace, inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str | None]]
+) -> None:
+    """Before anything is computed: what may not be written over is refused."""
+    from atleak.marks import check_targets
+
+    check_targets(inputs, targets, force=options.force)
 
 
 # --- variants, import-log -----------------------------------------------------------------------------------------
@@ -222,7 +236,7 @@ def _variants(options: argparse.Namespace) -> int:
     from atleak.report.text import print_variants
     from atleak.variants import run_variants, sample_log
 
-    _check_targets((options.road_test, options.controller), [options.json])
+    _check_targets(options, (options.road_test, options.controller), [("record", options.json)])
     options.road_test = options.road_test or sample_log()
     controller, road_test = load_controller(options.controller), _road_test(options)
     results = run_variants(controller, road_test)
@@ -240,7 +254,7 @@ def _import_log(options: argparse.Namespace) -> int:
     from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
     from atleak.report.text import print_log
 
-    _check_targets([options.road_test], (options.json, options.csv))
+    _check_targets(options, [options.road_test], [("record", options.json), ("table", options.csv)])
     told = _told(options)
     mapping, units = told["mapping"], told["units"]
     understood = understand(Path(options.road_test), **told, remembered=default_path())
@@ -257,8 +271,8 @@ def _import_log(options: argparse.Namespace) -> int:
     if (mapping or units) and not options.forget:
         try:
             remember(default_path(), understood.signature, mapping, units)
-        except OSError as error:
-            print(f"atleak: {default_path()}: columns are not remembered: {error.strerror}", file=sys.stderr)
+        except OutputError as error:
+            print(f"atleak: columns are not remembered: {error}", file=sys.stderr)
     if "-" not in (options.json, options.csv):
         print_log(record)
         _say(written)
@@ -274,6 +288,7 @@ def _template(options: argparse.Namespace) -> int:
 
     if Path(options.output).suffix.lower() != ".xlsx":
         raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
+    _check_targets(options, [options.controller], [("measuring sheet", options.output)])
     _say(_write(options.output, write_template(load_controller(options.controller))))
     return 0
 
@@ -350,10 +365,11 @@ def _instruments(options: argparse.Namespace) -> int:
 
 
 def _list(rows: list[dict[str, Any]], columns: list[str], options: argparse.Namespace) -> int:
+    _check_targets(options, [], [("record", options.json)])
     if options.json is not None:
         from atleak.report.record import to_json
 
-        _say(_write(options.json, to_json(rows).encode()))
+        _say(_write(options.json, to_json([{**row, "atleak": __version__} for row in rows]).encode()))
     if options.json != "-":
         from atleak.report.text import print_table
 
@@ -399,6 +415,14 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument(
         "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
     )
+    diagnose.add_argument(
+        "--where",
+        metavar="HEADING=VALUE",
+        type=_pair,
+        action="append",
+        default=[],
+        help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
+    )
     diagnose.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
     _add_columns(diagnose)
     _add_controller(diagnose)
@@ -413,10 +437,14 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         help="one option of the profile",
     )
-    diagnose.add_argument("--temperature", metavar="C", type=_number, help="of the stated condition [°C]")
-    diagnose.add_argument("--rpm", metavar="N", type=_number, help="engine speed of the stated condition")
+    diagnose.add_argument(
+        "--temperature", metavar="C", type=_number_of(TEMPERATURE), help="of the stated condition [°C]"
+    )
+    diagnose.add_argument(
+        "--rpm", metavar="N", type=_number_of(ENGINE_SPEED), help="engine speed of the stated condition"
+    )
     diagnose.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
-    diagnose.add_argument("--mileage", metavar="KM", type=_mileage, help="of the vehicle [km]")
+    diagnose.add_argument("--mileage", metavar="KM", type=_number_of(MILEAGE), help="of the vehicle [km]")
     diagnose.add_argument(
         "--assume", metavar="NAME=VALUE", type=_pair, action="append", default=[], help="one assumed uncertainty"
     )
@@ -432,19 +460,26 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of them unless given")
     diagnose.add_argument("--job", metavar="FILE", help="job record (TOML or JSON) for the reports")
     diagnose.add_argument("--job-file", metavar="FILE.zip", help="the whole job as one file")
-    diagnose.add_argument("--fail-on", choices=["watch", "replace", "critical"])
+    diagnose.add_argument(
+        "--fail-on",
+        choices=[level.value for level in FLAGGED],
+        help="end with status 1 where a land or a total is at or past this level",
+    )
+    _add_force(diagnose)
 
     variants = add("variants", _variants, "W1 to W8 of the source study, as printed and as computed")
     _add_controller(variants)
     variants.add_argument("--road-test", metavar="LOG", help="your own log instead of the shipped test")
     _add_columns(variants)
     variants.add_argument("--json", metavar="FILE|-")
+    _add_force(variants)
 
     log = add("import-log", _import_log, "what is understood of a road-test log")
     log.add_argument("road_test", metavar="LOG", help="text, xlsx or mf4, as the logger wrote it")
     _add_columns(log)
     log.add_argument("--json", metavar="FILE|-")
     log.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")
+    _add_force(log)
     log.add_argument("--forget", action="store_true", help="do not remember --map and --unit for logs with this header")
 
     report = add("report", _report, "the reports of job files")
@@ -454,10 +489,12 @@ def _parser() -> argparse.ArgumentParser:
         "--formats", metavar="LIST", type=_formats, default=["pdf"], help="pdf, xlsx, json, or several with commas"
     )
     _add_print(report)
+    _add_force(report)
 
     template = add("template", _template, "a measuring sheet to fill in")
     _add_controller(template)
     template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    _add_force(template)
 
     for name, run in (
         ("controllers", _controllers),
@@ -465,7 +502,9 @@ def _parser() -> argparse.ArgumentParser:
         ("limits", _limits),
         ("instruments", _instruments),
     ):
-        add(name, run, f"the {name} of the catalogue").add_argument("--json", metavar="FILE|-")
+        listing = add(name, run, f"the {name} of the catalogue")
+        listing.add_argument("--json", metavar="FILE|-")
+        _add_force(listing)
 
     app = add("app", _app, "the dashboard in a browser")
     app.add_argument("--port", metavar="N", type=int)
@@ -484,6 +523,10 @@ def _adder(commands: Any) -> Callable[[str, Callable[..., int], str], argparse.A
 
 def _add_controller(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--controller", metavar="ID|FILE", default=DEFAULT_CONTROLLER)
+
+
+def _add_force(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--force", action="store_true", help="write over files that atleak did not make, too")
 
 
 def _add_print(parser: argparse.ArgumentParser) -> None:
@@ -522,24 +565,28 @@ def _constant(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(
             f"{name!r} is no quantity of a log" + (f"; did you mean {near!r}?" if near else "")
         )
-    known, number = QUANTITIES[name], _number(value)
+    known = QUANTITIES[name]
+    number = _number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(number) if known.unit_kind else number
 
 
 def _number(text: str) -> float:
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-
-
-def _mileage(text: str) -> float:
-    if re.fullmatch(r"\d{1,3}[.,]\d{3}", text):  # a thousands separator, or metres
-        raise argparse.ArgumentTypeError(f"{text!r} can be read in two ways: write the km without a separator")
-    value = _number(text)
-    if not 0.0 <= value < 1e7:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a mileage in km")
+    value = decimal_number(text)
+    if value is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
     return value
+
+
+def _number_of(asked: AskedNumber) -> Callable[[str], float]:
+    """The reader of an option that takes this number."""
+
+    def read(text: str) -> float:
+        found = read_number(text, asked)
+        if found.value is None:
+            raise argparse.ArgumentTypeError(found.doubt)
+        return found.value
+
+    return read
 
 
 def _formats(text: str) -> list[str]:
@@ -567,8 +614,5 @@ def _write(target: str, content: bytes) -> list[str]:
     if target == "-":
         sys.stdout.write(content.decode("utf-8"))
         return []
-    try:
-        Path(target).write_bytes(content)
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", place=Place(file=target)) from error
+    replace_file(target, content)
     return [target]

@@ -135,14 +135,16 @@ class PressureRelation:
     limit: float | None  # [Pa], the valve's own
 
     def __call__(self, main_pressure: Any) -> Any:
-        pressure = main_pressure * self.ratio + self.offset
-        return pressure if self.limit is None else np.minimum(pressure, self.limit)
+        return pressure_equations.regulated_pressure(main_pressure, self.ratio, self.offset, self.limit)
 
     def line_between(self, low: float, high: float) -> tuple[float, float] | None:
         """(ratio, offset) that holds for all p_g between two, or None where the limit begins between them."""
-        if self.limit is None or max(self(low), self(high)) < self.limit:
+        if self.limit is None:
             return self.ratio, self.offset
-        return (0.0, self.limit) if min(self(low), self(high)) >= self.limit else None
+        ends = self(low), self(high)
+        if max(ends) < self.limit:
+            return self.ratio, self.offset
+        return (0.0, self.limit) if min(ends) >= self.limit else None
 
 
 @dataclass(frozen=True)

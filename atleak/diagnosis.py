@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from atleak.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
+from atleak.controller import HOT_IDLE, Controller, OperatingPoint
 from atleak.errors import Message
 from atleak.fluid import Fluid
 from atleak.instruments import Instruments
 from atleak.leakage import LeakageModel
-from atleak.limits import VERDICTS, Band, Limits, Steps, Verdict, worst
+from atleak.limits import Limits, RuleKind
 from atleak.profile import WORKSHOP, Profile
 from atleak.projection import Projection, mileage_at_wear, project, repaired
 from atleak.readings import LandClearance, Readings, clearances
 from atleak.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.road_test import RoadTest
+from atleak.rules import Key, Rule, UnitRules, unit_rules
 from atleak.uncertainty import (
     DEFAULTS,
     GUARD_FACTOR,
@@ -28,23 +29,7 @@ from atleak.uncertainty import (
     UnitUncertainty,
     assess,
 )
-
-
-@dataclass(frozen=True)
-class RuleResult:
-    """One rule applied to one land: ``value`` and ``limit`` in SI or as a fraction, ``unit`` for people.
-
-    ``limit`` is the limit that was reached, or the first one where none was.
-    """
-
-    rule: str
-    label: str
-    value: float
-    limit: float
-    unit: str
-    verdict: Verdict
-    origin: str
-    source: str
+from atleak.verdicts import Band, Verdict, worst
 
 
 @dataclass(frozen=True)
@@ -59,7 +44,7 @@ class LandDiagnosis:
     share: float  # leakage / pump capacity at the stated condition
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
-    rules: tuple[RuleResult, ...]
+    rules: tuple[Rule, ...]
     replace_mileage: (
         float | None
     )  # [km] at which the wear limit for replacing is reached, wear ∝ mileage; None in doubt or past
@@ -67,20 +52,20 @@ class LandDiagnosis:
     messages: tuple[Message, ...]
 
     @property
-    def key(self) -> tuple[str, int]:
+    def key(self) -> Key:
         return self.state.land.key
 
     @property
     def decision(self) -> Decision | None:
         """How sure the verdict is, about the limit of the rule that gave it; None where not measured."""
-        found = self.deciding_uncertainty
-        return found.decision if found and self.verdict != "not_measured" else None
+        decided = self.deciding_uncertainty
+        return decided.decision if decided and self.verdict != Verdict.NOT_MEASURED else None
 
     @property
     def probability_over_limit(self) -> float | None:
         """That the true value is over the limit of the rule that gave the verdict."""
-        found = self.deciding_uncertainty
-        return found.probability_over_limit if found and self.verdict != "not_measured" else None
+        decided = self.deciding_uncertainty
+        return decided.probability_over_limit if decided and self.verdict != Verdict.NOT_MEASURED else None
 
     @property
     def deciding_uncertainty(self) -> RuleDecision | None:
@@ -88,12 +73,12 @@ class LandDiagnosis:
         return self.uncertainty.deciding if self.uncertainty else None
 
     @property
-    def deciding(self) -> RuleResult | None:
+    def deciding(self) -> Rule | None:
         """The rule that gave the verdict: the worst; of several, the likeliest to be over its limit."""
         sure = self.deciding_uncertainty
         if sure is not None:
-            return next(rule for rule in self.rules if rule.rule == sure.rule)
-        return max(self.rules, key=lambda rule: VERDICTS.index(rule.verdict), default=None)
+            return sure.rule
+        return max(self.rules, key=lambda rule: rule.verdict.rank, default=None)
 
 
 @dataclass(frozen=True)
@@ -116,19 +101,44 @@ class Diagnosis:
     limits: Limits
     profile: Profile
     mileage: float | None  # [km]
+    model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
     lands: tuple[LandDiagnosis, ...]  # in the controller's order
-    projection: Projection
-    hot_idle: Projection | None
+    projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     road: RoadLeakage | None
     repair_plan: tuple[RepairStep, ...]  # flagged lands in order of repair
     uncertainty: UnitUncertainty | None  # None without readings
+    total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     messages: tuple[Message, ...]
 
     @property
-    def projections(self) -> tuple[Projection, ...]:
-        """The stated condition and hot idle; one where they are the same."""
+    def projection(self) -> Projection:
+        """At the stated condition."""
+        return self.projections[0]
+
+    @property
+    def hot_idle(self) -> Projection | None:
+        """At hot idle, where a worn unit fails first; None where the controller does not state it."""
+        return next((found for found in self.projections if found.condition.name == HOT_IDLE), None)
+
+    @property
+    def reported(self) -> tuple[Projection, ...]:
+        """The projections that reports show: the stated condition and hot idle, one where they are the same."""
         idle = self.hot_idle
         return (self.projection,) if idle is None or idle is self.projection else (self.projection, idle)
+
+    def at(self, condition: OperatingPoint) -> Projection:
+        """The projection at one of the conditions that were judged."""
+        return next(found for found in self.projections if found.condition == condition)
+
+    def over(self, road_test: RoadTest) -> RoadLeakage:
+        """Leakage over a road test, or a part of one, by the same engine.
+
+        Raises
+        ------
+        RoadTestError
+            a road test without usable main pressure.
+        """
+        return evaluate_road_test(self.model, road_test, self.projection.condition)
 
     def band(self, projection: Projection) -> Band:
         """The band of a projection's total share."""
@@ -145,10 +155,31 @@ class Diagnosis:
         return tuple(sorted(self.lands, key=lambda land: -land.leakage))
 
     @property
+    def worst_total(self) -> Rule:
+        """The total that reached the worst band; of several, the largest."""
+        return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))
+
+    @property
+    def decided_by(self) -> LandDiagnosis | Rule | None:
+        """What put the unit past a limit: a land, or a total where that is worse; None where no limit is reached.
+
+        Without any reading nothing is decided: the totals are those of a new unit.
+        """
+        if not any(land.state.measured for land in self.lands):
+            return None
+        land = next(iter(self.flagged), None)
+        total = self.worst_total
+        if total.verdict.flagged and (land is None or total.verdict.rank > land.verdict.rank):
+            return total
+        return land
+
+    @property
     def verdict(self) -> Verdict:
-        """The worst verdict of any measured land, ``not_measured`` where none was."""
-        measured = [land.verdict for land in self.lands if land.verdict != "not_measured"]
-        return worst(measured) if measured else "not_measured"
+        """The worst of any measured land and of the totals, ``not_measured`` where nothing was measured."""
+        decided_by = self.decided_by
+        if decided_by is not None:
+            return decided_by.verdict
+        return worst([land.verdict for land in self.lands if land.verdict == Verdict.OK] or [Verdict.NOT_MEASURED])
 
     @property
     def measured(self) -> int:
@@ -206,19 +237,20 @@ def diagnose(
     when_new = [project(new, point) for point in conditions]
     idle = next((found for found in projections if found.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
+    rules = unit_rules(states, projections, limits)
     sure = None
     if readings is not None:
         sure = assess(
             model,
             states,
             projections,
-            limits,
+            rules,
             readings=readings,
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,
         )
-    lands = tuple(_land(state, projections, when_new, limits, mileage, sure) for state in states)
+    lands = tuple(_land(state, projections, when_new, rules, mileage, sure) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
     if sure is not None:
         messages = list(dict.fromkeys([*messages, *sure.messages]))
@@ -229,19 +261,20 @@ def diagnose(
         limits=limits,
         profile=profile,
         mileage=mileage,
+        model=model,
         lands=lands,
-        projection=projections[0],
-        hot_idle=idle,
+        projections=tuple(projections),
         road=road,
         repair_plan=_repair_plan(lands, projections, when_new, idle),
         uncertainty=sure,
+        total_rules=rules.totals,
         messages=tuple(messages),
     )
 
 
 def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:
-    past = [land for land in lands if land.verdict in {"watch", "replace", "critical"}]
-    return tuple(sorted(past, key=lambda land: (-VERDICTS.index(land.verdict), -land.excess_share)))
+    past = [land for land in lands if land.verdict.flagged]
+    return tuple(sorted(past, key=lambda land: (-land.verdict.rank, -land.excess_share)))
 
 
 def _repair_plan(
@@ -267,16 +300,14 @@ def _land(
     state: LandClearance,
     projections: list[Projection],
     when_new: list[Projection],
-    limits: Limits,
+    rules: UnitRules,
     mileage: float | None,
     sure: UnitUncertainty | None,
 ) -> LandDiagnosis:
     land = state.land
     stated = projections[0]
-    rate = land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-    rise = stated.condition.temperature - REFERENCE_TEMPERATURE
-    wear = (state.radial_clearance - land.mounting_clearance) / land.mounting_clearance if state.measured else None
-    rules = tuple(_rules(state, wear, projections, limits)) if state.measured else ()
+    wear = state.wear if state.measured else None
+    own = rules.of_land(land.key)
     excess = max(
         now.share_of(now.drawn_by(land.key)) - new.share_of(new.drawn_by(land.key)) if now.pump_capacity > 0.0 else 0.0
         for now, new in zip(projections, when_new, strict=True)
@@ -286,58 +317,37 @@ def _land(
     return LandDiagnosis(
         state=state,
         wear=wear,
-        effective_clearance=max(state.radial_clearance + rate * rise, 0.0),
+        effective_clearance=state.effective_clearance(stated.condition.temperature),
         leakage=leakage,
         drawn_from_pump=stated.drawn_by(land.key),
         share=stated.share_of(leakage),
         excess_share=excess,
-        verdict=_verdict(state, rules),
-        rules=rules,
-        replace_mileage=_replace_mileage(state, wear, limits, mileage, known),
+        verdict=_verdict(state, own),
+        rules=own,
+        replace_mileage=_replace_mileage(state, own, mileage, known),
         uncertainty=known,
         messages=state.messages,
     )
 
 
-def _verdict(state: LandClearance, rules: Iterable[RuleResult]) -> Verdict:
+def _verdict(state: LandClearance, rules: Iterable[Rule]) -> Verdict:
     """The worst rule's; with one part at its nominal diameter a limit can be passed, but ``ok`` cannot be claimed."""
-    found = worst([rule.verdict for rule in rules])
-    return "not_measured" if found == "ok" and state.status != "measured" else found
-
-
-def _rules(
-    state: LandClearance, wear: float | None, projections: list[Projection], limits: Limits
-) -> Iterable[RuleResult]:
-    if limits.wear is not None and wear is not None:
-        yield _apply("wear", "wear", wear, "%", limits.wear)
-    own = state.land.clearance_limit
-    if own is not None:
-        steps = Steps((("replace", own),), "set by the workshop", "the controller's file")
-        yield _apply("radial_clearance", "radial clearance", state.radial_clearance, "µm", steps)
-    elif limits.clearance is not None:
-        yield _apply("radial_clearance", "radial clearance", state.radial_clearance, "µm", limits.clearance)
-    if limits.pair_share is not None:
-        for projection in projections:
-            at = projection.condition
-            share = projection.share_of(projection.leakage_of(state.land.key))
-            yield _apply(f"share_{at.name}", f"share of pump flow, {at.label}", share, "%", limits.pair_share)
-
-
-def _apply(rule: str, label: str, value: float, unit: str, steps: Steps) -> RuleResult:
-    verdict, limit = steps.judge(value, "ok")
-    return RuleResult(rule, label, value, limit, unit, verdict, steps.origin, steps.source)  # type: ignore[arg-type]
+    reached = worst(rule.verdict for rule in rules)
+    return Verdict.NOT_MEASURED if reached == Verdict.OK and state.status != "measured" else reached
 
 
 def _replace_mileage(
-    state: LandClearance, wear: float | None, limits: Limits, mileage: float | None, known: LandUncertainty | None
+    state: LandClearance, rules: Iterable[Rule], mileage: float | None, known: LandUncertainty | None
 ) -> float | None:
     """Only ahead of the vehicle, and where wear is past the readings' doubt: two standard uncertainties."""
-    if wear is None or mileage is None or limits.wear is None:
+    rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
+    if rule is None or mileage is None:
         return None
     doubt = known.u_clearance if known is not None and known.u_clearance is not None else 0.0
     if state.radial_clearance - state.land.mounting_clearance <= 2.0 * doubt:
         return None
-    reached = mileage_at_wear(mileage, wear, dict(limits.wear.levels).get("replace", limits.wear.levels[-1][1]))
+    limit = rule.steps.limit_of(Verdict.REPLACE)
+    reached = mileage_at_wear(mileage, rule.value, rule.steps.levels[-1][1] if limit is None else limit)
     return reached if reached is not None and reached > mileage else None
 
 

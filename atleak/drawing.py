@@ -7,45 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
-from types import MappingProxyType
 
 from atleak.controller import Controller, Land
+from atleak.look import DARK, EDGE, PAPER, Inks, look_of
+from atleak.verdicts import Verdict, worst
 from atleak.workshop_units import MM
 
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
-INK = "#1B2733"
-METAL = "#D9DEE3"
-CARD = ' rx="4" fill="#FFFFFF"'
-_DARK_INK, _DARK_CARD = "#E8EEF2", ' rx="4" fill="#1B262E"'
 
-
-class Shade:
-    """How a verdict looks: fill, outline, its width and dashes, and the colour of its sign."""
-
-    __slots__ = ("dashes", "fill", "line", "sign", "width")
-
-    def __init__(self, fill: str, line: str, width: float, dashes: str, sign: str) -> None:
-        self.fill, self.line, self.width, self.dashes, self.sign = fill, line, width, dashes, sign
-
-
-SHADES: Mapping[str, Shade] = MappingProxyType(
-    {
-        "ok": Shade("#F3F8F3", "#2E6B3A", 1.0, "", "#2E6B3A"),
-        "watch": Shade("#F7D774", "#6B4A00", 1.4, "", "#4A3300"),
-        "replace": Shade("#DD8452", "#5E1E00", 1.8, "", "#3B1200"),
-        "critical": Shade("#8E1B16", "#4A0B08", 2.2, "", "#FFFFFF"),
-        "not_measured": Shade("#FFFFFF", "#7A858F", 1.0, "3 2.5", "#7A858F"),
-        "": Shade(METAL, INK, 1.0, "", INK),
-    }
-)
-_SIGNS = {  # in a box of 2 by 2 around the origin
-    "ok": '<circle r="0.8"/>',
-    "watch": '<path d="M0-1 1 0.85H-1Z"/>',
-    "replace": '<path d="M-0.8-0.8H0.8V0.8H-0.8Z"/>',
-    "critical": '<path d="M-1-0.55-0.55-1 0-0.45 0.55-1 1-0.55 0.45 0 1 0.55 0.55 1 0 0.45-0.55 1-1 0.55-0.45 0Z"/>',
-    "not_measured": '<path d="M0-0.9A0.9 0.9 0 1 1 0 0.9 0.9 0.9 0 1 1 0-0.9Z'
-    'M0-0.6A0.6 0.6 0 1 0 0 0.6 0.6 0.6 0 1 0 0-0.6Z"/>',
-}
 _NUMBER = 8  # characters of a component's number that are drawn
 _WIDTH = 1000.0
 _ROW = 104.0
@@ -54,11 +23,12 @@ _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
 _BETWEEN = 5.0  # [mm] of rod between two lands, which no catalogue states
 
 
-def sign_svg(verdict: str, x: float, y: float, size: float, colour: str | None = None) -> str:
-    """The sign of a verdict as SVG shapes around a point: no font needed."""
-    shade = SHADES[verdict]
-    place = f"translate({x:.2f} {y:.2f}) scale({size:.3f})"
-    return f'<g transform="{place}" fill="{colour or shade.line}">{_SIGNS[verdict]}</g>'
+def sign_svg(verdict: str, x: float, y: float, size: float, colour: str) -> str:
+    """The sign of a verdict as an SVG shape around a point: no font needed."""
+    shape = look_of(verdict).shape
+    points = " ".join(f"{across:g},{down:g}" for across, down in shape.points)
+    ink = f'fill="{colour}"' if shape.filled else f'fill="none" stroke="{colour}" stroke-width="0.3"'
+    return f'<polygon transform="translate({x:.2f} {y:.2f}) scale({size:.3f})" points="{points}" {ink}/>'
 
 
 def controller_svg(
@@ -117,7 +87,7 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
         for number, plane in enumerate(land.planes):
             x = left + width * (number + 1) / (len(land.planes) + 1)
             parts.append(
-                f'<path d="M{x:.1f} {middle - reach - 26:.1f}V{middle + reach + 26:.1f}" stroke="{INK}" '
+                f'<path d="M{x:.1f} {middle - reach - 26:.1f}V{middle + reach + 26:.1f}" stroke="{PAPER.ink}" '
                 'stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
             )
             parts.append(_text(x, middle - reach - 34, plane, 18, bold=True))
@@ -128,7 +98,11 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
 
 def on_dark(drawing: str) -> str:
     """The same drawing for a dark ground: light words and lines, dark cards; the lands keep their shades."""
-    return drawing.replace(CARD, _DARK_CARD).replace(INK, _DARK_INK)
+    return drawing.replace(_card(PAPER), _card(DARK)).replace(PAPER.ink, DARK.ink)
+
+
+def _card(inks: Inks) -> str:
+    return f' rx="4" fill="{inks.card}"'
 
 
 def _component(
@@ -141,11 +115,8 @@ def _component(
     scale: tuple[float, float],
 ) -> str:
     lands = controller.lands_of(name)
-    known = [verdicts[land.key] for land in lands if land.key in verdicts]
-    order = ("not_measured", "ok", "watch", "replace", "critical")
-    worst = max(known, key=order.index, default="")
-    edge = SHADES[worst].line if worst in {"watch", "replace", "critical"} else "#C5CDD5"
-    thick = {"watch": 1.2, "replace": 1.8, "critical": 2.6}.get(worst, 0.8)
+    reached = worst(Verdict(verdicts[land.key]) for land in lands if land.key in verdicts)
+    edge, thick = (look_of(reached).line, look_of(reached).width) if reached.flagged else (EDGE, 0.8)
     short = shortened(name, _NUMBER)
     lines = _wrapped(controller.components[name], max(int((cell - 30.0 - 9.5 * len(short)) / 5.8), 6), 2)
     label = "".join(
@@ -153,7 +124,7 @@ def _component(
         for number, line in enumerate(lines)
     )
     return (
-        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}"{CARD} '
+        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}"{_card(PAPER)} '
         f'stroke="{edge}" stroke-width="{thick}"/>'
         + _text(x + 12, y + 21, short, 15, bold=True, anchor="start")
         + label
@@ -174,24 +145,26 @@ def _spool(
     rod = min(land.nominal_diameter for land in lands) * MM * scale[1] * _ROD
     parts = [
         f'<rect x="{left - 4:.1f}" y="{middle - rod / 2:.1f}" width="{right - left + 8:.1f}" height="{rod:.1f}" '
-        f'fill="{METAL}" stroke="{INK}" stroke-width="{0.6 * thick:.1f}"/>'
+        f'fill="{PAPER.metal}" stroke="{PAPER.ink}" stroke-width="{0.6 * thick:.1f}"/>'
     ]
     for land, x, width in places:
         height = land.nominal_diameter * MM * scale[1]
-        verdict = verdicts.get(land.key, "")
-        shade = SHADES[verdict]
-        dashes = f' stroke-dasharray="{shade.dashes}"' if shade.dashes else ""
+        look = look_of(verdicts[land.key]) if land.key in verdicts else None
+        fill, line, thickness = (look.fill, look.line, look.width) if look else (PAPER.metal, PAPER.ink, 1.0)
+        dashes = f' stroke-dasharray="{look.dashes}"' if look and look.dashes else ""
         parts.append(
             f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" height="{height:.1f}" '
-            f'fill="{shade.fill}" stroke="{shade.line}" stroke-width="{shade.width * thick:.1f}"{dashes}/>'
+            f'fill="{fill}" stroke="{line}" stroke-width="{thickness * thick:.1f}"{dashes}/>'
         )
         for side in (-1.0, 1.0):  # the sleeve's bore on both sides of the land
             y = middle + side * (height / 2 + 3.0 * thick)
             parts.append(
-                f'<path d="M{x - 2:.1f} {y:.1f}H{x + width + 2:.1f}" stroke="{INK}" stroke-width="{1.4 * thick:.1f}"/>'
+                f'<path d="M{x - 2:.1f} {y:.1f}H{x + width + 2:.1f}" stroke="{PAPER.ink}" '
+                f'stroke-width="{1.4 * thick:.1f}"/>'
             )
-        if verdict:
-            parts.append(sign_svg(verdict, x + width / 2, middle, min(width * 0.26, 6.5 * thick), shade.sign))
+        if look:
+            size = min(width * 0.26, 6.5 * thick)
+            parts.append(sign_svg(verdicts[land.key], x + width / 2, middle, size, look.on_fill))
     return "".join(parts)
 
 
@@ -246,6 +219,6 @@ def _head(width: float, height: float, title: str) -> str:
 def _text(x: float, y: float, text: str, size: float, *, bold: bool = False, anchor: str = "middle") -> str:
     weight = ' font-weight="bold"' if bold else ""
     return (
-        f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{INK}" '
+        f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{PAPER.ink}" '
         f'text-anchor="{anchor}"{weight}>{escape(text)}</text>'
     )

@@ -93,6 +93,10 @@ class RoadTestError(InputError):
     """A road-test log that cannot be used."""
 
 
+class OutputError(InputError):
+    """A file that cannot be written, or that may not be written over."""
+
+
 @dataclass(frozen=True)
 class Message:
     """What a result has to say besides its numbers: ``code`` for programs, ``text`` for people."""

@@ -14,12 +14,12 @@ from pydantic import Field, field_validator
 from atleak import catalogue
 from atleak.catalogue import Entry, Finite, Origin, Strict, catalogue_error
 from atleak.equations import fluid as fluid_equations
+from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import DomainError, Message
 
 ViscosityModel = Literal["d341", "tabulated", "regression"]
 VISCOSITY_MODELS: tuple[ViscosityModel, ...] = ("d341", "tabulated", "regression")
 HIGHEST_TEMPERATURE = 150.0  # °C: above it nothing the catalogue cites was measured
-D341_LOWEST = -20.0  # °C: below it D341 under-predicts real fluids 1.2-3.4 times
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class Fluid:
     density_at: tuple[float, float]  # (temperature [°C], density [kg/m³])
     density_slope: float  # [kg/(m³·K)]
     pour_point: float | None  # [°C]
+    study_regression: bool  # whether the source study's eqs. (29) and (30) describe this fluid
     origin: Origin
 
     def kinematic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
@@ -60,18 +61,16 @@ class Fluid:
     def dynamic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
         """ν·ρ = μ [Pa·s] at a temperature [°C]; NaN outside the fluid's data."""
         inside = self._inside(temperature, model)
-        product = self._viscosity(inside, model)
-        product *= self._density(inside, model)
-        return _plain(product)
+        return fluid_equations.dynamic_viscosity(self._viscosity(inside, model), self._density(inside, model))
 
     def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
         """Lowest and highest temperature [°C] at which the model answers."""
         if model == "regression":
-            return -40.0, 100.0
+            return STUDY_LOWEST, STUDY_HIGHEST
         if model == "tabulated":
             temperatures = [row[0] for row in self.table or self.points]
             return min(temperatures), max(temperatures)
-        lowest = self.pour_point if self.pour_point is not None else D341_LOWEST
+        lowest = self.pour_point if self.pour_point is not None else ASTM_D341_RELIABLE_FROM
         return lowest, HIGHEST_TEMPERATURE
 
     def require(self, temperature: float, model: ViscosityModel = "d341") -> None:
@@ -95,10 +94,11 @@ class Fluid:
     def messages(self, lowest: float, highest: float, model: ViscosityModel = "d341") -> list[Message]:
         """What a reader must know of results between two temperatures [°C]."""
         found = []
-        if model == "d341" and lowest < D341_LOWEST:
-            text = f"Below {D341_LOWEST:g} °C ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times."
+        if model == "d341" and not fluid_equations.astm_d341_reliable(lowest):
+            below = f"Below {ASTM_D341_RELIABLE_FROM:g} °C"
+            text = f"{below} ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times."
             found.append(Message("warning", "viscosity_cold", text))
-        if model == "regression" and self.id != "hipol_atf_iid":
+        if model == "regression" and not self.study_regression:
             text = f"The study's viscosity regression describes HIPOL ATF IID, not {self.name}."
             found.append(Message("warning", "viscosity_of_another_fluid", text))
         if model == "tabulated" and not self.table:
@@ -181,6 +181,7 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
         density_at=(entry.density.at_c, entry.density.density_g_cm3 * 1e3),
         density_slope=entry.density.density_slope_g_cm3_k * 1e3,
         pour_point=entry.pour_point_c,
+        study_regression=entry.study_regression,
         origin=origin,
     )
 
@@ -247,6 +248,7 @@ ViscosityRow = TypeVar("ViscosityRow", bound=ViscosityTable)
 
 class FluidFile(Entry):
     representative: list[str] = []
+    study_regression: bool = False
     pour_point_c: float | None = Field(default=None, ge=-80, le=20)
     density: DensityTable
     viscosity: list[ViscosityTable] = Field(min_length=2)

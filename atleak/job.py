@@ -8,11 +8,14 @@ from __future__ import annotations
 import datetime as dt
 import re
 from collections.abc import Mapping
+from functools import partial
 from pathlib import PurePosixPath
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
+
+from atleak.written_numbers import MILEAGE, TEMPERATURE, AskedNumber, read_number
 
 Decision = Literal["proposed", "done", "declined", "deferred"]
 Grade = Literal["none", "light", "moderate", "heavy"]
@@ -33,6 +36,16 @@ def _text(value: Any) -> Any:
     return clean_text(value).strip() if isinstance(value, str) else value
 
 
+def _number(asked: AskedNumber, value: Any) -> Any:
+    """What a record holds as text is read as in a field; a number is one already."""
+    if not isinstance(value, str):
+        return value
+    found = read_number(value, asked)
+    if found.value is None:
+        raise ValueError(found.doubt.removesuffix("."))
+    return found.value
+
+
 def picture_name(name: str) -> str:
     """A picture's name inside the job: relative, with ``/``, never out of the job's folder.
 
@@ -51,8 +64,16 @@ def picture_name(name: str) -> str:
 
 Text = Annotated[str, BeforeValidator(_text)]
 Picture = Annotated[Text, AfterValidator(picture_name)]
-Kilometres = Annotated[float, Field(ge=0, lt=1e7, allow_inf_nan=False)]
-Celsius = Annotated[float, Field(ge=-60, le=200, allow_inf_nan=False)]
+Kilometres = Annotated[
+    float,
+    BeforeValidator(partial(_number, MILEAGE)),
+    Field(ge=MILEAGE.limits[0], le=MILEAGE.limits[1], allow_inf_nan=False),
+]
+Celsius = Annotated[
+    float,
+    BeforeValidator(partial(_number, TEMPERATURE)),
+    Field(ge=TEMPERATURE.limits[0], le=TEMPERATURE.limits[1], allow_inf_nan=False),
+]
 
 
 class Record(BaseModel):

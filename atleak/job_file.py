@@ -145,7 +145,7 @@ class JobFile:
         readings = road_test = None
         if self.readings is not None:
             found = self.readings
-            readings = read_readings(found.content, controller, name=found.name, **choices.readings)
+            readings = read_readings(found.content, controller, name=found.name, **choices.readings.model_dump())
         if self.road_test is not None:
             found = self.road_test
             road_test = read_road_test(found.content, name=found.name, **choices.road_test)
@@ -241,7 +241,7 @@ def write_job_file(
     readings, road_test
         the bytes that the diagnosis was read from; required where it has them.
     reading_choices
-        ``sheet`` and ``unit`` as given to `read_readings`.
+        ``sheet``, ``unit`` and ``where`` as given to `read_readings`.
     road_test_choices
         ``mapping``, ``units`` and ``constants`` as given to `read_road_test`.
     catalogue
@@ -265,7 +265,7 @@ def write_job_file(
         options=diagnosis.profile.options,
         condition=Condition(**asdict(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
-        readings=dict(reading_choices or {}) if sheet else {},
+        readings=ReadingChoices(**(reading_choices or {}) if sheet else {}),
         road_test=dict(road_test_choices or {}) if log else {},
         assumptions=sure.assumptions.settings if sure else {},
         guard_factor=sure.guard_factor if sure else None,
@@ -372,6 +372,14 @@ class Condition(_Strict):
     source: str
 
 
+class ReadingChoices(_Strict):
+    """What `read_readings` was told of the measuring sheet."""
+
+    sheet: str | None = None
+    unit: str | None = None
+    where: dict[str, str] = {}
+
+
 class Choices(_Strict):
     """Everything of a job but its files."""
 
@@ -382,7 +390,7 @@ class Choices(_Strict):
     options: dict[str, bool | float | str] = {}
     condition: Condition
     mileage: Annotated[float, Field(ge=0)] | None = None
-    readings: dict[Literal["sheet", "unit"], str | None] = {}
+    readings: ReadingChoices = ReadingChoices()
     road_test: dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None] = {}
     assumptions: dict[str, float] = {}
     guard_factor: float | None = None

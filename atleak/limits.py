@@ -3,29 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import model_validator
+from pydantic import Field, create_model, model_validator
 
 from atleak import catalogue
 from atleak.catalogue import Entry, Origin, Positive, Strict, Text
+from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
+from atleak.workshop_units import PERCENT, UM
 
-Verdict = Literal["ok", "watch", "replace", "critical", "not_measured"]
-VERDICTS: tuple[Verdict, ...] = ("not_measured", "ok", "watch", "replace", "critical")  # the worst last
-Band = Literal["green", "amber", "red", "critical"]
+Level = Verdict | Band
 ROUNDING = 1e-9  # relative: a value that equals its limit but for floating point has reached it
-
-
-def worst(verdicts: list[Verdict]) -> Verdict:
-    """The worst of some verdicts; ``"ok"`` of none.
-
-    >>> worst(["ok", "replace", "watch"])
-    'replace'
-    """
-    return max(verdicts, key=VERDICTS.index, default="ok")
 
 
 def reaches(value: float, limit: float) -> bool:
@@ -33,18 +25,52 @@ def reaches(value: float, limit: float) -> bool:
     return value >= limit - ROUNDING * abs(limit)
 
 
+class LimitOrigin(StrEnum):
+    """Who stands behind a limit."""
+
+    PUBLISHED = "published"
+    PROJECT = "choice of this project"
+    WORKSHOP = "set by the workshop"
+
+
+class RuleKind(StrEnum):
+    """The quantities that limits are set for."""
+
+    WEAR = "wear"  # of a land, (c_r − c_m)/c_m
+    CLEARANCE = "radial_clearance"  # of a land [m]
+    PAIR_SHARE = "pair_share"  # leakage of one land / pump capacity
+    TOTAL_SHARE = "total_share"  # leakage of the unit / pump capacity
+
+    @property
+    def factor(self) -> float:
+        """From SI, or a fraction, to the unit that people read."""
+        return UM if self is RuleKind.CLEARANCE else PERCENT
+
+    @property
+    def unit(self) -> str:
+        """The unit that people read."""
+        return "µm" if self is RuleKind.CLEARANCE else "%"
+
+    @property
+    def suffix(self) -> str:
+        """That unit at the end of a key."""
+        return "um" if self is RuleKind.CLEARANCE else "percent"
+
+
 @dataclass(frozen=True)
 class Steps:
-    """Rising limits of one quantity, each with the name of what begins there."""
+    """Rising limits of one quantity, each with the name of the level that begins there."""
 
-    levels: tuple[tuple[str, float], ...]
-    origin: str  # "published", "choice of this project" or "set by the workshop"
+    levels: tuple[tuple[Level, float], ...]
+    origin: LimitOrigin
     source: str
 
-    def judge(self, value: float, below: str) -> tuple[str, float | None]:
+    def judge(self, value: float, below: Level) -> tuple[Level, float]:
         """The level that a value has reached and its limit; ``below`` and the first limit under all of them.
 
-        >>> Steps((("watch", 10.0), ("replace", 50.0)), "published", "").judge(50.0, "ok")
+        >>> steps = Steps(((Verdict.WATCH, 10.0), (Verdict.REPLACE, 50.0)), LimitOrigin.PUBLISHED, "")
+        >>> level, limit = steps.judge(50.0, Verdict.OK)
+        >>> level.value, limit
         ('replace', 50.0)
         """
         reached, limit = below, self.levels[0][1]
@@ -52,6 +78,10 @@ class Steps:
             if reaches(value, level):
                 reached, limit = name, level
         return reached, limit
+
+    def limit_of(self, level: Level) -> float | None:
+        """The limit at which a level begins; None where the set does not name it."""
+        return next((limit for name, limit in self.levels if name == level), None)
 
 
 @dataclass(frozen=True)
@@ -71,18 +101,18 @@ class Limits:
 
     def band(self, share: float) -> Band:
         """The band of a total share (a fraction)."""
-        return self.total_share.judge(share, "green")[0]  # type: ignore[return-value]
+        return Band(self.total_share.judge(share, Band.GREEN)[0])
 
     @property
-    def rules(self) -> MappingProxyType[str, Steps]:
-        """The rules that are applied, by name."""
-        found = {
-            "wear": self.wear,
-            "radial_clearance": self.clearance,
-            "pair_share": self.pair_share,
-            "total_share": self.total_share,
+    def rules(self) -> MappingProxyType[RuleKind, Steps]:
+        """The rules that are applied, by the quantity they limit."""
+        stated = {
+            RuleKind.WEAR: self.wear,
+            RuleKind.CLEARANCE: self.clearance,
+            RuleKind.PAIR_SHARE: self.pair_share,
+            RuleKind.TOTAL_SHARE: self.total_share,
         }
-        return MappingProxyType({name: steps for name, steps in found.items() if steps is not None})
+        return MappingProxyType({kind: steps for kind, steps in stated.items() if steps is not None})
 
 
 def load_limits(id_or_path: str | Path) -> Limits:
@@ -100,10 +130,10 @@ def load_limits(id_or_path: str | Path) -> Limits:
         source=entry.source,
         date=entry.date,
         note=entry.note,
-        wear=_steps(entry.wear_percent, 1e-2),
-        clearance=_steps(entry.clearance_um, 1e-6),
-        pair_share=_steps(entry.pair_share_percent, 1e-2),
-        total_share=_steps(entry.total_share_percent, 1e-2),  # type: ignore[arg-type]
+        wear=entry.wear_percent and entry.wear_percent.steps(1e-2),
+        clearance=entry.clearance_um and entry.clearance_um.steps(1e-6),
+        pair_share=entry.pair_share_percent and entry.pair_share_percent.steps(1e-2),
+        total_share=entry.total_share_percent.steps(1e-2),
         origin=origin,
     )
 
@@ -113,27 +143,25 @@ def limit_sets() -> list[Limits]:
     return [load_limits(found) for found in catalogue.catalogue_files("limits")]
 
 
-def _steps(table: VerdictTable | BandTable | None, unit: float) -> Steps | None:
-    if table is None:
-        return None
-    levels = tuple((name, limit * unit) for name, limit in table.levels().items())
-    return Steps(levels, table.origin, table.source)
+class LevelTable(Strict):
+    """The limits of one quantity as a file states them."""
 
-
-class _LevelTable(Strict):
-    origin: Literal["published", "choice of this project", "set by the workshop"]
+    origin: Annotated[LimitOrigin, Field(strict=False)]  # a file writes it as text
     source: Text
 
     def levels(self) -> dict[str, float]:
         """The limits that are set, in rising order of severity."""
-        severity = [name for name in type(self).model_fields if name not in {"origin", "source"}]
-        order = ["watch", "amber", "replace", "red", "critical"]
-        return {
-            name: getattr(self, name) for name in sorted(severity, key=order.index) if getattr(self, name) is not None
-        }
+        named = {name: getattr(self, name) for name in type(self).model_fields if name not in LevelTable.model_fields}
+        return {name: limit for name, limit in named.items() if limit is not None}
+
+    def steps(self, unit: float) -> Steps:
+        """The same in SI or as fractions; ``unit`` is what one of the file's units is."""
+        kind = Band if isinstance(self, BandTable) else Verdict
+        levels = tuple((kind(name), limit * unit) for name, limit in self.levels().items())
+        return Steps(levels, self.origin, self.source)
 
     @model_validator(mode="after")
-    def _rising(self) -> _LevelTable:
+    def _rising(self) -> LevelTable:
         levels = self.levels()
         if not levels:
             raise ValueError("at least one limit")
@@ -143,19 +171,23 @@ class _LevelTable(Strict):
         return self
 
 
-class VerdictTable(_LevelTable):
-    watch: Positive | None = None
-    replace: Positive | None = None
-    critical: Positive | None = None
+if TYPE_CHECKING:
 
+    class VerdictTable(LevelTable): ...
 
-class BandTable(_LevelTable):
-    amber: Positive
-    red: Positive
-    critical: Positive
+    class BandTable(LevelTable): ...
+
+else:
+    # a field for every level there is: a land's may be left out, a total's bands are all stated
+    _some: dict[str, Any] = {level.value: (Positive | None, None) for level in FLAGGED}
+    _every: dict[str, Any] = {level.value: (Positive, ...) for level in BANDS if level.verdict.flagged}
+    VerdictTable = create_model("VerdictTable", __base__=LevelTable, __module__=__name__, **_some)
+    BandTable = create_model("BandTable", __base__=LevelTable, __module__=__name__, **_every)
 
 
 class LimitsFile(Entry):
+    """A limits file as it is read."""
+
     wear_percent: VerdictTable | None = None
     clearance_um: VerdictTable | None = None
     pair_share_percent: VerdictTable | None = None

@@ -8,11 +8,12 @@ from typing import Any, Literal
 
 from atleak.errors import InputError, nearest_name
 from atleak.fluid import VISCOSITY_MODELS, ViscosityModel
+from atleak.written_numbers import decimal_number
 
 
 @dataclass(frozen=True)
 class Profile:
-    """A set of options of the engine.
+    """Say how the engine computes: a set of options.
 
     Attributes
     ----------
@@ -44,18 +45,18 @@ class Profile:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Every option but the name."""
+        """Return every option but the name."""
         return {name: value for name, value in asdict(self).items() if name != "name"}
 
     @property
     def label(self) -> str:
-        """The name, and what was set apart from it: ``workshop, diameter=spool``."""
+        """Join the name and what was set apart from it: ``workshop, diameter=spool``."""
         base = PROFILES[self.name].options
         changed = [f"{name}={_text(value)}" for name, value in self.options.items() if base[name] != value]
         return ", ".join([self.name, *changed])
 
     def with_options(self, **options: Any) -> Profile:
-        """This profile with some options set.
+        """Return this profile with some options set.
 
         Raises
         ------
@@ -79,7 +80,7 @@ _SWITCH = {"on": True, "off": False, "true": True, "false": False, "1": True, "0
 
 
 def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
-    """A profile by name, with options given as text (``{"entry_loss": "on"}``).
+    """Find a profile by name, with options given as text (``{"entry_loss": "on"}``).
 
     Raises
     ------
@@ -119,11 +120,8 @@ def _checked(name: str, value: Any) -> Any:
         if switch is None:
             raise InputError("option entry_loss does not take this value", value=value, expected="on or off")
         return switch
-    try:
-        ratio = float(str(value).replace(",", "."))
-    except ValueError:
-        ratio = float("nan")
-    if not 0.0 <= ratio <= 1.0:
+    ratio = decimal_number(str(value))
+    if ratio is None or not 0.0 <= ratio <= 1.0:
         raise InputError("option eccentricity does not take this value", value=value, expected="a number 0 to 1")
     return ratio
 

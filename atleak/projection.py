@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from atleak.controller import Controller, OperatingPoint
+from atleak.equations.clearance import worn_clearance
 from atleak.errors import InputError, Message
 from atleak.leakage import GapLeakage, LeakageModel, gap_messages
 from atleak.readings import LandClearance
@@ -123,7 +124,10 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
     This is how the source study models wear (W3, W4): the thermal term is added afterwards and not scaled.
     """
-    return tuple(_with_clearance(state, state.radial_clearance * (1.0 + increment)) for state in clearances)
+    return tuple(
+        _with_clearance(state, worn_clearance(state.radial_clearance, increment * state.radial_clearance))
+        for state in clearances
+    )
 
 
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:

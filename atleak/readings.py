@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Literal
 
-from atleak.controller import Controller, Land
-from atleak.equations.clearance import radial_clearance
+from atleak.controller import REFERENCE_TEMPERATURE, Controller, Land
+from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message, Place
 
 Part = Literal["spool", "sleeve"]
@@ -115,6 +115,21 @@ class LandClearance:
     def measured(self) -> bool:
         """Whether at least one of the two parts was measured."""
         return self.status != "not_measured"
+
+    @property
+    def wear(self) -> float:
+        """(c_r − c_m)/c_m as a fraction, eq. (1); zero for a land that was not measured."""
+        return clearance_equations.wear(self.radial_clearance, self.land.mounting_clearance)
+
+    @property
+    def thermal_rate(self) -> float:
+        """Growth of the radial clearance with temperature [m/K], eq. (2)."""
+        return self.land.thermal_rate(self.spool_diameter, self.sleeve_diameter)
+
+    def effective_clearance(self, temperature: float) -> float:
+        """Radial clearance [m] at a temperature [°C], eq. (2): zero where the pair binds."""
+        rise = temperature - REFERENCE_TEMPERATURE
+        return clearance_equations.effective_clearance(self.radial_clearance, self.thermal_rate, rise)
 
 
 @dataclass(frozen=True)
@@ -377,8 +392,8 @@ def _land_messages(found: LandClearance, place: Place | None) -> Iterable[Messag
 def _clearance(sleeve_diameter: float, spool_diameter: float) -> float:
     # eq. (28) refuses a sleeve smaller than its spool; a single direction can be so, and is reported as negative
     if sleeve_diameter >= spool_diameter:
-        return radial_clearance(sleeve_diameter, spool_diameter)
-    return -radial_clearance(spool_diameter, sleeve_diameter)
+        return clearance_equations.radial_clearance(sleeve_diameter, spool_diameter)
+    return -clearance_equations.radial_clearance(spool_diameter, sleeve_diameter)
 
 
 def _direction(direction: float | None) -> str:

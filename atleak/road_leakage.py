@@ -8,8 +8,9 @@ import numpy as np
 
 from atleak.controller import SECTIONS, OperatingPoint
 from atleak.errors import Message, Place, RoadTestError
-from atleak.leakage import LeakageModel, LeakageSeries
+from atleak.leakage import LeakageModel
 from atleak.road_test import RoadTest
+from atleak.series import LeakageSeries, leakage_series
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     )
     temperature = channel("atf_temperature", assumed.temperature, f"{assumed.temperature:g} °C ({assumed.label})")
     gear = channel("gear", float(assumed.gear), f"gear {assumed.gear} ({assumed.label})")
-    series = model.series(main, converter, temperature, gear, sections=True)
+    series = leakage_series(model, main, converter, temperature, gear, sections=True)
     if not np.isfinite(series.total).any():
         low, high = model.fluid.span(model.profile.viscosity)
         raise RoadTestError(

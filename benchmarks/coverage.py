@@ -26,11 +26,13 @@ from atleak.controller import Controller, load_controller
 from atleak.fluid import Fluid, load_fluid
 from atleak.instruments import Instrument, Instruments, load_instrument
 from atleak.leakage import LeakageModel
-from atleak.limits import Limits, Steps, load_limits
+from atleak.limits import LimitOrigin, Limits, RuleKind, Steps, load_limits
 from atleak.profile import WORKSHOP
 from atleak.projection import project
 from atleak.readings import Reading, Readings, clearances
+from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, LandUncertainty, RuleDecision, UnitUncertainty, assess
+from atleak.verdicts import Band, Verdict
 
 SEED = 20231122
 LANDS = 12
@@ -98,12 +100,12 @@ def _bench() -> tuple[Controller, Fluid, Limits]:
         operating_points=(point,),
     )
     limits = load_limits("project_default")
-    own = ("choice of this project", "benchmark")
+    own = (LimitOrigin.PROJECT, "benchmark")
     limits = replace(
         limits,
-        wear=Steps((("watch", 0.1), ("replace", 0.5)), *own),
-        pair_share=Steps((("watch", SHARE_LIMIT),), *own),
-        total_share=Steps((("amber", TOTAL_LIMIT), ("red", 2 * TOTAL_LIMIT), ("critical", 0.5)), *own),
+        wear=Steps(((Verdict.WATCH, 0.1), (Verdict.REPLACE, 0.5)), *own),
+        pair_share=Steps(((Verdict.WATCH, SHARE_LIMIT),), *own),
+        total_share=Steps(((Band.AMBER, TOTAL_LIMIT), (Band.RED, 2 * TOTAL_LIMIT), (Band.CRITICAL, 0.5)), *own),
     )
     return controller, load_fluid("hipol_atf_iid"), limits
 
@@ -127,7 +129,16 @@ def simulate(world: World, unit: int) -> tuple[UnitUncertainty, Truth, int]:
     states = clearances(sheet, controller)
     model = LeakageModel(controller, states, fluid, WORKSHOP)
     projections = [project(model, point) for point in controller.operating_points]
-    found = assess(model, states, projections, limits, readings=sheet, instruments=instruments, draws=draws, seed=unit)
+    found = assess(
+        model,
+        states,
+        projections,
+        unit_rules(states, projections, limits),
+        readings=sheet,
+        instruments=instruments,
+        draws=draws,
+        seed=unit,
+    )
     return found, truth, repeats
 
 
@@ -253,9 +264,12 @@ def _count(world: World, units: range) -> Counter[str]:
     return found
 
 
+COUNTED = {RuleKind.WEAR: "wear", RuleKind.CLEARANCE: "clearance", RuleKind.PAIR_SHARE: "share"}
+
+
 def _count_rules(found: Counter[str], land: LandUncertainty, truth: Truth, share: float) -> None:
     for rule in land.rules:
-        kind = "share" if rule.rule.startswith("share") else rule.rule.replace("radial_", "")
+        kind = COUNTED[rule.rule.kind]
         true = {"wear": truth.wear[land.key], "clearance": truth.clearance[land.key], "share": share}[kind]
         _count_rule(found, kind, rule, true)
 

@@ -21,6 +21,7 @@ from atleak.fluid import load_fluid
 from atleak.leakage import LeakageModel
 from atleak.profile import PAPER, WORKSHOP, Profile
 from atleak.readings import clearances
+from atleak.series import leakage_series
 
 SAMPLES = 1_800_000
 
@@ -36,14 +37,14 @@ def main() -> None:
     for profile in (WORKSHOP, PAPER):
         model = _model(60, profile)
         copies = median_time(lambda: [array.copy() for array in (*log, p_g)])
-        series = median_time(lambda model=model: model.series(*log))
+        series = median_time(lambda model=model: leakage_series(model, *log))
         loop = median_time(lambda model=model: loop_over_gaps(model, *log), rounds=3)
-        total, slow = model.series(*log).total, loop_over_gaps(model, *log)
+        total, slow = leakage_series(model, *log).total, loop_over_gaps(model, *log)
         difference = float(np.max(np.abs(total - slow) / np.abs(slow)))
         small, large = _model(6, profile), _model(600, profile)
         few, many = (
-            median_time(lambda model=small: model.series(*log)),
-            median_time(lambda model=large: model.series(*log)),
+            median_time(lambda model=small: leakage_series(model, *log)),
+            median_time(lambda model=large: leakage_series(model, *log)),
         )
         print(f"{profile.name}: {SAMPLES} samples x {len(model.controller.gaps)} gaps")
         print(f"  series / copying its arrays   {series / copies:6.2f}   ({series * 1e3:.0f} / {copies * 1e3:.0f} ms)")

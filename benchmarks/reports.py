@@ -39,8 +39,8 @@ from atleak.job_file import write_job_file
 from atleak.limits import load_limits
 from atleak.readings import Reading, Readings
 from atleak.report import pdf
-from atleak.report.wording import wording
 from atleak.report.xlsx import write_workbook
+from atleak.wording import wording
 
 ROOT = Path(__file__).resolve().parents[1]
 LANDS = 60

@@ -21,6 +21,7 @@ from atleak.limits import load_limits
 from atleak.profile import WORKSHOP
 from atleak.projection import project
 from atleak.readings import clearances
+from atleak.rules import unit_rules
 from atleak.uncertainty import assess
 
 SAMPLE = Path(__file__).resolve().parents[1] / "sample_data" / "measuring_sheet_four_speed.xlsx"
@@ -43,7 +44,9 @@ def main() -> None:
         draws = np.random.default_rng(1).standard_normal((len(means), DRAWS))
         return [np.quantile((means + 1e-6 * draws) ** 3, (0.025, 0.975), axis=1) for _ in points]
 
-    ours = median_time(lambda: assess(model, states, points, limits, readings=readings, draws=DRAWS))
+    ours = median_time(
+        lambda: assess(model, states, points, unit_rules(states, points, limits), readings=readings, draws=DRAWS)
+    )
     peer = median_time(bare)
     print(f"{len(states)} lands x {DRAWS} draws x {len(points)} conditions")
     print(f"assess / drawing, cubing, quantiles   {ours / peer:.2f}   ({ours * 1e3:.0f} ms / {peer * 1e3:.0f} ms)")

@@ -4,6 +4,7 @@ import streamlit as st
 
 from atleak.drawing import spool_svg
 from atleak.figures import uncertainty as figures
+from atleak.figures.diagnosis import total_share
 from atleak.uncertainty.table import budget_rows
 from pages.shared import panel, show, words
 
@@ -21,12 +22,12 @@ st.markdown(
 show.messages(unit.messages, "the instruments and what else is uncertain")
 
 st.subheader("Total share")
-show.chart(figures.totals(unit, diagnosis.limits), "totals")
+show.chart(total_share(diagnosis), "totals")
 
 show.unsettled(words.advice(diagnosis))
 
 st.subheader("Clearances")
-show.chart(figures.clearances(unit, diagnosis.limits), "clearances")
+show.chart(figures.clearances(unit), "clearances")
 st.subheader("Leakages")
 show.chart(figures.leakages(unit), "leakages")
 

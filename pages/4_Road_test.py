@@ -1,6 +1,5 @@
 """The road-test log: what was understood of it, what is asked, its picture, and the leakage over it."""
 
-from dataclasses import replace
 from functools import partial
 
 import streamlit as st
@@ -11,7 +10,6 @@ from atleak.figures import diagnosis as figures
 from atleak.intake.road_test import tidy_csv
 from atleak.report.window import event_rows, window_rows
 from pages.shared import log_form, panel, show
-from pages.shared.bench import diagnosis_of
 
 bench, diagnosis = panel.shown()
 st.title("Road test")
@@ -59,7 +57,7 @@ st.caption(
 road = None
 if file == bench.log and diagnosis.road is not None:
     try:
-        road = diagnosis_of(replace(bench, window=ends)).road
+        road = diagnosis.road if ends is None else diagnosis.over(part)
         st.subheader("Leakage over it")
         show.chart(figures.road_leakage(road, diagnosis.limits), "road")
         show.messages(road.messages, "leakage over this log")

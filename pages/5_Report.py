@@ -7,8 +7,8 @@ from atleak.job_file import parse_job, write_job_file
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.record import diagnosis_record, to_json
-from atleak.report.wording import languages, wording
 from atleak.report.xlsx import write_workbook
+from atleak.wording import languages, wording
 from pages.shared import job_form, panel, show
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
@@ -41,7 +41,7 @@ downloads = {
 }
 with st.container(horizontal=True):
     for label, (suffix, content, tip) in downloads.items():
-        st.download_button(label, content, f"{name}.{suffix}", on_click="ignore", help=tip)
+        st.download_button(label, content, f"{name}.{suffix}", key=f"report-{suffix}", on_click="ignore", help=tip)
 
 with st.expander("Fill in from a job record (TOML or JSON)"):
     given = st.file_uploader("Job record", ["toml", "json"], key=job_form.key("record"))

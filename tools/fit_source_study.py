@@ -37,6 +37,7 @@ from atleak.leakage import LeakageModel
 from atleak.profile import PAPER
 from atleak.projection import with_wear
 from atleak.readings import clearances
+from atleak.series import leakage_series
 from atleak.variants import VARIANTS, Variant, variant_fluid
 from atleak.workshop_units import DM3_MIN
 
@@ -109,7 +110,7 @@ def model_of(controller: Controller, row: Variant) -> LeakageModel:
 
 def leakage(controller: Controller, row: Variant, p_g: float, p_k: float, gear: int = 2) -> float:
     """dm³/min at main and converter pressure [kPa]."""
-    series = model_of(controller, row).series(p_g * 1e3, p_k * 1e3, row.temperature, gear)
+    series = leakage_series(model_of(controller, row), p_g * 1e3, p_k * 1e3, row.temperature, gear)
     return float(series.total[0]) * DM3_MIN
 
 
@@ -280,7 +281,7 @@ def pressures_at_maximum(controller: Controller) -> tuple[float, float]:
     p_g, p_k = (np.array(column) for column in zip(*grid, strict=True))
     values = np.stack(
         [
-            model_of(controller, row).series(p_g * 1e3, p_k * 1e3, row.temperature, 2).total * DM3_MIN
+            leakage_series(model_of(controller, row), p_g * 1e3, p_k * 1e3, row.temperature, 2).total * DM3_MIN
             for row in VARIANTS
         ],
         axis=1,
@@ -302,7 +303,7 @@ def steps_after_maximum(controller: Controller, p_g: float, p_k: float) -> tuple
         row = TABLE_3[name]
         main, converter = np.full(ups.size + 1, p_g + down), np.concatenate([[p_k], p_k + ups])
         main[0] = p_g
-        flow = model_of(controller, row).series(main * 1e3, converter * 1e3, row.temperature, 2).total
+        flow = leakage_series(model_of(controller, row), main * 1e3, converter * 1e3, row.temperature, 2).total
         growth.append(sign * (flow[1:] / flow[0] - 1.0))
     worse = np.minimum(*growth)
     best, up = float(worse.max()), float(ups[np.argmax(worse)])
@@ -430,7 +431,7 @@ def report(controller: Controller, log: dict[str, np.ndarray]) -> bool:
         print(f"  {name:28s} {value:9.4f}  printed {printed:7}  {off:+.3%}  {digits}")
 
     for name, row in TABLE_3.items():
-        series = model_of(controller, row).series(p_g * 1e3, p_k * 1e3, row.temperature, gear)
+        series = leakage_series(model_of(controller, row), p_g * 1e3, p_k * 1e3, row.temperature, gear)
         flow = series.total * DM3_MIN
         top, bottom = int(np.argmax(flow)), int(np.argmin(flow))
         line(

@@ -15,12 +15,12 @@ from atleak.errors import DomainError
 
 
 def values(given: ArrayLike) -> NDArray[np.float64]:
-    """The given number or numbers as a float array; float arrays are not copied."""
+    """Return the given number or numbers as a float array; float arrays are not copied."""
     return np.asarray(given, dtype=np.float64)
 
 
 def result(computed: Any) -> Any:
-    """A Python float where everything given was a scalar, the array otherwise."""
+    """Return a Python float where everything given was a scalar, the array otherwise."""
     return float(computed) if np.ndim(computed) == 0 else computed
 
 
@@ -36,7 +36,7 @@ def refuse(name: str, value: NDArray[np.float64], bad: NDArray[np.bool_], expect
 
 
 def positive(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
-    """The values, all of them above zero."""
+    """Return the values, all of them above zero."""
     value = values(given)
     if value.size and not value.min() > 0.0:
         refuse(name, value, value <= 0.0, "positive", unit)
@@ -44,7 +44,7 @@ def positive(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]
 
 
 def not_negative(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
-    """The values, none of them below zero."""
+    """Return the values, none of them below zero."""
     value = values(given)
     if value.size and not value.min() >= 0.0:
         refuse(name, value, value < 0.0, "zero or positive", unit)
@@ -52,7 +52,7 @@ def not_negative(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.floa
 
 
 def within(name: str, given: ArrayLike, low: float, high: float, unit: str = "") -> NDArray[np.float64]:
-    """The values, all of them between low and high, both included."""
+    """Return the values, all of them between low and high, both included."""
     value = values(given)
     if value.size and not (value.min() >= low and value.max() <= high):
         refuse(name, value, (value < low) | (value > high), f"between {low:g} and {high:g} {unit}".rstrip(), unit)
@@ -60,8 +60,27 @@ def within(name: str, given: ArrayLike, low: float, high: float, unit: str = "")
 
 
 def above(name: str, given: ArrayLike, low: float, unit: str = "") -> NDArray[np.float64]:
-    """The values, all of them above low."""
+    """Return the values, all of them above low."""
     value = values(given)
     if value.size and not value.min() > low:
         refuse(name, value, value <= low, f"above {low:g} {unit}".rstrip(), unit)
     return value
+
+
+def pair_of_diameters(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> tuple[Any, Any]:
+    """Return both diameters, the sleeve's at least as large as the spool's."""
+    sleeve = positive("sleeve diameter", sleeve_diameter, "m")
+    spool = positive("spool diameter", spool_diameter, "m")
+    refuse("sleeve diameter", sleeve, sleeve < spool, "at least the spool's", "m")
+    return sleeve, spool
+
+
+def net_areas(a_1: ArrayLike, a_2w: ArrayLike, a_3w: ArrayLike, a_g1: ArrayLike, a_g2: ArrayLike) -> tuple[Any, Any]:
+    """Return the net area that control pressure acts on, and the net area that main pressure acts on."""
+    control = (
+        not_negative("area A_1", a_1, "m²")
+        - not_negative("area A_2W", a_2w, "m²")
+        + not_negative("area A_3W", a_3w, "m²")
+    )
+    main = not_negative("area A_g1", a_g1, "m²") - not_negative("area A_g2", a_g2, "m²")
+    return control, main

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.equations._domain import not_negative, positive, refuse, result, values
+from atleak.equations._domain import not_negative, pair_of_diameters, positive, result, values
 
 
 def radial_clearance(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> Any:
-    """Radial clearance of a pair from its two diameters, ``(D − d) / 2``.
+    """Compute the radial clearance of a pair from its two diameters, ``(D − d) / 2``.
 
     Parameters
     ----------
@@ -38,12 +39,12 @@ def radial_clearance(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> A
     >>> round(radial_clearance(0.010000, 0.009940) * 1e6, 6)
     30.0
     """
-    sleeve, spool = _diameters(sleeve_diameter, spool_diameter)
+    sleeve, spool = pair_of_diameters(sleeve_diameter, spool_diameter)
     return result((sleeve - spool) * 0.5)
 
 
 def worn_clearance(mounting_clearance: ArrayLike, wear_increment: ArrayLike) -> Any:
-    """Radial clearance after wear, ``c_r = c_m + Δc_e``.
+    """Compute the radial clearance after wear, ``c_r = c_m + Δc_e``.
 
     Parameters
     ----------
@@ -77,12 +78,12 @@ def worn_clearance(mounting_clearance: ArrayLike, wear_increment: ArrayLike) -> 
 
 
 def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
-    """Wear of a pair, ``Z = (c_r − c_m) / c_m``.
+    """Compute the wear of a pair, ``Z = (c_r − c_m) / c_m``.
 
     Parameters
     ----------
     radial_clearance : float or array
-        c_r, radial clearance as measured [m].
+        c_r, radial clearance as measured [m]; negative where the sleeve measures smaller than the spool.
     mounting_clearance : float or array
         c_m, radial clearance when new [m].
 
@@ -94,7 +95,7 @@ def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
     Raises
     ------
     DomainError
-        Negative radial clearance; mounting clearance not positive.
+        Mounting clearance not positive.
 
     References
     ----------
@@ -105,74 +106,9 @@ def wear(radial_clearance: ArrayLike, mounting_clearance: ArrayLike) -> Any:
     >>> round(wear(36e-6, 24e-6), 12)
     0.5
     """
-    c_r = not_negative("radial clearance", radial_clearance, "m")
+    c_r = values(radial_clearance)
     c_m = positive("mounting clearance", mounting_clearance, "m")
     return result((c_r - c_m) / c_m)
-
-
-def effective_clearance(
-    radial_clearance: ArrayLike,
-    sleeve_diameter: ArrayLike,
-    spool_diameter: ArrayLike,
-    body_expansion: ArrayLike,
-    spool_expansion: ArrayLike,
-    body_rise: ArrayLike,
-    spool_rise: ArrayLike,
-) -> Any:
-    """Radial clearance at operating temperature.
-
-    ``c_re = c_r + (β_k D ΔT_k − β_s d ΔT_s) / 2``
-
-    Parameters
-    ----------
-    radial_clearance : float or array
-        c_r, at the temperature of the measurement [m].
-    sleeve_diameter : float or array
-        D [m].
-    spool_diameter : float or array
-        d [m].
-    body_expansion : float or array
-        β_k, linear expansion coefficient of the body [1/K].
-    spool_expansion : float or array
-        β_s, linear expansion coefficient of the spool [1/K].
-    body_rise : float or array
-        ΔT_k, temperature of the body minus that of the measurement, 20 ± 0.5 °C [K].
-    spool_rise : float or array
-        ΔT_s, the same of the spool [K].
-
-    Returns
-    -------
-    float or ndarray
-        Effective clearance [m].
-
-    Raises
-    ------
-    DomainError
-        Negative clearance, cold or effective (the pair binds); sleeve smaller than the spool; a diameter not
-        positive; a negative expansion coefficient.
-
-    Notes
-    -----
-    Strain by pressure is left out: negligible up to 1000 kPa.
-
-    References
-    ----------
-    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (2).
-
-    Examples
-    --------
-    Steel spool in an aluminium body, 60 K warmer:
-
-    >>> c_re = effective_clearance(30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 60.0, 60.0)
-    >>> round(c_re * 1e6, 4)
-    32.8887
-    """
-    c_r = not_negative("radial clearance", radial_clearance, "m")
-    sleeve, spool = _diameters(sleeve_diameter, spool_diameter)
-    beta_k = not_negative("body expansion", body_expansion, "1/K")
-    beta_s = not_negative("spool expansion", spool_expansion, "1/K")
-    opening = beta_k * sleeve * values(body_rise) - beta_s * spool * values(spool_rise)
-    return result(not_negative("effective clearance", c_r + 0.5 * opening, "m"))
 
 
 def thermal_rate(
@@ -181,7 +117,7 @@ def thermal_rate(
     body_expansion: ArrayLike,
     spool_expansion: ArrayLike,
 ) -> Any:
-    """How fast a radial clearance opens when body and spool warm up together, ``(β_k D − β_s d) / 2``.
+    """Compute how fast a radial clearance opens when body and spool warm up together, ``(β_k D − β_s d) / 2``.
 
     Parameters
     ----------
@@ -213,15 +149,52 @@ def thermal_rate(
     >>> round(thermal_rate(0.010, 0.010, 21.5e-6, 12e-6) * 1e9, 6)
     47.5
     """
-    sleeve, spool = _diameters(sleeve_diameter, spool_diameter)
+    sleeve, spool = pair_of_diameters(sleeve_diameter, spool_diameter)
     beta_k = not_negative("body expansion", body_expansion, "1/K")
     beta_s = not_negative("spool expansion", spool_expansion, "1/K")
     return result(0.5 * (beta_k * sleeve - beta_s * spool))
 
 
-def _diameters(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> tuple[Any, Any]:
-    """Both diameters, the sleeve at least as large as the spool."""
-    sleeve = positive("sleeve diameter", sleeve_diameter, "m")
-    spool = positive("spool diameter", spool_diameter, "m")
-    refuse("sleeve diameter", sleeve, sleeve < spool, "at least the spool's", "m")
-    return sleeve, spool
+def effective_clearance(radial_clearance: ArrayLike, thermal_rate: ArrayLike, temperature_rise: ArrayLike) -> Any:
+    """Compute the radial clearance at operating temperature, with body and spool equally warm.
+
+    ``c_re = c_r + (β_k D − β_s d) ΔT / 2``, and zero where the pair binds.
+
+    Parameters
+    ----------
+    radial_clearance : float or array
+        c_r, at the temperature of the measurement [m].
+    thermal_rate : float or array
+        (β_k D − β_s d) / 2, of `thermal_rate` [m/K].
+    temperature_rise : float or array
+        ΔT, of body and spool above the temperature of the measurement, 20 ± 0.5 °C [K].
+
+    Returns
+    -------
+    float or ndarray
+        Effective clearance [m], never below zero.
+
+    Raises
+    ------
+    DomainError
+        Never: a clearance below zero, cold or warm, is a pair that binds and leaks nothing.
+
+    Notes
+    -----
+    Strain by pressure is left out: negligible up to 1000 kPa. With body and spool at temperatures of their own, the
+    equation is `atleak.equations.referees.effective_clearance_two_temperatures`.
+
+    References
+    ----------
+    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (2) with ΔT_k = ΔT_s.
+
+    Examples
+    --------
+    Steel spool in an aluminium body, 60 K warmer:
+
+    >>> rate = thermal_rate(0.01006, 0.010, 21.5e-6, 12e-6)
+    >>> round(effective_clearance(30e-6, rate, 60.0) * 1e6, 4)
+    32.8887
+    """
+    warm = values(radial_clearance) + values(thermal_rate) * values(temperature_rise)
+    return result(np.maximum(warm, 0.0))

@@ -20,13 +20,22 @@ ASTM_D341_RELIABLE_FROM = -20.0
 #: Kinematic viscosity at or below which the double logarithm of ASTM D341 does not exist [m²/s].
 ASTM_D341_LOWEST_VISCOSITY = 0.3e-6
 
-_ABSOLUTE_ZERO = -273.15
+#: Of the study's regressions, eqs. (29) and (30): ν [mm²/s] is the first of a pair times e to the second times T,
+#: ρ [kg/m³] the first and the second times T, with T in °C.
+STUDY_VISCOSITY = (343.92, -0.043)
+STUDY_DENSITY = (840.9, -0.7)
+
+#: What ASTM D341 adds to a kinematic viscosity [mm²/s] before it takes logarithms.
+ASTM_D341_SHIFT = 0.7
+
+#: [°C].
+ABSOLUTE_ZERO = -273.15
 _LN10 = math.log(10.0)
 _LN_LN10 = math.log(_LN10)
 
 
 def study_viscosity(temperature: ArrayLike) -> Any:
-    """Kinematic viscosity of the source study's fluid by its regression, ``ν = 343.92 e^(−0.043 T)`` mm²/s.
+    """Compute the kinematic viscosity of the source study's fluid by its regression, ``ν = 343.92 e^(−0.043 T)`` mm²/s.
 
     Parameters
     ----------
@@ -59,11 +68,11 @@ def study_viscosity(temperature: ArrayLike) -> Any:
     1921
     """
     t = within("temperature", temperature, STUDY_LOWEST, STUDY_HIGHEST, "°C")
-    return result(343.92e-6 * np.exp(-0.043 * t))
+    return result(STUDY_VISCOSITY[0] * 1e-6 * np.exp(STUDY_VISCOSITY[1] * t))
 
 
 def study_density(temperature: ArrayLike) -> Any:
-    """Density of the source study's fluid by its regression, ``ρ = −0.0007 T + 0.8409`` g/cm³.
+    """Compute the density of the source study's fluid by its regression, ``ρ = −0.0007 T + 0.8409`` g/cm³.
 
     Parameters
     ----------
@@ -94,13 +103,13 @@ def study_density(temperature: ArrayLike) -> Any:
     784.9
     """
     t = within("temperature", temperature, STUDY_LOWEST, STUDY_HIGHEST, "°C")
-    return result(840.9 - 0.7 * t)
+    return result(STUDY_DENSITY[0] + STUDY_DENSITY[1] * t)
 
 
 def astm_d341_coefficients(
     temperature_1: ArrayLike, viscosity_1: ArrayLike, temperature_2: ArrayLike, viscosity_2: ArrayLike
 ) -> tuple[Any, Any]:
-    """The two constants of ASTM D341 from two data-sheet points.
+    """Compute the two constants of ASTM D341 from two data-sheet points.
 
     ``log₁₀ log₁₀(ν + 0.7) = A − B log₁₀ T`` with ν in mm²/s and T in K.
 
@@ -137,22 +146,22 @@ def astm_d341_coefficients(
     >>> round(A, 4), round(B, 4)
     (8.8874, 3.4759)
     """
-    t_1 = above("temperature", temperature_1, _ABSOLUTE_ZERO, "°C")
-    t_2 = above("temperature", temperature_2, _ABSOLUTE_ZERO, "°C")
+    t_1 = above("temperature", temperature_1, ABSOLUTE_ZERO, "°C")
+    t_2 = above("temperature", temperature_2, ABSOLUTE_ZERO, "°C")
     refuse("second temperature", t_2, t_1 == t_2, "different from the first", "°C")
     nu_1 = above("kinematic viscosity", viscosity_1, ASTM_D341_LOWEST_VISCOSITY, "m²/s")
     nu_2 = above("kinematic viscosity", viscosity_2, ASTM_D341_LOWEST_VISCOSITY, "m²/s")
     rising = (nu_2 - nu_1) * np.sign(t_2 - t_1) > 0.0
     refuse("second kinematic viscosity", nu_2, rising, "such that viscosity falls as temperature rises", "m²/s")
-    x_1, x_2 = np.log10(t_1 - _ABSOLUTE_ZERO), np.log10(t_2 - _ABSOLUTE_ZERO)
-    y_1 = np.log10(np.log10(1e6 * nu_1 + 0.7))
-    y_2 = np.log10(np.log10(1e6 * nu_2 + 0.7))
+    x_1, x_2 = np.log10(t_1 - ABSOLUTE_ZERO), np.log10(t_2 - ABSOLUTE_ZERO)
+    y_1 = np.log10(np.log10(1e6 * nu_1 + ASTM_D341_SHIFT))
+    y_2 = np.log10(np.log10(1e6 * nu_2 + ASTM_D341_SHIFT))
     slope = (y_1 - y_2) / (x_2 - x_1)
     return result(y_1 + slope * x_1), result(slope)
 
 
 def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
-    """Kinematic viscosity at a temperature by ASTM D341 (Walther's equation).
+    """Compute the kinematic viscosity at a temperature by ASTM D341 (Walther's equation).
 
     ``log₁₀ log₁₀(ν + 0.7) = A − B log₁₀ T`` with ν in mm²/s and T in K.
 
@@ -175,8 +184,8 @@ def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
 
     Notes
     -----
-    Follows the data sheet between and somewhat beyond its two points. Where it does not is told by
-    `astm_d341_reliable`; below the pour point a fluid has no viscosity to compute, which the equation cannot
+    Follows the data sheet between and somewhat beyond its two points. `astm_d341_reliable` says
+    where it does not; below the pour point a fluid has no viscosity to compute, which the equation cannot
     know.
 
     References
@@ -190,11 +199,11 @@ def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
     >>> round(astm_d341(80.0, A, B) * 1e6, 2)
     11.15
     """
-    t = above("temperature", temperature, _ABSOLUTE_ZERO, "°C")
+    t = above("temperature", temperature, ABSOLUTE_ZERO, "°C")
     # 10^10^(A − B log₁₀ T) with natural functions, the second base folded into the first exponent; worked out in one
     # array, because taking fresh memory costs more than the arithmetic
     shape = np.broadcast_shapes(t.shape, np.shape(A), np.shape(B))
-    nu = np.subtract(t, _ABSOLUTE_ZERO, out=np.empty(shape))
+    nu = np.subtract(t, ABSOLUTE_ZERO, out=np.empty(shape))
     np.log(nu, out=nu)
     nu *= -values(B)
     nu += values(A) * _LN10 + _LN_LN10
@@ -205,13 +214,13 @@ def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
     except FloatingPointError:
         lowest = float(np.nanmin(t))
         raise DomainError(f"temperature must be one at which ASTM D341 is finite, found {lowest:g} °C") from None
-    nu -= 0.7
+    nu -= ASTM_D341_SHIFT
     nu *= 1e-6
     return result(nu)
 
 
 def astm_d341_reliable(temperature: ArrayLike) -> Any:
-    """Whether ASTM D341 can be relied on at a temperature.
+    """Tell whether ASTM D341 can be relied on at a temperature.
 
     Below −20 °C real fluids (Brookfield) are 1.2 to 3.4 times as viscous as it says.
 
@@ -241,7 +250,7 @@ def astm_d341_reliable(temperature: ArrayLike) -> Any:
 
 
 def dynamic_viscosity(kinematic_viscosity: ArrayLike, density: ArrayLike) -> Any:
-    """Dynamic viscosity, ``μ = ν ρ``.
+    """Compute the dynamic viscosity, ``μ = ν ρ``.
 
     Parameters
     ----------

@@ -8,14 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.equations._domain import not_negative, positive, refuse, result, values
-
-#: Highest modulated and control pressure of the source study, set by its solenoid valves [Pa].
-MODULATED_LIMIT = 500e3
+from atleak.equations._domain import net_areas, not_negative, positive, refuse, result, values
 
 
 def annulus_area(diameter: ArrayLike, rod_diameter: ArrayLike = 0.0) -> Any:
-    """Area of a ring, ``A_W = π (d² − d_w²) / 4``; of a full disc without a rod.
+    """Compute the area of a ring, ``A_W = π (d² − d_w²) / 4``; of a full disc without a rod.
 
     Parameters
     ----------
@@ -49,41 +46,8 @@ def annulus_area(diameter: ArrayLike, rod_diameter: ArrayLike = 0.0) -> Any:
     return result((math.pi / 4.0) * ((d - rod) * (d + rod)))
 
 
-def pressure_force(pressure: ArrayLike, area: ArrayLike) -> Any:
-    """Force of a pressure on an area, ``F = p A``.
-
-    Parameters
-    ----------
-    pressure : float or array
-        [Pa].
-    area : float or array
-        [m²].
-
-    Returns
-    -------
-    float or ndarray
-        [N].
-
-    Raises
-    ------
-    DomainError
-        Negative area.
-
-    References
-    ----------
-    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (7) and (8); from kPa and mm² a factor 10⁻³ is needed
-    that the article does not print.
-
-    Examples
-    --------
-    >>> round(pressure_force(800e3, 58.905e-6), 3)
-    47.124
-    """
-    return result(values(pressure) * not_negative("area", area, "m²"))
-
-
 def spring_force(rate: ArrayLike, deflection: ArrayLike) -> Any:
-    """Force of a compression spring, ``F = k x``.
+    """Compute the force of a compression spring, ``F = k x``.
 
     Parameters
     ----------
@@ -117,7 +81,7 @@ def spring_force(rate: ArrayLike, deflection: ArrayLike) -> Any:
 def spring_rate(
     shear_modulus: ArrayLike, wire_diameter: ArrayLike, active_coils: ArrayLike, mean_coil_diameter: ArrayLike
 ) -> Any:
-    """Rate of a helical spring, ``k = G d_w⁴ / (8 z D_p³)``.
+    """Compute the rate of a helical spring, ``k = G d_w⁴ / (8 z D_p³)``.
 
     Parameters
     ----------
@@ -159,7 +123,7 @@ def spring_rate(
 
 
 def spring_deflection(free_length: ArrayLike, length: ArrayLike) -> Any:
-    """Deflection of a compression spring, ``x = l_free − l_n``.
+    """Compute the deflection of a compression spring, ``x = l_free − l_n``.
 
     Parameters
     ----------
@@ -194,60 +158,6 @@ def spring_deflection(free_length: ArrayLike, length: ArrayLike) -> Any:
     return result(free - installed)
 
 
-def spool_balance(
-    control_pressure: ArrayLike,
-    main_pressure: ArrayLike,
-    spring_force: ArrayLike,
-    a_1: ArrayLike,
-    a_2w: ArrayLike,
-    a_3w: ArrayLike,
-    a_g1: ArrayLike,
-    a_g2: ArrayLike,
-) -> Any:
-    """What is left of the forces on the spool of valve 17; zero in equilibrium.
-
-    ``F_s1 − F_g1 + F_g2 − F_s2 + F_s3 − F_sp``, with control pressure on A_1, A_2W and A_3W, main pressure on
-    A_g1 and A_g2.
-
-    Parameters
-    ----------
-    control_pressure : float or array
-        p_s [Pa].
-    main_pressure : float or array
-        p_g [Pa].
-    spring_force : float or array
-        F_sp [N].
-    a_1 : float or array
-        Full end face [m²].
-    a_2w, a_3w : float or array
-        Rings that control pressure acts on [m²].
-    a_g1, a_g2 : float or array
-        Rings that main pressure acts on [m²].
-
-    Returns
-    -------
-    float or ndarray
-        Residual force [N].
-
-    Raises
-    ------
-    DomainError
-        Negative area.
-
-    References
-    ----------
-    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (6) with (7) and (8).
-
-    Examples
-    --------
-    >>> round(spool_balance(400e3, 800e3, 20.0, 113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6), 3)
-    7.36
-    """
-    p_s, p_g = values(control_pressure), values(main_pressure)
-    control, main = _areas(a_1, a_2w, a_3w, a_g1, a_g2)
-    return result(p_s * control - p_g * main - values(spring_force))
-
-
 def control_pressure(
     main_pressure: ArrayLike,
     spring_force: ArrayLike,
@@ -257,7 +167,7 @@ def control_pressure(
     a_g1: ArrayLike,
     a_g2: ArrayLike,
 ) -> Any:
-    """Control pressure that holds the spool of valve 17 in equilibrium.
+    """Compute the control pressure that holds the spool of valve 17 in equilibrium.
 
     ``p_s = [p_g (A_g1 − A_g2) + F_sp] / (A_1 − A_2W + A_3W)``, affine in main pressure.
 
@@ -301,55 +211,48 @@ def control_pressure(
     320.5437
     """
     p_g = values(main_pressure)
-    control, main = _areas(a_1, a_2w, a_3w, a_g1, a_g2)
+    control, main = net_areas(a_1, a_2w, a_3w, a_g1, a_g2)
     # What subtraction leaves of equal areas is no area.
     nothing = control <= 1e-12 * values(a_1)
     refuse("area left for control pressure (A_1 - A_2W + A_3W)", control, nothing, "positive", "m²")
     return result((p_g * main + values(spring_force)) / control)
 
 
-def modulated_pressure(main_pressure: ArrayLike, ratio: ArrayLike, limit: ArrayLike = MODULATED_LIMIT) -> Any:
-    """Modulated pressure, proportional to main pressure up to a limit: ``p_m = min(α_m p_g, limit)``.
+def regulated_pressure(
+    main_pressure: ArrayLike, ratio: ArrayLike, offset: ArrayLike = 0.0, limit: ArrayLike | None = None
+) -> Any:
+    """Compute the pressure that a valve makes of main pressure, a line up to a limit: ``min(α p_g + p_0, limit)``.
 
     Parameters
     ----------
     main_pressure : float or array
         p_g [Pa].
     ratio : float or array
-        α_m, found on road tests [-].
+        α: of modulated pressure as found on road tests, of control pressure as `control_pressure` gives it [-].
+    offset : float or array, optional
+        p_0, what the spring of the valve holds at no main pressure [Pa].
     limit : float or array, optional
-        [Pa].
+        The highest pressure that the valve lets through [Pa]; None where there is no such limit.
 
     Returns
     -------
     float or ndarray
-        p_m [Pa].
+        p_m or p_s [Pa].
 
     Raises
     ------
     DomainError
-        Negative ratio; limit not positive.
+        Limit not positive.
 
     References
     ----------
-    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (14).
+    Dziubak & Szczepaniak, Energies 2023, 16, 7667, eq. (14), where p_0 is zero and the limit 500 kPa; eq. (13) is
+    such a line, because `control_pressure` is affine in main pressure.
 
     Examples
     --------
-    >>> modulated_pressure([600e3, 1200e3], 0.5).tolist()
+    >>> regulated_pressure([600e3, 1200e3], 0.5, 0.0, 500e3).tolist()
     [300000.0, 500000.0]
     """
-    alpha = not_negative("pressure ratio", ratio)
-    highest = positive("limit of modulated pressure", limit, "Pa")
-    return result(np.minimum(alpha * values(main_pressure), highest))
-
-
-def _areas(a_1: ArrayLike, a_2w: ArrayLike, a_3w: ArrayLike, a_g1: ArrayLike, a_g2: ArrayLike) -> tuple[Any, Any]:
-    """The net area that control pressure acts on, and the net area that main pressure acts on."""
-    control = (
-        not_negative("area A_1", a_1, "m²")
-        - not_negative("area A_2W", a_2w, "m²")
-        + not_negative("area A_3W", a_3w, "m²")
-    )
-    main = not_negative("area A_g1", a_g1, "m²") - not_negative("area A_g2", a_g2, "m²")
-    return control, main
+    line = values(main_pressure) * values(ratio) + values(offset)
+    return result(line if limit is None else np.minimum(line, positive("limit of the pressure", limit, "Pa")))

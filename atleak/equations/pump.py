@@ -11,7 +11,7 @@ from atleak.equations._domain import not_negative, positive, result, values, wit
 
 
 def displacement(module: ArrayLike, teeth: ArrayLike, width: ArrayLike, tooth_height: ArrayLike) -> Any:
-    """Displacement of an internal-gear pump with a crescent, ``q_p = π m z b h``.
+    """Compute the displacement of an internal-gear pump with a crescent, ``q_p = π m z b h``.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def displacement(module: ArrayLike, teeth: ArrayLike, width: ArrayLike, tooth_he
 
 
 def capacity(displacement: ArrayLike, speed: ArrayLike, volumetric_efficiency: ArrayLike) -> Any:
-    """Flow that a pump delivers, ``Q_p = q_p n η_v``.
+    """Compute the flow that a pump delivers, ``Q_p = q_p n η_v``.
 
     Parameters
     ----------
@@ -89,51 +89,10 @@ def capacity(displacement: ArrayLike, speed: ArrayLike, volumetric_efficiency: A
     return result(q_p * n * within("volumetric efficiency", volumetric_efficiency, 0.0, 1.0))
 
 
-def wilson_efficiency(
-    slip_coefficient: ArrayLike, pressure: ArrayLike, dynamic_viscosity: ArrayLike, speed: ArrayLike
-) -> Any:
-    """Volumetric efficiency of a pump with laminar slip, ``η_v = 1 − C_s Δp / (μ ω)``, ``ω = 2 π n``.
-
-    Parameters
-    ----------
-    slip_coefficient : float or array
-        C_s [-].
-    pressure : float or array
-        Δp, from suction to delivery [Pa].
-    dynamic_viscosity : float or array
-        μ [Pa·s].
-    speed : float or array
-        n [1/s].
-
-    Returns
-    -------
-    float or ndarray
-        η_v [-]. Not clipped: zero or below means that the pump cannot hold this pressure at this speed.
-
-    Raises
-    ------
-    DomainError
-        Negative slip coefficient; viscosity or speed not positive. For a pump at rest use `slip_flow`.
-
-    References
-    ----------
-    Wilson W. E., Positive-Displacement Pumps and Fluid Motors, Pitman 1950.
-
-    Examples
-    --------
-    >>> round(wilson_efficiency(1e-7, 800e3, 8.55819e-3, 2500 / 60), 4)
-    0.9643
-    """
-    c_s = not_negative("slip coefficient", slip_coefficient)
-    mu = positive("dynamic viscosity", dynamic_viscosity, "Pa·s")
-    n = positive("pump speed", speed, "1/s")
-    return result(1.0 - c_s * values(pressure) / ((2.0 * math.pi) * mu * n))
-
-
 def slip_flow(
     displacement: ArrayLike, slip_coefficient: ArrayLike, pressure: ArrayLike, dynamic_viscosity: ArrayLike
 ) -> Any:
-    """Flow that slips back inside a pump, whatever its speed, ``q_p C_s Δp / (2 π μ)``.
+    """Compute the flow that slips back inside a pump, whatever its speed, ``q_p C_s Δp / (2 π μ)``.
 
     Parameters
     ----------
@@ -172,7 +131,7 @@ def slip_flow(
 
 
 def minimum_speed(leakage: ArrayLike, slip: ArrayLike, displacement: ArrayLike) -> Any:
-    """Speed below which the pump cannot make up for what is lost, ``n_min = (q + slip) / q_p``.
+    """Compute the speed below which the pump cannot make up for what is lost, ``n_min = (q + slip) / q_p``.
 
     Parameters
     ----------

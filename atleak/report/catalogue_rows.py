@@ -9,7 +9,7 @@ from typing import Any
 from atleak.controller import Controller
 from atleak.fluid import Fluid
 from atleak.limits import Limits
-from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
+from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, RPM, UM
 
 Tables = dict[str, list[dict[str, Any]]]
 FOLDERS = MappingProxyType({"controller": "controllers", "fluid": "fluids", "limits": "limits"})
@@ -105,15 +105,14 @@ def limit_tables(limits: Limits) -> Tables:
     """Every limit with its origin: published, choice of this project, or set by the workshop."""
     rows = []
     for name, steps in limits.rules.items():
-        factor, unit = (UM, "µm") if name == "radial_clearance" else (PERCENT, "%")
         for level, limit in steps.levels:
             rows.append(
                 {
                     "rule": name.replace("_", " "),
-                    "from here": level,
-                    "limit": limit * factor,
-                    "unit": unit,
-                    "origin": steps.origin,
+                    "from here": str(level),
+                    "limit": limit * name.factor,
+                    "unit": name.unit,
+                    "origin": str(steps.origin),
                     "source": steps.source,
                 }
             )

@@ -16,25 +16,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from atleak.drawing import SHADES
+from atleak.look import PAPER, look_of
 from atleak.report.road_series import RoadSeries
-from atleak.report.wording import Wording
+from atleak.verdicts import Band, Verdict
+from atleak.wording import Wording
 
 FONTS = Path(__file__).parent / "fonts"
-_INK = "#1B2733"
-_LEAKAGE, _PUMP, _GRID = "#A3211B", "#1F4E79", "#D5DBE1"
-_HATCHES = {"ok": "", "watch": "///", "replace": "", "critical": "", "not_measured": "..."}
 _LOCK = threading.Lock()  # matplotlib's settings are the process's own
 _SETTINGS = {
     "svg.hashsalt": "atleak",
     "svg.fonttype": "none",
     "font.family": ["Noto Sans", "DejaVu Sans"],
     "font.size": 8.0,
-    "axes.edgecolor": _INK,
-    "axes.labelcolor": _INK,
+    "axes.edgecolor": PAPER.ink,
+    "axes.labelcolor": PAPER.ink,
     "axes.linewidth": 0.6,
-    "xtick.color": _INK,
-    "ytick.color": _INK,
+    "xtick.color": PAPER.ink,
+    "ytick.color": PAPER.ink,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "hatch.linewidth": 0.5,
@@ -48,7 +46,7 @@ class Bar:
 
     label: str
     share: float
-    verdict: str
+    verdict: Verdict
     low: float | None = None
     high: float | None = None
 
@@ -56,7 +54,7 @@ class Bar:
 def road_chart(
     series: RoadSeries,
     marks: Sequence[tuple[float, float | None, float | None]],
-    bands: Sequence[tuple[str, float]],
+    bands: Sequence[tuple[Band, float]],
     say: Wording,
 ) -> str:
     """Leakage and pump capacity over time and, where known, the share with its bands.
@@ -82,18 +80,18 @@ def road_chart(
             flow.plot(
                 time,
                 columns["pump_capacity_dm3_min"],
-                color=_PUMP,
+                color=PAPER.pump,
                 lw=0.9,
                 ls=(0, (5, 2)),
                 label=say("charts.capacity"),
             )
-        flow.plot(time, columns["leakage_dm3_min"], color=_LEAKAGE, lw=1.4, label=say("charts.leakage"))
+        flow.plot(time, columns["leakage_dm3_min"], color=PAPER.leakage, lw=1.4, label=say("charts.leakage"))
         flow.set_ylabel(say("charts.flow"))
         flow.set_ylim(bottom=0.0)
         figure.legend(*flow.get_legend_handles_labels(), loc="outside upper left", ncols=2, frameon=False, fontsize=8)
         if share is not None:
             below = axes[1]
-            below.plot(time, share, color=_INK, lw=1.0)
+            below.plot(time, share, color=PAPER.ink, lw=1.0)
             below.set_ylabel(say("charts.share"))
             top = max(float(np.nanmax(share)) * 1.15, 1.0) if np.isfinite(share).any() else 1.0
             below.set_ylim(0.0, top)
@@ -105,7 +103,7 @@ def road_chart(
         axes[-1].set_xlabel(say("charts.time"))
         for each in axes:
             _plain(each, say)
-            each.grid(color=_GRID, lw=0.5)
+            each.grid(color=PAPER.rule, lw=0.5)
             each.margins(x=0.01)
         return _svg(figure)
 
@@ -117,19 +115,19 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
         axes = figure.subplots()
         places = np.arange(len(bars))[::-1]
         for place, bar in zip(places, bars, strict=True):
-            shade = SHADES[bar.verdict]
+            look = look_of(bar.verdict)
             axes.barh(
                 place,
                 bar.share,
                 height=0.68,
-                color=shade.fill,
-                edgecolor=shade.line,
+                color=look.fill,
+                edgecolor=look.line,
                 lw=0.8,
-                hatch=_HATCHES[bar.verdict],
+                hatch=look.hatch,
             )
             end = bar.share
             if bar.low is not None and bar.high is not None:
-                axes.plot([bar.low, bar.high], [place, place], color=_INK, lw=1.1, marker="|", ms=5)
+                axes.plot([bar.low, bar.high], [place, place], color=PAPER.ink, lw=1.1, marker="|", ms=5)
                 end = max(end, bar.high)
             axes.annotate(
                 say.number(bar.share, 2),
@@ -157,17 +155,17 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
         axes.set_xlim(0.0, 1.12 * max((max(bar.share, bar.high or 0.0) for bar in bars), default=1.0) or 1.0)
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value, 4)))
         axes.spines[["top", "right"]].set_visible(False)
-        axes.grid(axis="x", color=_GRID, lw=0.5)
+        axes.grid(axis="x", color=PAPER.rule, lw=0.5)
         axes.set_axisbelow(True)
         return _svg(figure)
 
 
-def _bands(axes: Axes, bands: Sequence[tuple[str, float]], top: float, say: Wording) -> None:
+def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], top: float, say: Wording) -> None:
     for name, begins in bands:
         if begins < top:
-            axes.axhline(begins, color=_INK, lw=0.7, ls=(0, (1.5, 1.5)))
+            axes.axhline(begins, color=PAPER.ink, lw=0.7, ls=(0, (1.5, 1.5)))
             axes.annotate(
-                f"{say.get('bands', name)} ≥ {say.plain(begins)} %",
+                f"{say.level(name)} ≥ {say.plain(begins)} %",
                 (1.0, begins),
                 xycoords=("axes fraction", "data"),
                 xytext=(-2, 1.5),
@@ -183,7 +181,9 @@ def _bands(axes: Axes, bands: Sequence[tuple[str, float]], top: float, say: Word
 def _mark(axes: Axes, time: float, value: float | None, number: int) -> None:
     if value is None:
         return
-    axes.plot([time], [value], marker="o", ms=10.5, mfc="white", mec=_INK, mew=0.9, ls="none", zorder=5, clip_on=False)
+    axes.plot(
+        [time], [value], marker="o", ms=10.5, mfc="white", mec=PAPER.ink, mew=0.9, ls="none", zorder=5, clip_on=False
+    )
     axes.annotate(
         str(number), (time, value), ha="center", va="center_baseline", fontsize=7, zorder=6, annotation_clip=False
     )

@@ -7,17 +7,17 @@ import math
 from typing import Any
 
 from atleak import __version__
-from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
+from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.errors import Message
 from atleak.leakage import GapLeakage
-from atleak.limits import Limits, Steps
+from atleak.limits import Limits, RuleKind, Steps
 from atleak.projection import Projection
 from atleak.road_leakage import Instant, RoadLeakage
+from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
-_RULE_UNITS = {"%": (PERCENT, "percent"), "µm": (UM, "um")}
 
 
 def to_json(record: Any) -> str:
@@ -58,6 +58,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "uncertainty": _uncertainty(diagnosis.uncertainty),
         "verdict": diagnosis.verdict,
+        "unit": {"verdict": diagnosis.verdict, **_decided_by(diagnosis)},
         "lands": [_land(land) for land in diagnosis.lands],
         "gaps": [_gap(gap) for gap in projection.gaps],
         "projection": _projection(diagnosis, projection),
@@ -76,6 +77,22 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "road_test": None if diagnosis.road is None else _road(diagnosis.road),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
+
+
+def _decided_by(diagnosis: Diagnosis) -> dict[str, Any]:
+    """How sure the unit's verdict is, and whether a land or a total gave it."""
+    decided_by, sure = diagnosis.decided_by, diagnosis.uncertainty
+    if decided_by is None:
+        return {"decision": None, "decided_by": None}
+    if isinstance(decided_by, Rule):
+        at = decided_by.condition.name if decided_by.condition else None
+        total = sure.total(at) if sure and at else None
+        where = {"kind": "total", "condition": at, "component": None, "land": None}
+        return {"decision": total.decision.decision if total else None, "decided_by": where}
+    rule, (component, land) = decided_by.deciding, decided_by.key
+    at = rule.condition.name if rule and rule.condition else None
+    where = {"kind": "land", "condition": at, "component": component, "land": land}
+    return {"decision": decided_by.decision, "decided_by": where}
 
 
 def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
@@ -100,7 +117,7 @@ def limits_record(limits: Limits) -> dict[str, Any]:
         "name": limits.name,
         "source": limits.source,
         "sha256": limits.origin.sha256,
-        "rules": {name: _steps(name, steps) for name, steps in limits.rules.items()},
+        "rules": {kind: _steps(kind, steps) for kind, steps in limits.rules.items()},
     }
 
 
@@ -113,9 +130,8 @@ def message_record(message: Message) -> dict[str, Any]:
     return record
 
 
-def _steps(name: str, steps: Steps) -> dict[str, Any]:
-    factor, suffix = _RULE_UNITS["µm" if name == "radial_clearance" else "%"]
-    levels = {f"{level}_{suffix}": limit * factor for level, limit in steps.levels}
+def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
+    levels = {f"{level}_{kind.suffix}": limit * kind.factor for level, limit in steps.levels}
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
@@ -149,13 +165,12 @@ def _land(found: LandDiagnosis) -> dict[str, Any]:
     }
 
 
-def _rule(rule: RuleResult, sure: LandUncertainty | None) -> dict[str, Any]:
-    factor, suffix = _RULE_UNITS[rule.unit]
-    decided = sure.rule(rule.rule) if sure else None
+def _rule(rule: Rule, sure: LandUncertainty | None) -> dict[str, Any]:
+    decided = sure.on(rule) if sure else None
     return {
-        "rule": f"{rule.rule}_{suffix}",
-        "value": _finite(rule.value * factor),
-        "limit": rule.limit * factor,
+        "rule": rule.id,
+        "value": _finite(rule.value * rule.kind.factor),
+        "limit": rule.limit * rule.kind.factor,
         "verdict": rule.verdict,
         "decision": decided.decision if decided else None,
         "probability_over_limit": decided.probability_over_limit if decided else None,

@@ -18,6 +18,8 @@ from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.controller import Controller, Land
+from atleak.look import SHEET_COLOURS
+from atleak.marks import PROPERTY, sealed, unsealed
 from atleak.readings import Part, Reading
 
 SHEET = "Measurements"
@@ -147,6 +149,8 @@ def write_readings(
     bytes
         of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
     """
+    readings = list(readings)
+    empty = not readings and not fields
     rows = list(_rows(controller, readings, blank_rows))
     buffer = io.BytesIO()
     options = {
@@ -157,13 +161,15 @@ def write_readings(
     }
     with xlsxwriter.Workbook(buffer, options) as book:
         book.set_properties({"title": f"Measuring sheet: {controller.name}", "created": _CREATED})
+        if empty:
+            book.set_custom_property(PROPERTY, unsealed("measuring sheet"))
         formats = _formats(book)
         sheet = _Sheet(book.add_worksheet(SHEET), formats, controller)
         sheet.head(fields or {})
         sheet.body(rows)
         sheet.set_up(len(rows))
         _instructions(book.add_worksheet(INSTRUCTIONS), formats, controller)
-    return buffer.getvalue()
+    return sealed(buffer.getvalue()) if empty else buffer.getvalue()
 
 
 def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> Iterator[_Row]:
@@ -192,25 +198,34 @@ def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool)
 
 
 def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
-    cell = {"border": 1, "border_color": "#9AA5B1", "valign": "vcenter"}
-    given = {**cell, "bg_color": "#F3F5F7"}
+    cell = {"border": 1, "border_color": SHEET_COLOURS["border"], "valign": "vcenter"}
+    given = {**cell, "bg_color": SHEET_COLOURS["given"]}
     return {
         "title": book.add_format({"bold": True, "font_size": 14}),
         "label": book.add_format({"bold": True}),
-        "field": book.add_format({"bottom": 1, "bg_color": "#FFF8DC"}),
-        "note": book.add_format({"italic": True, "font_color": "#5C3D00"}),
+        "field": book.add_format({"bottom": 1, "bg_color": SHEET_COLOURS["entry"]}),
+        "note": book.add_format({"italic": True, "font_color": SHEET_COLOURS["note"]}),
         "heading": book.add_format(
-            {**cell, "bold": True, "text_wrap": True, "align": "center", "bg_color": "#1F3A5F", "font_color": "#FFFFFF"}
+            {
+                **cell,
+                "bold": True,
+                "text_wrap": True,
+                "align": "center",
+                "bg_color": SHEET_COLOURS["heading"],
+                "font_color": SHEET_COLOURS["on_heading"],
+            }
         ),
         "text": book.add_format({**given, "text_wrap": True, "align": "left"}),
         "number": book.add_format({**given, "align": "center"}),
         "angle": book.add_format({**given, "align": "center", "num_format": '0"°"'}),
-        "input": book.add_format({**cell, "bg_color": "#FFF8DC", "num_format": "0.000", "locked": False}),
-        "nominal": book.add_format({**given, "num_format": "0.000", "font_color": "#52606D"}),
-        "clearance": book.add_format({**given, "num_format": "0.0", "font_color": "#52606D"}),
-        "origin": book.add_format({**given, "font_color": "#52606D", "italic": True}),
+        "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.000", "locked": False}),
+        "nominal": book.add_format({**given, "num_format": "0.000", "font_color": SHEET_COLOURS["soft"]}),
+        "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
+        "origin": book.add_format({**given, "font_color": SHEET_COLOURS["soft"], "italic": True}),
         "deviation": book.add_format({**given, "num_format": "0"}),
-        "alarm": book.add_format({"bg_color": "#C62828", "font_color": "#FFFFFF", "bold": True}),
+        "alarm": book.add_format(
+            {"bg_color": SHEET_COLOURS["alarm"], "font_color": SHEET_COLOURS["on_heading"], "bold": True}
+        ),
         "wrap": book.add_format({"text_wrap": True, "valign": "top"}),
         "topic": book.add_format({"bold": True, "valign": "top"}),
     }

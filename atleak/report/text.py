@@ -10,20 +10,13 @@ from rich.table import Table
 from rich.text import Text
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.look import look_of
 from atleak.projection import Projection
 from atleak.road_leakage import RoadLeakage
+from atleak.rules import Rule
 from atleak.variants import VariantResult
+from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
-
-SYMBOLS = {"ok": "●", "watch": "▲", "replace": "■", "critical": "✖", "not_measured": "○"}
-WORDS = {
-    "ok": "ok",
-    "watch": "watch",
-    "replace": "replace",
-    "critical": "critical",
-    "not_measured": "not measured",
-}
-_STYLES = {"watch": "yellow", "replace": "red", "critical": "bold red"}
 
 
 class _Console(Console):
@@ -40,7 +33,8 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     console.print(Text(measured + (f" in {readings.file}" if readings else "")))
-    for projection in diagnosis.projections:
+    console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
+    for projection in diagnosis.reported:
         console.print(Text(_total(diagnosis, projection)))
     if diagnosis.flagged:
         console.print(_flagged(diagnosis.flagged))
@@ -148,6 +142,17 @@ def _road(road: RoadLeakage) -> str:
     return ": ".join([parts[0], "; ".join(parts[1:])])
 
 
+def _verdict(diagnosis: Diagnosis) -> str:
+    """The verdict of the unit, and which land or total gave it."""
+    decided_by, said = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
+    if decided_by is None:
+        return said
+    if isinstance(decided_by, Rule):
+        return f"{said}, decided by the {decided_by.label}"
+    component, land = decided_by.key
+    return f"{said}, decided by {component}/{land} {diagnosis.controller.components[component]}"
+
+
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
     return (
         f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
@@ -165,7 +170,7 @@ def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
     for found in lands:
         land, rule = found.state.land, found.deciding
         table.add_row(
-            Text(f"{SYMBOLS[found.verdict]} {WORDS[found.verdict]}", style=_STYLES.get(found.verdict, "")),
+            Text(signed(found.verdict), style=look_of(found.verdict).style),
             Text(f"{land.component}/{land.land}"),
             f"{found.state.radial_clearance * UM:.1f}",
             f"{land.mounting_clearance * UM:.1f}",

@@ -9,6 +9,7 @@ from functools import lru_cache
 from itertools import product
 
 from atleak.instruments import Instrument, Part, instruments
+from atleak.limits import RuleKind
 from atleak.uncertainty.decision import RuleDecision
 from atleak.uncertainty.sources import PARTS, LandSources
 
@@ -76,7 +77,7 @@ def advise(rule: RuleDecision, name: str, found: Remedy, land: LandSources, limi
     tools = _tools(land)
     text = f"{name} is {side} the {limit_text}, but within what {tools} can tell ({guard_text})"
     if found.reading_part < 0.5:
-        rest = "the mounting clearance" if rule.rule == "wear" else "fluid, pressure and pump"
+        rest = "the mounting clearance" if rule.rule.kind is RuleKind.WEAR else "fluid, pressure and pump"
         return (
             f"{text}: the readings carry only {_percent(found.reading_part)} of the uncertainty, the rest is {rest}. "
             "Measuring again will not settle it."

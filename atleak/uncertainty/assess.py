@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.equations.gap import axial_cube, circumferential_cube, eccentricity_factor
+from atleak.controller import OperatingPoint
+from atleak.equations.gap import FULLY_ECCENTRIC, axial_cube, circumferential_cube
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.instruments import Instruments, Part, load_instruments
 from atleak.leakage import LeakageModel
-from atleak.limits import Limits, Steps
+from atleak.limits import RuleKind
 from atleak.projection import Projection
 from atleak.readings import LandClearance, Readings
+from atleak.rules import Rule, UnitRules
 from atleak.uncertainty.advice import Remedy, advise, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
 from atleak.uncertainty.propagation import DRAWS, SEED, LandSpread, TotalSpread, propagate
 from atleak.uncertainty.sources import LandSources, RepeatSpread, find_sources
+from atleak.verdicts import Band
+from atleak.workshop_units import UM
 
 COVERAGE = 0.95
 Interval = tuple[float, float]
@@ -106,9 +110,9 @@ class LandUncertainty:
         """Of the deciding rule."""
         return self.deciding.probability_over_limit if self.deciding else None
 
-    def rule(self, name: str) -> RuleDecision | None:
-        """The decision of the rule of that name."""
-        return next((rule for rule in self.rules if rule.rule == name), None)
+    def on(self, rule: Rule) -> RuleDecision | None:
+        """The decision on one of the land's rules."""
+        return next((decided for decided in self.rules if decided.rule == rule), None)
 
     def remedy(self, rule: RuleDecision) -> Remedy | None:
         """What would settle a conditional rule; None where it is settled."""
@@ -133,12 +137,17 @@ class LandUncertainty:
         above = rule.at_next_level
         return self.advice_on(rule) or (self.advice_on(above) if above else None)
 
-    def _per_clearance(self, rule: RuleDecision) -> float:
-        if rule.rule == "radial_clearance":
+    def _at(self, rule: Rule) -> AtCondition:
+        """The condition that a rule of share holds at."""
+        return next(at for at in self.conditions if rule.condition and at.condition == rule.condition.name)
+
+    def _per_clearance(self, decided: RuleDecision) -> float:
+        rule = decided.rule
+        if rule.kind is RuleKind.CLEARANCE:
             return 1.0
-        if rule.rule == "wear":
+        if rule.kind is RuleKind.WEAR:
             return 1.0 / self.sources.state.land.mounting_clearance
-        at = next(at for at in self.conditions if f"share_{at.condition}" == rule.rule)
+        at = self._at(rule)
         return at.u_share * math.sqrt(at.clearance_fraction) / self.u_clearance if self.u_clearance else 0.0
 
 
@@ -156,7 +165,7 @@ class TotalUncertainty:
     share_interval: Interval
     minimum_speed_interval: Interval  # [1/s]
     decision: RuleDecision  # about the total's bands
-    band_probabilities: tuple[tuple[str, float], ...]
+    band_probabilities: tuple[tuple[Band, float], ...]
     budget: tuple[tuple[str, float], ...]  # of the share's linear variance, the largest first
 
 
@@ -192,7 +201,7 @@ def assess(
     model: LeakageModel,
     states: Sequence[LandClearance],
     projections: Sequence[Projection],
-    limits: Limits,
+    rules: UnitRules,
     *,
     readings: Readings | None = None,
     instruments: Instruments | None = None,
@@ -212,8 +221,8 @@ def assess(
         the clearance of every land, as the model has them.
     projections
         the conditions that are judged, the stated one first.
-    limits
-        whose rules are decided.
+    rules
+        of the same states and projections, judged; a decision is added to each.
     readings
         the sheet behind the clearances: planes, directions and repeats. Without it nothing was measured.
     instruments
@@ -251,6 +260,7 @@ def assess(
     _check(projections, coverage, guard_factor, draws)
     instruments = instruments or load_instruments()
     sources, repeats = find_sources(states, readings, model.controller, instruments, assumptions)
+    limits = rules.limits
     pair = limits.pair_share
     pair_limits = [limit for _, limit in pair.levels] if pair else []
     total_limits = [limit for _, limit in limits.total_share.levels]
@@ -265,14 +275,14 @@ def assess(
         draws=draws,
         seed=seed,
     )
-    eccentric = float(eccentricity_factor(model.profile.eccentricity, 1.0))
+    eccentric = model.law.eccentricity_factor
     lands = tuple(
-        _land(land, found, projections, limits, coverage, guard_factor, eccentric)
+        _land(land, found, projections, rules.of_land(land.state.land.key), coverage, guard_factor, eccentric)
         for land, found in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
-        _total(projection, found, limits, guard_factor)
-        for projection, found in zip(projections, spread.totals, strict=True)
+        _total(projection, found, rule, guard_factor)
+        for projection, found, rule in zip(projections, spread.totals, rules.totals, strict=True)
     )
     return UnitUncertainty(
         lands=lands,
@@ -306,7 +316,7 @@ def _land(
     land: LandSources,
     found: Sequence[LandSpread],
     projections: Sequence[Projection],
-    limits: Limits,
+    rules: Sequence[Rule],
     coverage: float,
     guard_factor: float,
     eccentric: float,
@@ -320,40 +330,34 @@ def _land(
     conditions = tuple(
         _at(land, projection, spread, eccentric) for projection, spread in zip(projections, found, strict=True)
     )
-    rules = []
-    if limits.wear is not None:
-        rules.append(_wear(land, limits.wear, guard_factor))
-    own = state.land.clearance_limit
-    steps = limits.clearance if own is None else Steps((("replace", own),), "set by the workshop", "")
-    if steps is not None:
-        each = tuple(probability_over(c, [limit for _, limit in steps.levels], u).tolist())
-        rules.append(
-            decide_rule("radial_clearance", c, steps, "ok", (u,) * len(each), each, guard_factor, skewed=False)
-        )
-    if limits.pair_share is not None:
-        for at, spread in zip(conditions, found, strict=True):
-            each = spread.share_spread.probabilities
-            name = f"share_{at.condition}"
-            spreads = (at.u_share,) * len(each)
-            rules.append(
-                decide_rule(
-                    name, at.share, limits.pair_share, "ok", spreads, each, guard_factor, skewed=at.u_share > 0.0
-                )
-            )
+    spreads = {projection.condition: spread for projection, spread in zip(projections, found, strict=True)}
+    decided = tuple(_decided(rule, land, spreads, guard_factor) for rule in rules)
     # a true clearance is not below zero
     interval = (max(c - reach, min(c, 0.0)), c + reach)
-    return LandUncertainty(land, u, interval, conditions, tuple(rules), _shape(state), guard_factor)
+    return LandUncertainty(land, u, interval, conditions, decided, _shape(state), guard_factor)
 
 
-def _wear(land: LandSources, steps: Steps, guard_factor: float) -> RuleDecision:
+def _decided(
+    rule: Rule, land: LandSources, spreads: Mapping[OperatingPoint, LandSpread], guard_factor: float
+) -> RuleDecision:
+    """Decide a land's rule: clearance and wear by closed forms, a share by the draws at its condition."""
+    limits = [limit for _, limit in rule.steps.levels]
+    if rule.kind is RuleKind.PAIR_SHARE:
+        assert rule.condition is not None
+        share = spreads[rule.condition].share_spread
+        us = (share.standard_uncertainty,) * len(limits)
+        skewed = share.standard_uncertainty > 0.0
+        return decide_rule(rule, us, share.probabilities, guard_factor, skewed=skewed)
+    worn = rule.kind is RuleKind.WEAR
+    us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(limits)
+    each = tuple(probability_over(rule.value, limits, us).tolist())
+    return decide_rule(rule, us, each, guard_factor, skewed=False)
+
+
+def _wear_uncertainties(land: LandSources, limits: Sequence[float]) -> tuple[float, ...]:
     """Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values."""
-    state = land.state
-    mounting, u_mounting = state.land.mounting_clearance, land.assumptions.mounting_clearance
-    wear = (state.radial_clearance - mounting) / mounting
-    limits = [limit for _, limit in steps.levels]
-    spreads = tuple(math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for limit in limits)
-    each = tuple(probability_over(wear, limits, spreads).tolist())
-    return decide_rule("wear", wear, steps, "ok", spreads, each, guard_factor, skewed=False)
+    mounting, u_mounting = land.state.land.mounting_clearance, land.assumptions.mounting_clearance
+    return tuple(math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for limit in limits)
 
 
 def _at(land: LandSources, projection: Projection, found: LandSpread, eccentric: float) -> AtCondition:
@@ -371,7 +375,7 @@ def _at(land: LandSources, projection: Projection, found: LandSpread, eccentric:
         share=share,
         u_share=found.share_spread.standard_uncertainty,
         share_interval=found.share_spread.interval,
-        eccentric=(found.leakage / eccentric, 2.5 * found.leakage / eccentric),
+        eccentric=(found.leakage / eccentric, FULLY_ECCENTRIC * found.leakage / eccentric),
         budget=_fractions(effects),
         clearance_fraction=of_clearance / whole if whole > 0.0 and math.isfinite(whole) else 0.0,
         closed_form=found.by_quadrature,
@@ -413,20 +417,11 @@ def _lower_bound(state: LandClearance) -> bool:
 # --- the whole
 
 
-def _total(projection: Projection, found: TotalSpread, limits: Limits, guard_factor: float) -> TotalUncertainty:
-    steps, at = limits.total_share, projection.condition
-    share, u = projection.share, found.share_spread.standard_uncertainty
-    decision = decide_rule(
-        f"total_share_{at.name}",
-        share,
-        steps,
-        "green",
-        (u,) * len(steps.levels),
-        found.share_spread.probabilities,
-        guard_factor,
-        skewed=u > 0.0,
-    )
-    names = ("green", *(name for name, _ in steps.levels))
+def _total(projection: Projection, found: TotalSpread, rule: Rule, guard_factor: float) -> TotalUncertainty:
+    at, share, levels = projection.condition, projection.share, rule.steps.levels
+    u = found.share_spread.standard_uncertainty
+    decision = decide_rule(rule, (u,) * len(levels), found.share_spread.probabilities, guard_factor, skewed=u > 0.0)
+    names = (Band.GREEN, *(name for name, _ in levels))
     return TotalUncertainty(
         condition=at.name,
         label=at.label,
@@ -475,15 +470,14 @@ def _messages(
     return found
 
 
-def _in_words(rule: RuleDecision, land: LandUncertainty) -> tuple[str, str, str]:
-    guard = land.guard_factor * rule.standard_uncertainty
-    if rule.rule == "radial_clearance":
-        name = f"radial clearance {rule.value * 1e6:.1f} µm"
-        return name, f"{rule.about} limit of {rule.limit * 1e6:.1f} µm", f"± {guard * 1e6:.1f} µm"
-    if rule.rule == "wear":
-        name = f"wear {100.0 * rule.value:.1f} %"
+def _in_words(decided: RuleDecision, land: LandUncertainty) -> tuple[str, str, str]:
+    guard, kind = land.guard_factor * decided.standard_uncertainty, decided.rule.kind
+    if kind is RuleKind.CLEARANCE:
+        name = f"radial clearance {decided.value * UM:.1f} µm"
+        return name, f"{decided.about} limit of {decided.limit * UM:.1f} µm", f"± {guard * UM:.1f} µm"
+    if kind is RuleKind.WEAR:
+        name = f"wear {100.0 * decided.value:.1f} %"
     else:
-        label = next(at.label for at in land.conditions if f"share_{at.condition}" == rule.rule)
-        name = f"share of pump flow {100.0 * rule.value:.3g} % ({label})"
+        name = f"share of pump flow {100.0 * decided.value:.3g} % ({land._at(decided.rule).label})"
     band = f"± {100.0 * guard:.2g} %" if math.isfinite(guard) else "the pump may deliver nothing"
-    return name, f"{rule.about} limit of {100.0 * rule.limit:.3g} %", band
+    return name, f"{decided.about} limit of {100.0 * decided.limit:.3g} %", band

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Any
 
 from atleak.errors import InputError, nearest_name
+from atleak.written_numbers import decimal_number
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,8 @@ class Assumptions:
                     nearest=nearest_name(key, names),
                 )
             name = names[key]
-            try:
-                number = float(str(given).replace(",", "."))
-            except ValueError:
-                number = math.nan
-            if not (number >= 0.0 and math.isfinite(number)):
+            number = decimal_number(str(given))
+            if number is None or number < 0.0:
                 raise InputError(f"assumption {key} does not take this value", value=given, expected="0 or more")
             found[name] = number * _UNITS[name][1]
         return replace(self, **found)

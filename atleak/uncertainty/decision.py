@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from atleak.equations.uncertainty import guard_band, normal_cdf
-from atleak.limits import VERDICTS, Steps, reaches
+from atleak.limits import Level, reaches
+from atleak.rules import Rule
 
 Decision = Literal["pass", "conditional_pass", "conditional_fail", "fail"]
 DECISIONS: tuple[Decision, ...] = ("pass", "conditional_pass", "conditional_fail", "fail")  # the worst last
@@ -18,7 +19,7 @@ GUARD_FACTOR = 1.645  # one-sided 95 %
 class LevelDecision:
     """One of a rule's limits, and how the value stands to it."""
 
-    level: str  # "watch", "replace", … or a band
+    level: Level
     limit: float
     decision: Decision
     probability_over: float
@@ -26,21 +27,23 @@ class LevelDecision:
 
 @dataclass(frozen=True)
 class RuleDecision:
-    """One rule's value against the limit it reached, or its first limit where it reached none.
+    """How sure a rule is: its value against the limit it reached, or its first limit where it reached none.
 
-    ``value``, ``limit`` and ``standard_uncertainty`` are in SI or fractions, as in the rule itself. ``level`` is the
-    verdict or band the value itself has reached.
+    ``limit`` and ``standard_uncertainty`` are in SI or fractions, as the rule's value is.
     """
 
-    rule: str
-    value: float
+    rule: Rule
     limit: float
     standard_uncertainty: float
-    level: str
     decision: Decision
     probability_over_limit: float
     levels: tuple[LevelDecision, ...]
     level_uncertainties: tuple[float, ...]
+
+    @property
+    def value(self) -> float:
+        """The rule's value."""
+        return self.rule.value
 
     @property
     def conditional(self) -> bool:
@@ -48,7 +51,7 @@ class RuleDecision:
         return self.decision in {"conditional_pass", "conditional_fail"}
 
     @property
-    def about(self) -> str:
+    def about(self) -> Level:
         """Name of the level whose limit the decision is about."""
         return next(level.level for level in self.levels if level.limit == self.limit)
 
@@ -69,8 +72,7 @@ class RuleDecision:
     @property
     def severity(self) -> tuple[int, float]:
         """For ranking rules: the verdict, then how likely the limit is passed."""
-        rank = VERDICTS.index(self.level) if self.level in VERDICTS else 0
-        return rank, self.probability_over_limit
+        return self.rule.verdict.rank, self.probability_over_limit
 
 
 def decide(
@@ -126,28 +128,22 @@ def decide(
 
 
 def decide_rule(
-    rule: str,
-    value: float,
-    steps: Steps,
-    below: str,
+    rule: Rule,
     standard_uncertainties: tuple[float, ...],
     probabilities: tuple[float, ...],
     guard_factor: float,
     skewed: bool,
 ) -> RuleDecision:
-    """A rule's decisions, level by level; uncertainty and probability over the limit are given for each level."""
+    """Decide a rule level by level; uncertainty and probability over the limit are given for each of its levels."""
     levels = tuple(
-        LevelDecision(name, limit, decide(value, limit, u, guard_factor, p if skewed else None), p)
-        for (name, limit), u, p in zip(steps.levels, standard_uncertainties, probabilities, strict=True)
+        LevelDecision(name, limit, decide(rule.value, limit, u, guard_factor, p if skewed else None), p)
+        for (name, limit), u, p in zip(rule.steps.levels, standard_uncertainties, probabilities, strict=True)
     )
-    level, limit = steps.judge(value, below)
-    index = next(number for number, found in enumerate(levels) if found.limit == limit)
+    index = next(number for number, level in enumerate(levels) if level.limit == rule.limit)
     return RuleDecision(
         rule=rule,
-        value=value,
         limit=levels[index].limit,
         standard_uncertainty=standard_uncertainties[index],
-        level=level,
         decision=levels[index].decision,
         probability_over_limit=levels[index].probability_over,
         levels=levels,

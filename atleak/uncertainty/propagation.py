@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from atleak.controller import REFERENCE_TEMPERATURE, Gap
-from atleak.equations import gap as gap_equations
-from atleak.equations import pump as pump_equations
+from atleak.equations.clearance import effective_clearance
+from atleak.equations.fluid import dynamic_viscosity
 from atleak.equations.uncertainty import normal_quantile
-from atleak.leakage import LeakageModel
+from atleak.leakage import LeakageModel, PumpFlow
 from atleak.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.sources import ROOM, LandSources
@@ -27,6 +27,7 @@ SEED = 7667
 DRAWS = 20_000
 
 _SMALL = 0.01  # of a standard uncertainty: the step of the numerical derivatives in the budget
+_LOWEST_EFFICIENCY = 0.01  # volumetric: no draw goes below
 _SHORTEST = 0.1  # of the nominal contact length: no draw goes below
 
 FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
@@ -84,19 +85,15 @@ class _Condition:
             1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
         )
         pressures = model.controller.section_pressures(main, converter)
-        pump, speed = model.controller.pump, point.engine_speed
+        pump = model.controller.pump
         if model.uses_slip:
             coefficient = pump.slip_coefficient * np.exp(u.slip_coefficient * deviates["pump efficiency"])
-            slip = pump_equations.slip_flow(pump.displacement, coefficient, main, nu * rho)
-            capacity = np.maximum(pump_equations.capacity(pump.displacement, speed, 1.0) - slip, 0.0)
-            draw = pump.displacement
+            pump = replace(pump, slip_coefficient=coefficient)
         else:
             efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviates["pump efficiency"]
-            efficiency = np.clip(efficiency, 0.01, 1.0)
-            capacity = pump_equations.capacity(pump.displacement, speed, efficiency)
-            slip, draw = 0.0, pump.displacement * efficiency
+            pump = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
         rise = temperature - REFERENCE_TEMPERATURE
-        return _Drawn(self, rise, nu, rho, pressures, capacity, slip, draw)
+        return _Drawn(self, rise, nu, rho, pressures, PumpFlow(pump, model.uses_slip))
 
 
 def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:
@@ -124,13 +121,12 @@ class _Drawn:
         nu: Any,
         rho: Any,
         pressures: dict[str, Any],
-        capacity: Any,
-        slip: Any,
-        draw: Any,
+        pump: PumpFlow,
     ) -> None:
         self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
-        self.pressures, self.capacity, self.slip, self.draw = pressures, capacity, slip, draw
-        self.viscosity = nu * rho
+        self.pressures, self.pump = pressures, pump
+        self.viscosity = dynamic_viscosity(nu, rho)
+        self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
         self._drops: dict[Any, Any] = {}
 
     def drop(self, gap: Gap) -> Any:
@@ -158,22 +154,15 @@ class _Drawn:
         if not gaps:
             nothing = np.zeros_like(self.viscosity)
             return nothing, nothing
-        profile = self.condition.model.profile
-        c = land.thermal_rate * self.rise
-        c += clearance
-        np.maximum(c, 0.0, out=c)
-        d = state.spool_diameter + c if profile.diameter == "mean" else state.spool_diameter
-        if profile.entry_loss:
-            factor = gap_equations.eccentricity_factor(profile.eccentricity, 1.0)
-            flows = [
-                factor * gap_equations.entry_loss_flow(self.drop(gap), d, c, self.nu, self.rho, length)
-                for gap, _ in gaps
-            ]
+        law = self.condition.model.law
+        c = effective_clearance(clearance, land.thermal_rate, self.rise)
+        d = law.diameter(state.spool_diameter, c)
+        if not law.linear:
+            flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length) for gap, _ in gaps]
             every = sum(flows)
             drawn = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
             return every, sum(drawn) if drawn else np.zeros_like(every)
-        eccentricity = profile.eccentricity * c if profile.eccentricity else 0.0
-        geometry = gap_equations.annular_flow(1.0, d, c, 1.0, 1.0, length, eccentricity)
+        geometry = law.flow(1.0, d, c, 1.0, 1.0, length)  # of a unit of pressure drop over viscosity
         every = geometry * self.driving([gap for gap, _ in gaps])
         counted = [gap for gap, counts in gaps if counts]
         if len(counted) == len(gaps):
@@ -443,7 +432,7 @@ def _total(
     effects = {name: _difference(probe_share, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
     effects["each land's own readings and contact length"] = math.sqrt(own_variance) * per_flow
     effects |= {f"common to all lands: {name}": slope * per_flow for name, slope in group_slopes.items()}
-    speed = (total + now.slip) / now.draw
+    speed = now.pump.minimum_speed(total, now.pressures["p_g"], now.viscosity)
     return TotalSpread(
         leakage_spread=_spread(total, (), coverage),
         share_spread=share_spread,

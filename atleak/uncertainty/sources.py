@@ -118,7 +118,7 @@ class LandSources:
     @cached_property
     def thermal_rate(self) -> float:
         """Growth of the clearance with temperature [m/K]."""
-        return self.state.land.thermal_rate(self.state.spool_diameter, self.state.sleeve_diameter)
+        return self.state.thermal_rate
 
     @cached_property
     def own_variance(self) -> float:
@@ -240,8 +240,7 @@ def _land_sources(
             found += _part_sources(
                 state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
             )
-        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-        room = rate * rectangular(assumptions.room_temperature)
+        room = state.thermal_rate * rectangular(assumptions.room_temperature)
         found.append(Source("room temperature", None, room, ROOM, "rectangular"))
     return LandSources(state, tuple(found), plans, spreads, instruments, assumptions)
 

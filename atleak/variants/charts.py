@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from atleak.look import CURVES
 from atleak.road_leakage import Instant
 from atleak.variants.run import TemperatureCurve, VariantResult
 from atleak.workshop_units import DM3_MIN, PERCENT
@@ -73,20 +74,20 @@ class Chart:
 
 
 _STYLE: dict[str, tuple[str, Dash, Symbol]] = {
-    "W1": ("#2f7ed8", "solid", "circle"),
-    "W2": ("#2e9e6b", "dash", "square"),
-    "W3": ("#b8860b", "dot", "diamond"),
-    "W4": ("#d1495b", "solid", "triangle-up"),
-    "W5": ("#7a7f87", "dashdot", "x"),
-    "W6": ("#1a93a8", "longdash", "cross"),
-    "W7": ("#8e6bbf", "longdashdot", "hexagon"),
-    "W8": ("#c7621b", "dash", "star"),
+    "W1": (CURVES["blue"], "solid", "circle"),
+    "W2": (CURVES["green"], "dash", "square"),
+    "W3": (CURVES["ochre"], "dot", "diamond"),
+    "W4": (CURVES["red"], "solid", "triangle-up"),
+    "W5": (CURVES["grey"], "dashdot", "x"),
+    "W6": (CURVES["teal"], "longdash", "cross"),
+    "W7": (CURVES["violet"], "longdashdot", "hexagon"),
+    "W8": (CURVES["rust"], "dash", "star"),
 }
-_PUMP, _LEAST, _MOST = "#5b7fdb", "#2e9e6b", "#d1495b"
+_PUMP, _LEAST, _MOST = CURVES["slate"], CURVES["green"], CURVES["red"]
 _MODEL_STYLE: dict[str, tuple[str, Dash]] = {
-    "tabulated": ("#2f7ed8", "solid"),
-    "regression": ("#b8860b", "dot"),
-    "d341": ("#d1495b", "dash"),
+    "tabulated": (CURVES["blue"], "solid"),
+    "regression": (CURVES["ochre"], "dot"),
+    "d341": (CURVES["red"], "dash"),
 }
 
 
@@ -188,9 +189,9 @@ def temperature_chart(
         names = tuple(result.variant.name for result in same)
         if printed:
             values = np.array([float(result.variant.printed_max_leakage) for result in same])
-            lines.append(Line("Table 3 as printed", at, values, "#7a7f87", None, "square", filled=False))
+            lines.append(Line("Table 3 as printed", at, values, CURVES["grey"], None, "square", filled=False))
         values = np.array([result.computed.max_leakage.leakage * DM3_MIN for result in same])
-        lines.append(Line("computed", at, values, "#2f7ed8", None, "circle", text=names))
+        lines.append(Line("computed", at, values, CURVES["blue"], None, "circle", text=names))
     return Chart(
         title=f"Most leakage against temperature at {wear:.0%} wear".replace("%", " %"),
         x_label="ATF temperature [°C]",

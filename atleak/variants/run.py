@@ -25,6 +25,7 @@ from atleak.projection import with_wear
 from atleak.readings import LandClearance, clearances
 from atleak.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.road_test import Channel, RoadTest
+from atleak.series import leakage_series
 from atleak.shipped import shipped
 
 FRESH_FLUID = "hipol_atf_iid"
@@ -253,7 +254,7 @@ class _Log:
         main, converter, gear = (
             self.road_test.values(name) for name in ("main_pressure", "converter_pressure", "gear")
         )
-        return model.series(main, converter, temperature, gear).total
+        return leakage_series(model, main, converter, temperature, gear).total
 
     def run(self, model: LeakageModel, temperature: float) -> RoadLeakage:
         found = evaluate_road_test(model, variant_road_test(self.road_test, temperature), self.assumed)

@@ -16,7 +16,7 @@ import streamlit as st
 from atleak import catalogue
 from atleak.controller import Controller, OperatingPoint, load_controller
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.errors import Place, RoadTestError
+from atleak.errors import OutputError, Place, RoadTestError
 from atleak.fluid import load_fluid
 from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUMENT, Instruments, load_instrument
 from atleak.intake.readings import read_readings
@@ -74,6 +74,9 @@ class Bench:
     mileage: float | None = None  # [km]
     sheet_name: str = ""  # of the workbook, where several hold readings
     sheet_unit: str = ""  # of the diameters, where the sheet does not say
+    sheet_where: tuple[
+        tuple[str, str], ...
+    ] = ()  # heading and value of the rows to read, where it holds several states
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user settled it
     units: tuple[tuple[str, str], ...] = ()
     constants: tuple[tuple[str, float], ...] = ()  # quantity → value in SI of a channel the log does not hold
@@ -92,7 +95,7 @@ class Bench:
     def with_file(self, slot: str, file: File | None) -> Bench:
         """This job with another sheet or log; the sample's other file never mixes with the user's own."""
         settled = {
-            "sheet": {"sheet_name": "", "sheet_unit": ""},
+            "sheet": {"sheet_name": "", "sheet_unit": "", "sheet_where": ()},
             "log": {"columns": (), "units": (), "constants": (), "memory": True},
         }
         if self.sample:
@@ -129,8 +132,9 @@ def job_on_bench(job: JobFile) -> Bench:
         profile=profile.name,
         options=tuple((name, value) for name, value in profile.options.items() if value != base[name]),
         mileage=choices.mileage,
-        sheet_name=choices.readings.get("sheet") or "",
-        sheet_unit=choices.readings.get("unit") or "",
+        sheet_name=choices.readings.sheet or "",
+        sheet_unit=choices.readings.unit or "",
+        sheet_where=_pairs(choices.readings.where),
         columns=_pairs(choices.road_test.get("mapping")),
         units=_pairs(choices.road_test.get("units")),
         constants=_pairs(choices.road_test.get("constants")),
@@ -212,6 +216,15 @@ def remembered_columns(log: File) -> Settled | None:
     return recall(default_path(), understood(log).signature)
 
 
+def sheet_choices(bench: Bench) -> dict[str, Any]:
+    """How the job's measuring sheet is to be read, for reading it and for its job file."""
+    return {
+        "sheet": bench.sheet_name or None,
+        "unit": bench.sheet_unit or None,
+        "where": dict(bench.sheet_where),
+    }
+
+
 def log_choices(bench: Bench) -> dict[str, Any]:
     """How the columns of the job's log are settled, for its job file."""
     if bench.log is None:
@@ -224,8 +237,8 @@ def remember_columns(log: File, columns: dict[str, str], units: dict[str, str]) 
     """Keep how this log's columns were settled, for every log with the same header; why it cannot be kept, else ""."""
     try:
         remember(default_path(), understood(log).signature, columns, units)
-    except OSError as error:
-        return error.strerror or str(error)
+    except OutputError as error:
+        return error.problem
     return ""
 
 
@@ -255,9 +268,7 @@ def _diagnosis(key: str, _bench: Bench) -> Diagnosis:
         limits,
         readings=None
         if sheet is None
-        else read_readings(
-            sheet.data, controller, name=sheet.name, sheet=_bench.sheet_name or None, unit=_bench.sheet_unit or None
-        ),
+        else read_readings(sheet.data, controller, name=sheet.name, **sheet_choices(_bench)),
         road_test=road_test,
         profile=find_profile(_bench.profile, dict(_bench.options)),
         condition=condition,

@@ -12,8 +12,8 @@ from atleak.controller import Controller
 from atleak.errors import InputError
 from atleak.job import Decision, Grade, Job
 from atleak.report.pdf.pictures import printable_picture
-from pages.shared import show
-from pages.shared.bench import Bench, File, log_choices
+from pages.shared import fields, show
+from pages.shared.bench import Bench, File, log_choices, sheet_choices
 
 _TEXTS = {
     "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
@@ -23,6 +23,7 @@ _TEXTS = {
 }
 _LABELS = {"vin": "VIN", "registration": "Registration", "email": "E-mail"}
 _LONG = {"address", "note"}
+KEPT = {"persist_state": "session"}  # what was typed is still in its field after another page
 
 
 def job() -> Job:
@@ -43,7 +44,7 @@ def sources(bench: Bench) -> dict[str, Any]:
     return {
         "readings": bench.sheet.data if bench.sheet else None,
         "road_test": bench.log.data if bench.log else None,
-        "reading_choices": {"sheet": bench.sheet_name or None, "unit": bench.sheet_unit or None},
+        "reading_choices": sheet_choices(bench),
         "road_test_choices": log_choices(bench),
         "catalogue": {slot: choice.data for slot, choice in own.items() if isinstance(choice, File)},
     }
@@ -53,28 +54,29 @@ def draw(controller: Controller) -> Job:
     """The form; the record as it now is."""
     record = job()
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
-    with st.expander("Job, vehicle and customer", expanded=record.empty):
+    with fields.fold("Job, vehicle and customer", key=key("fold-job"), opened=True):
         first = st.columns(3)
-        values["number"] = first[0].text_input("Job number", record.number, key=key("number"))
-        values["date"] = first[1].date_input("Date", record.date, format="YYYY-MM-DD", key=key("date"))
-        values["technician"] = first[2].text_input("Technician", record.technician, key=key("technician"))
+        values["number"] = first[0].text_input("Job number", record.number, key=key("number"), **KEPT)
+        values["date"] = first[1].date_input("Date", record.date, format="YYYY-MM-DD", key=key("date"), **KEPT)
+        values["technician"] = first[2].text_input("Technician", record.technician, key=key("technician"), **KEPT)
         for place, (title, (table, names)) in zip(st.columns(4), _TEXTS.items(), strict=True):
             place.markdown(f"**{title}**")
             values[table] = getattr(record, table).model_dump() | {
                 name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
             }
-    with st.expander("As found"):
+    with fields.fold("As found", key=key("fold-found")):
         values |= _as_found(record)
-    with st.expander("Repair decisions, scratches, instruments"):
+    with fields.fold("Repair decisions, scratches, instruments", key=key("fold-tables")):
         values |= _tables(record, controller)
-    with st.expander("Logo and photos"):
+    with fields.fold("Logo and photos", key=key("fold-pictures")):
         values |= _pictures(record, values)
-    values["notes"] = st.text_area("Notes", record.notes, key=key("notes"))
+    values["notes"] = st.text_area("Notes", record.notes, key=key("notes"), **KEPT)
+    place = st.container()
     try:
         found = Job.model_validate(values).with_pictures({**record.pictures, **st.session_state.get("pictures", {})})
     except ValidationError as error:
         first_fault = error.errors(include_url=False)[0]
-        st.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
+        place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
     st.session_state["job"] = found
     return found
@@ -82,8 +84,9 @@ def draw(controller: Controller) -> Job:
 
 def _as_found(record: Job) -> dict[str, Any]:
     oil, dirt = record.fluid_condition, record.contamination
-    complaint = st.text_area("Complaint", record.complaint, key=key("complaint"))
-    codes = st.text_input("Fault codes, separated by commas", ", ".join(record.fault_codes), key=key("codes"))
+    complaint = st.text_area("Complaint", record.complaint, key=key("complaint"), **KEPT)
+    written = ", ".join(record.fault_codes)
+    codes = st.text_input("Fault codes, separated by commas", written, key=key("codes"), **KEPT)
     places = st.columns(5)
     names = ("product", "level", "colour", "smell", "note")
     found = {
@@ -92,7 +95,7 @@ def _as_found(record: Job) -> dict[str, Any]:
     }
     grades = ["", *get_args(Grade)]
     columns = st.columns(3)
-    grade = columns[0].selectbox("Contamination", grades, grades.index(dirt.grade or ""), key=key("grade"))
+    grade = columns[0].selectbox("Contamination", grades, grades.index(dirt.grade or ""), key=key("grade"), **KEPT)
     return {
         "complaint": complaint,
         "fault_codes": tuple(code.strip() for code in codes.split(",") if code.strip()),
@@ -131,7 +134,7 @@ def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, An
         rows = [row.model_dump() for row in getattr(record, name)]
         st.session_state[f"{own}-base"] = pd.DataFrame(rows, columns=list(model.model_fields), dtype=object)
     base = st.session_state[f"{own}-base"]
-    known = {column: columns[column] for column in base.columns if column in columns}
+    known = {column: columns.get(column, st.column_config.TextColumn(column)) for column in base.columns}
     edited = st.data_editor(base, key=own, num_rows="dynamic", column_config=known, hide_index=True, width="stretch")
     rows = edited.astype(object).where(edited.notna(), None).to_dict("records")
     filled = [{column: value for column, value in row.items() if value not in (None, "")} for row in rows]
@@ -141,35 +144,38 @@ def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, An
 def _pictures(record: Job, values: dict[str, Any]) -> dict[str, Any]:
     kinds = ["png", "jpg", "jpeg", "webp"]
     logo = st.file_uploader("Logo", kinds, key=key("logo"))
-    photos = st.file_uploader("Photos", kinds, accept_multiple_files=True, key=key("photos"))
-    at_hand = {f"photos/{photo.name}": photo.getvalue() for photo in photos}
+    uploaded = st.file_uploader("Photos", kinds, accept_multiple_files=True, key=key("photos"))
+    at_hand = {f"photos/{photo.name}": photo.getvalue() for photo in uploaded}
     at_hand |= {} if logo is None else {logo.name: logo.getvalue()}
+    place = st.container()
     for name, content in list(at_hand.items()):
         try:
             printable_picture(name, content)
         except InputError as error:
-            st.error(show.plain(str(error)))
+            place.error(show.plain(str(error)))
             del at_hand[name]
     known = {photo.file for photo in record.photos}
     if logo is not None and logo.name in at_hand:
         values["workshop"]["logo"] = logo.name
     st.session_state["pictures"] = at_hand
-    fresh = [{"file": name} for name in at_hand if name.startswith("photos/") and name not in known]
-    kept = []
-    for photo in record.photos:
+    photos = [photo.model_dump() for photo in record.photos]
+    photos += [{"file": name, "caption": ""} for name in at_hand if name.startswith("photos/") and name not in known]
+    pictures, kept = {**record.pictures, **at_hand}, []
+    for photo in photos:
+        file = photo["file"]
         places = st.columns([2, 3, 1], vertical_alignment="bottom")
-        if photo.file in record.pictures:
-            places[0].image(record.pictures[photo.file], width=160)
-        caption = places[1].text_input("Caption", photo.caption, key=key(f"caption-{photo.file}"))
-        away = photo.file not in at_hand and places[2].button("Remove", key=key(f"remove-{photo.file}"))
+        if file in pictures:
+            places[0].image(pictures[file], width=160)
+        caption = places[1].text_input("Caption", photo["caption"], key=key(f"caption-{file}"), **KEPT)
+        away = file not in at_hand and places[2].button("Remove", key=key(f"remove-{file}"))
         if not away:
-            kept.append(photo.model_dump() | {"caption": caption})
-    return {"photos": [*kept, *fresh]}
+            kept.append(photo | {"caption": caption})
+    return {"photos": kept}
 
 
 def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:
     label = f"{before}{_LABELS.get(name, name.capitalize() if not before else name)}"
-    return (place.text_area if name in _LONG else place.text_input)(label, value, key=key(own))
+    return (place.text_area if name in _LONG else place.text_input)(label, value, key=key(own), **KEPT)
 
 
 def key(name: str) -> str:

@@ -14,7 +14,8 @@ from atleak.intake.road_test.memory import Settled
 from atleak.intake.units import unit_names
 from atleak.report.window import event_label
 from atleak.road_test import QUANTITIES, RoadTest
-from pages.shared import show
+from atleak.written_numbers import SHIFT
+from pages.shared import fields, show
 from pages.shared.bench import Bench, File, log_of, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session
 
@@ -100,16 +101,16 @@ def form(file: File, found: Understood, bench: Bench) -> None:
 def overlay() -> tuple[RoadTest, float] | None:
     """Another log to lay over the job's, and by how much it is shifted; kept while pages change."""
     now = session()
-    with st.expander("Lay another log over it: before and after a repair", expanded=now.over is not None):
+    with fields.fold("Lay another log over it: before and after a repair", key=f"over-fold-{now.generation}"):
         own = st.file_uploader("Other road-test log", key=f"over-{now.generation}")
         if own is not None:
             now.over = File(own.name, own.getvalue())
         if now.over is None:
             return None
         st.caption(f"Dashed: **{show.plain(now.over.name)}**")
-        now.offset = st.number_input("Shifted by [s]", value=now.offset, step=0.1, format="%.2f")
+        now.offset = fields.number("Shifted by", SHIFT, 0.0, key=f"shift-{now.generation}-{now.over.sha256}")
         if st.button("Take it away", disabled=own is not None, help="or remove the file above"):
-            now.over, now.offset = None, 0.0
+            now.over = None
             st.rerun()
         try:
             test = understood(now.over).road_test

@@ -14,7 +14,8 @@ from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError
 from atleak.intake.units import unit
 from atleak.profile import PROFILES, Profile
-from pages.shared import show
+from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
+from pages.shared import fields, show
 from pages.shared.bench import Bench, File, catalogue_object, controller_of, diagnosis_of
 from pages.shared.state import choose, new_job, open_job, put_file, session, settle, take_sample
 
@@ -69,7 +70,8 @@ def draw() -> None:
         st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
         _job_file()
         for kind in ("controller", "fluid", "limits"):
-            _choice(kind)
+            with st.container():
+                _choice(kind)
         with st.expander("Instruments"):
             for kind in ("spool_instrument", "sleeve_instrument"):
                 _choice(kind)
@@ -79,7 +81,8 @@ def draw() -> None:
     for slot, place in places.items():
         with place:
             _status(slot, result)
-    _notices()
+    with st.container():  # one place however much there is to say: the page below it stays what it is
+        _notices()
 
 
 def shown() -> tuple[Bench, Diagnosis]:
@@ -125,10 +128,10 @@ def _job_file() -> None:
             "Job file", ["zip"], key=key, help="As the page Report or the command line writes it.", on_change=changed
         )
         st.caption("Sheet, log, job record and every choice come from it, in place of what is on the bench.")
-    bench = session().bench
+    place, bench = st.container(), session().bench
     kept = {"guard factor": bench.guard_factor, "assumptions": bench.assumptions, "values for the log": bench.constants}
     if any(kept.values()):
-        st.caption(f"Taken from the job file: {', '.join(name for name, value in kept.items() if value)}.")
+        place.caption(f"Taken from the job file: {', '.join(name for name, value in kept.items() if value)}.")
 
 
 def _status(slot: str, result: Diagnosis) -> None:
@@ -183,10 +186,10 @@ def _condition() -> None:
         rpm = round(unit("rpm", "rotational_speed").from_si(point.engine_speed), 6)
         first = [point.temperature if start.temperature is None else start.temperature]
         first += [rpm if start.rpm is None else start.rpm, point.gear if start.gear is None else start.gear]
-        temperature = _number("Temperature [°C]", -60.0, 200.0, first[0], 5.0, key=f"{owner}-t")
-        speed = _number("Engine speed [rpm]", 1.0, 15000.0, first[1], 100.0, key=f"{owner}-n")
+        temperature = fields.number("Temperature", TEMPERATURE, first[0], key=f"{owner}-t")
+        speed = fields.number("Engine speed", ENGINE_SPEED, first[1], key=f"{owner}-n")
         gear = st.selectbox("Gear", gears, gears.index(first[2]), key=f"{owner}-g")
-        mileage = _number("Mileage [km]", 0.0, 9_999_999.0, now.start.mileage, 1000.0, "%.0f", key=_key("mileage"))
+        mileage = fields.number("Mileage", MILEAGE, now.start.mileage, key=_key("mileage"), optional=True)
         st.caption(f"Pressures as {show.plain(point.label)}: {show.plain(point.source)}")
     choose(
         temperature=None if temperature == point.temperature else temperature,
@@ -194,12 +197,6 @@ def _condition() -> None:
         gear=None if gear == point.gear else gear,
         mileage=mileage,
     )
-
-
-def _number(label: str, least: float, largest: float, first: float | None, *more: Any, key: str) -> float | None:
-    """A number's field; what a job file holds is taken even where it is out of the usual range."""
-    ends = (least, largest) if first is None else (min(least, first), max(largest, first))
-    return st.number_input(label, *ends, first, *more, key=key)
 
 
 def _controller() -> Controller:

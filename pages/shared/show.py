@@ -16,13 +16,13 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.drawing import controller_svg, on_dark
 from atleak.errors import AtleakError, Message
-from atleak.figures.diagnosis import BAND_SYMBOLS, COLOURS, ERROR
-from atleak.limits import VERDICTS
+from atleak.look import DARK, SCREEN, look_of
 from atleak.projection import Projection
-from atleak.report.text import SYMBOLS, WORDS
+from atleak.verdicts import Verdict, worst
+from atleak.wording import signed
 from pages.shared.state import Refusal
 
-_BOX = {"green": st.success, "amber": st.warning, "red": st.error, "critical": st.error}
+_BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
 SHOWN = 12
 HELP = {
@@ -52,11 +52,6 @@ HAIR_SPACE = "\u200a"
 def plain(text: object) -> str:
     """Text of a user or a file in markdown, sign for sign."""
     return _MARKDOWN.sub(r"\\\1", str(text)).replace("\n", "  \n")
-
-
-def verdict(name: str) -> str:
-    """``■ replace``."""
-    return f"{SYMBOLS[name]} {WORDS[name]}"
 
 
 def refusal(what: str, found: Refusal, kept: str) -> None:
@@ -105,8 +100,8 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
-    names = frame["Verdict"]
-    frame["Verdict"] = [HAIR_SPACE * VERDICTS.index(name) + verdict(name) for name in names]
+    names = [Verdict(name) for name in frame["Verdict"]]
+    frame["Verdict"] = [HAIR_SPACE * verdict.rank + signed(verdict) for verdict in names]
     style = frame.style.apply(lambda column: [_colours(name) for name in names], subset=["Verdict"]).format(
         {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
     )
@@ -130,13 +125,9 @@ def table(rows: list[dict[str, Any]], *, number: str | Callable[[float], str] = 
     st.dataframe(style, hide_index=True, width="stretch", **options)
 
 
-def _colours(name: str) -> str:
-    back = COLOURS[name]
-    return (
-        ""
-        if name in {"ok", "not_measured"}
-        else f"background-color: {back}; color: {'#000' if name == 'watch' else '#fff'}"
-    )
+def _colours(verdict: Verdict) -> str:
+    look = look_of(verdict)
+    return f"background-color: {look.screen}; color: {look.on_screen}" if look.on_screen else ""
 
 
 def sheet_messages(diagnosis: Diagnosis) -> None:
@@ -187,8 +178,8 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
 
 def points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projection, dict[str, Any]]]:
     """The stated condition and, where the controller states it, hot idle; each with its record."""
-    rows = [record["projection"], record["hot_idle"]][: len(diagnosis.projections)]
-    return list(zip(diagnosis.projections, rows, strict=True))
+    rows = [record["projection"], record["hot_idle"]][: len(diagnosis.reported)]
+    return list(zip(diagnosis.reported, rows, strict=True))
 
 
 def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
@@ -249,14 +240,14 @@ def chart(figure: go.Figure, key: str, on_span: Callable[[float, float], None] |
 
     With ``on_span``, dragging across it marks a stretch of its x axis and calls that with its ends.
     """
-    ink = "#e8eef2" if dark() else "#16222b"
+    ink = (DARK if dark() else SCREEN).ink
     for axis in (*figure.select_xaxes(), *figure.select_yaxes()):
         axis.update(tickfont_color=ink, title_font_color=ink)
     figure.update_annotations(font_color=ink)
     figure.update_layout(legend_font_color=ink)
     figure.update_traces(textfont_color=ink, selector={"type": "scatter"})
     for trace in figure.data:
-        if trace.type in ("bar", "scatter") and trace.error_x.color == ERROR:
+        if trace.type in ("bar", "scatter") and trace.error_x.color == SCREEN.soft:
             trace.error_x.color = ink
     if on_span is None:
         st.plotly_chart(figure, key=key)
@@ -289,8 +280,6 @@ def controller_picture(diagnosis: Diagnosis) -> None:
 
 
 def banner(diagnosis: Diagnosis, sentence: str) -> None:
-    """The verdict in a box of its colour."""
-    bands = [diagnosis.band(projection) for projection in diagnosis.projections]
-    level = {"watch": 1, "replace": 2, "critical": 3}.get(diagnosis.verdict, 0)
-    level = max([level, *(list(BAND_SYMBOLS).index(band) for band in bands)])
-    _BOX[list(BAND_SYMBOLS)[level]](sentence)
+    """The verdict in a box of its colour, or that of a total which is worse."""
+    level = worst([diagnosis.verdict, *(rule.verdict for rule in diagnosis.total_rules)])
+    _BOX[look_of(level).box](sentence)

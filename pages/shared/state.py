@@ -15,7 +15,10 @@ from atleak.job_file import read_job_file
 from pages.shared.bench import Bench, File, diagnosis_of, job_on_bench, sample_job
 
 FILES = ("sheet", "log")
-FITTED = {"sheet": ("sheet", "sheet_name", "sheet_unit"), "log": ("log", "columns", "units", "constants", "memory")}
+FITTED = {
+    "sheet": ("sheet", "sheet_name", "sheet_unit", "sheet_where"),
+    "log": ("log", "columns", "units", "constants", "memory"),
+}
 KEPT = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument", "profile", "options")
 REPLACING = 60.0  # [s] between a file taken away and the one that takes its place, as an uploader replaces one
 

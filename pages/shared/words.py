@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
 from atleak.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.figures.diagnosis import BAND_SYMBOLS
-from atleak.limits import Verdict
+from atleak.rules import Rule
+from atleak.verdicts import FLAGGED, Band, Verdict
+from atleak.wording import signed
 from atleak.workshop_units import PERCENT
 from pages.shared import show
-from pages.shared.show import plain, verdict
+from pages.shared.show import plain
 
 PARTLY = ("spool_only", "sleeve_only")
-FLAGGED: tuple[Verdict, ...] = ("critical", "replace", "watch")
-RULES = {"share_stated": "share at the stated condition", "share_hot_idle": "share at hot idle"}
 DIGITS = {
     "Clearance [µm]": 1,
     "u [µm]": 1,
@@ -39,8 +39,8 @@ DIGITS = {
 def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     """The verdict in one paragraph, in markdown."""
     lands = record["lands"]
-    counts = {name: sum(land["verdict"] == name for land in lands) for name in FLAGGED}
-    flagged = " and ".join(f"**{count} {verdict(name)}**" for name, count in counts.items() if count)
+    counts = {level: sum(land["verdict"] == level for land in lands) for level in reversed(FLAGGED)}
+    flagged = " and ".join(f"**{count} {signed(name)}**" for name, count in counts.items() if count)
     whole = sum(land["measured"] == "measured" for land in lands)
     partly = sum(land["measured"] in PARTLY for land in lands)
     open_ones = sum(land["measured"] in PARTLY and land["verdict"] == "not_measured" for land in lands)
@@ -49,11 +49,14 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         where = f"{pairs} component{'s' * (pairs != 1)}"
         head = f"{flagged} of {whole + partly} measured land{'s' * (whole + partly != 1)}, in {where}."
     elif whole:
-        head = f"**{verdict('ok')}:** none of {whole} measured land{'s' * (whole != 1)} has reached a limit."
+        head = f"**{signed(Verdict.OK)}:** none of {whole} measured land{'s' * (whole != 1)} has reached a limit."
     elif partly:
-        head = f"**{verdict('not_measured')}:** no land is measured on both spool and sleeve."
+        head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured on both spool and sleeve."
     else:
-        head = f"**{verdict('not_measured')}:** no land is measured; all {len(lands)} are at their mounting clearance."
+        new = f"all {len(lands)} are at their mounting clearance"
+        head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured; {new}."
+    if isinstance(diagnosis.decided_by, Rule):
+        head = f"**{signed(diagnosis.verdict)}** because of the {plain(diagnosis.decided_by.label)}. {head}"
     if open_ones:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     points = show.points(diagnosis, record)
@@ -67,10 +70,10 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
 
 
 def _total(point: dict[str, Any], label: str) -> str:
-    share, band = point["share_percent"], point["band"]
+    share, band = point["share_percent"], Band(point["band"])
     if share is None:
-        return f"more than the pump delivers at {plain(label)} (✖ critical)"
-    return f"**{share:.1f} %** of the pump's flow at {plain(label)} ({BAND_SYMBOLS[band]} {band})"
+        return f"more than the pump delivers at {plain(label)} ({signed(Band.CRITICAL)})"
+    return f"**{share:.1f} %** of the pump's flow at {plain(label)} ({signed(band)})"
 
 
 def land_rows(
@@ -81,8 +84,7 @@ def land_rows(
     rows = []
     for found in lands:
         land = records[found.key]
-        name = None if found.deciding is None else found.deciding.rule
-        rule = next((rule for rule in land["rules"] if rule["rule"].rsplit("_", 1)[0] == name), None)
+        rule = None if found.verdict == Verdict.NOT_MEASURED else found.deciding
         rows.append(
             {
                 "Verdict": land["verdict"],
@@ -95,7 +97,7 @@ def land_rows(
                 "Over it [%]": _percent(land["probability_over_limit"]),
                 "Decision": land["decision"] and land["decision"].replace("_", " "),
                 "Mounting [µm]": land["mounting_clearance_um"],
-                "Limit is": None if rule is None or found.verdict == "not_measured" else rule["origin"],
+                "Limit is": None if rule is None else str(rule.origin),
                 "Leakage [dm³/min]": land["leakage_dm3_min"],
                 "from": land["leakage_low_dm3_min"],
                 "to": land["leakage_high_dm3_min"],
@@ -113,10 +115,10 @@ def pair(controller: Controller, land: dict[str, Any]) -> str:
     return f"{land['component']} · {land['land']} {controller.components[land['component']]}"
 
 
-def _decided_by(found: LandDiagnosis, rule: dict[str, Any] | None) -> str | None:
+def _decided_by(found: LandDiagnosis, rule: Rule | None) -> str | None:
     """The rule, and which part of the pair was taken at its nominal diameter."""
     missing = {"spool_only": "sleeve", "sleeve_only": found.state.land.part}.get(found.state.status)
-    said = [] if rule is None or found.verdict == "not_measured" else [rule_text(rule)]
+    said = [] if rule is None else [rule_text(rule)]
     return "; ".join([*said, *([f"{missing} not measured"] if missing else [])]) or None
 
 
@@ -139,15 +141,11 @@ def _percent(fraction: float | None) -> float | None:
     return None if fraction is None else fraction * PERCENT
 
 
-def rule_text(rule: dict[str, Any]) -> str:
+def rule_text(rule: Rule) -> str:
     """``wear 69 %, limit 50 %``."""
-    name, unit = (
-        (rule["rule"].removesuffix("_percent"), "%")
-        if rule["rule"].endswith("_percent")
-        else (rule["rule"].removesuffix("_um"), "µm")
-    )
-    value = "beyond the pump" if rule["value"] is None else f"{rule['value']:.3g} {unit}"
-    return f"{RULES.get(name) or name.replace('_', ' ')} {value}, limit {rule['limit']:g} {unit}"
+    kind = rule.kind
+    value = f"{rule.value * kind.factor:.3g} {kind.unit}" if math.isfinite(rule.value) else "beyond the pump"
+    return f"{rule.label} {value}, limit {rule.limit * kind.factor:g} {kind.unit}"
 
 
 def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

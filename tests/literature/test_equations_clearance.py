@@ -11,6 +11,7 @@ from atleak.equations.clearance import (
     wear,
     worn_clearance,
 )
+from atleak.equations.referees import effective_clearance_two_temperatures
 
 
 def test_radial_clearance_of_spool_6() -> None:
@@ -34,6 +35,13 @@ def test_published_thermal_term_means_a_gap_of_30_um() -> None:
 
 
 def test_aluminium_on_aluminium_hardly_opens() -> None:
-    hot = effective_clearance(30e-6, 0.01006, 0.010, 21.5e-6, 21.5e-6, 80.0, 80.0)
+    hot = effective_clearance(30e-6, thermal_rate(0.01006, 0.010, 21.5e-6, 21.5e-6), 80.0)
     assert hot * 1e6 == pytest.approx(30.0516, abs=5e-5)
-    assert effective_clearance(30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 80.0, 80.0) > 33.8e-6
+    assert effective_clearance(30e-6, thermal_rate(0.01006, 0.010, 21.5e-6, 12e-6), 80.0) > 33.8e-6
+
+
+def test_effective_clearance_is_equation_2_with_body_and_spool_equally_warm() -> None:
+    for rise in (-60.0, 0.0, 80.0):
+        whole = effective_clearance_two_temperatures(30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, rise, rise)
+        rate = thermal_rate(0.01006, 0.010, 21.5e-6, 12e-6)
+        assert effective_clearance(30e-6, rate, rise) == pytest.approx(whole, rel=1e-12, abs=0.0)

@@ -6,15 +6,14 @@ import math
 
 import pytest
 
-from atleak.equations.clearance import effective_clearance, worn_clearance
+from atleak.equations.clearance import effective_clearance, thermal_rate, worn_clearance
 from atleak.equations.gap import (
     annular_flow,
-    annular_flow_compressible,
     eccentricity_factor,
     entry_loss_flow,
-    exact_annulus_flow,
     obliteration,
 )
+from atleak.equations.referees import annular_flow_compressible, exact_annulus_flow
 
 # White F. M., Fluid Mechanics, 7th ed., McGraw-Hill 2011, table of laminar friction factors for a concentric
 # annulus: ratio of the radii, f Re on the hydraulic diameter.
@@ -90,7 +89,7 @@ def variant_flow(temperature: float, wear: float, viscosity: float, density: flo
     beta_k = (2 * 0.0019 * c_m + beta_s * spool) / sleeve
     cold = worn_clearance(c_m, wear * c_m)
     rise = temperature - 20.0
-    hot = effective_clearance(cold, sleeve, spool, beta_k, beta_s, rise, rise)
+    hot = effective_clearance(cold, thermal_rate(sleeve, spool, beta_k, beta_s), rise)
     return annular_flow(800e3, spool, hot, viscosity * 1e-6, density * 1e3, 0.008)
 
 

@@ -9,13 +9,12 @@ import pytest
 from atleak.equations.pressure import (
     annulus_area,
     control_pressure,
-    modulated_pressure,
-    pressure_force,
-    spool_balance,
+    regulated_pressure,
     spring_deflection,
     spring_force,
     spring_rate,
 )
+from atleak.equations.referees import MODULATED_LIMIT, modulated_pressure, pressure_force, spool_balance
 
 # Worked by hand in mm, kPa, N: lands of 12, 10 and 9 mm, a rod of 5 mm; wire 1.0, 10 coils, coil diameter 8.
 A_1 = math.pi * 12**2 / 4
@@ -50,4 +49,15 @@ def test_force_of_kilopascals_on_square_millimetres() -> None:
 
 
 def test_modulated_pressure_stops_at_500_kpa() -> None:
-    assert modulated_pressure([400e3, 1000e3, 1001e3, 2000e3], 0.5).tolist() == [200e3, 500e3, 500e3, 500e3]
+    main = [400e3, 1000e3, 1001e3, 2000e3]
+    assert modulated_pressure(main, 0.5).tolist() == [200e3, 500e3, 500e3, 500e3]
+    assert regulated_pressure(main, 0.5, 0.0, MODULATED_LIMIT).tolist() == [200e3, 500e3, 500e3, 500e3]
+
+
+def test_control_pressure_is_a_regulated_one() -> None:
+    areas = [a * 1e-6 for a in (A_1, A_2W, A_3W, A_2W, A_3W)]
+    ratio, offset = control_pressure(1.0, 0.0, *areas), control_pressure(0.0, 19.53125, *areas)
+    for main in (0.0, 400e3, 800e3):
+        line = regulated_pressure(main, ratio, offset)
+        assert line == pytest.approx(control_pressure(main, 19.53125, *areas), rel=1e-12, abs=0.0)
+        assert spool_balance(line, main, 19.53125, *areas) == pytest.approx(0.0, abs=1e-9)

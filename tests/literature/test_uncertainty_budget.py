@@ -17,6 +17,7 @@ from atleak.limits import Limits
 from atleak.profile import WORKSHOP
 from atleak.projection import project
 from atleak.readings import Reading, Readings, clearances
+from atleak.rules import unit_rules
 from atleak.uncertainty import Assumptions, UnitUncertainty, assess
 
 UM = 1e-6
@@ -73,7 +74,14 @@ def assessed(two_lands: Controller, hipol: Fluid, limits: Limits) -> UnitUncerta
     model = LeakageModel(two_lands, states, hipol, WORKSHOP)
     projections = [project(model, point) for point in two_lands.operating_points]
     return assess(
-        model, states, projections, limits, readings=sheet, instruments=TOOLS, assumptions=ASSUMED, draws=100_000
+        model,
+        states,
+        projections,
+        unit_rules(states, projections, limits),
+        readings=sheet,
+        instruments=TOOLS,
+        assumptions=ASSUMED,
+        draws=100_000,
     )
 
 
@@ -188,7 +196,7 @@ def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, 
 
 def test_linear_interval_is_wrong_where_the_cube_bends(two_lands: Controller) -> None:
     """At u(c)/c = 20 % the linear interval reaches below zero, the exact one does not."""
-    from atleak.equations.uncertainty import cube_quantile
+    from atleak.equations.uncertainty_referees import cube_quantile
 
     c = GTC.ureal(10.0, 2.0)
     linear = GTC.value(c**3) - 1.96 * GTC.uncertainty(c**3)

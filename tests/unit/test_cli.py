@@ -110,6 +110,22 @@ def test_fail_on_with_json_keeps_the_record(run: Run, sample_readings: Path) -> 
     assert json.loads(out)["verdict"] == "replace"
 
 
+def test_fail_on_counts_the_total(run: Run, tmp_path: Path, four_speed: Controller) -> None:
+    """With every clearance doubled no land is critical by itself; together they take more than the pump delivers."""
+    rows = ["component,part,plane,direction,diameter mm"]
+    for land in four_speed.lands:
+        for plane in land.planes:
+            sleeve = land.nominal_diameter + 4.0 * land.mounting_clearance
+            rows.append(f"{land.component},{land.part},{plane},0,{land.nominal_diameter * 1e3:.4f}")
+            rows.append(f"{land.component},sleeve,{plane},0,{sleeve * 1e3:.4f}")
+    sheet = tmp_path / "doubled.csv"
+    sheet.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    status, out, _ = run("diagnose", sheet, "--fail-on", "critical", "--json", tmp_path / "out.json")
+    unit = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["unit"]
+    assert (status, unit["verdict"], unit["decided_by"]["kind"]) == (1, "critical", "total")
+    assert "decided by the total share of pump flow" in " ".join(out.split())
+
+
 @pytest.mark.parametrize(("sleeve", "status"), [(11.0321, 0), (11.0359, 1), (11.048, 1)])
 def test_fail_on_watch_follows_the_verdict(run: Run, tmp_path: Path, sleeve: float, status: int) -> None:
     own = tmp_path / "own.toml"
@@ -185,13 +201,16 @@ def test_a_sheet_of_another_controller_names_rows_and_what_was_expected(run: Run
         (["--set", "=on"], ("--set", "NAME=VALUE")),
         (["--gear", "9"], ("9", "one of 1, 2, 3, 4")),
         (["--gear", "two"], ("--gear", "'two'")),
-        (["--temperature", "500"], ("500 °C", "-20 to 150 °C")),
+        (["--temperature", "500"], ("500 °C", "from −60 to 200 °C")),
+        (["--temperature", "190"], ("190 °C", "-20 to 150 °C")),
+        (["--temperature", "1e3"], ("1e3 °C",)),
         (["--temperature", "-30"], ("-30 °C",)),
         (["--temperature", "warm"], ("--temperature", "'warm'")),
         (["--temperature", "nan"], ("nan",)),
-        (["--rpm", "0"], ("more than 0 rpm",)),
-        (["--rpm", "-800"], ("-800", "more than 0 rpm")),
-        (["--mileage", "-1"], ("--mileage", "'-1'")),
+        (["--rpm", "0"], ("0 rpm", "from 1 to 15000 rpm")),
+        (["--rpm", "-800"], ("−800 rpm", "from 1 to 15000 rpm")),
+        (["--rpm", "1.250"], ("'1.250'", "two ways", "1250", "1.25 ")),
+        (["--mileage", "-1"], ("--mileage", "−1 km")),
         (["--mileage", "nan"], ("--mileage", "'nan'")),
         (["--mileage", "106.315"], ("--mileage", "'106.315'", "two ways")),
         (["--mileage", "106,315"], ("'106,315'", "two ways")),

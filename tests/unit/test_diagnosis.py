@@ -15,10 +15,12 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import DomainError
 from atleak.fluid import Fluid
 from atleak.leakage import LeakageModel
-from atleak.limits import VERDICTS, Limits, load_limits
+from atleak.limits import Limits, load_limits
 from atleak.profile import PAPER, PROFILES, Profile
 from atleak.projection import project, repaired, stated_condition
 from atleak.readings import Readings
+from atleak.rules import Rule
+from atleak.verdicts import Verdict
 
 Edited = Callable[..., Path]
 Build = Callable[..., Readings]
@@ -84,9 +86,13 @@ def test_the_worst_rule_gives_the_verdict_and_is_named(
 ) -> None:
     readings = readings_of(minimal, at_wear(minimal, pressure_regulator=0.2))
     assert limits.pair_share is not None
-    strict = replace(limits, pair_share=replace(limits.pair_share, levels=(("critical", 1e-6),)))
+    strict = replace(limits, pair_share=replace(limits.pair_share, levels=((Verdict.CRITICAL, 1e-6),)))
     land = diagnose(minimal, hipol, strict, readings=readings).lands[0]
-    assert [rule.rule for rule in land.rules] == ["wear", "share_driving_second", "share_hot_idle"]
+    assert [rule.id for rule in land.rules] == [
+        "wear_percent",
+        "share_driving_second_percent",
+        "share_hot_idle_percent",
+    ]
     assert [rule.verdict for rule in land.rules] == ["watch", "critical", "critical"]
     assert land.verdict == "critical"
     assert land.deciding is land.rules[1]
@@ -94,7 +100,7 @@ def test_the_worst_rule_gives_the_verdict_and_is_named(
     assert land.deciding.limit == 1e-6
     relaxed = diagnose(minimal, hipol, replace(limits, pair_share=None), readings=readings).lands[0]
     assert relaxed.deciding is not None
-    assert (relaxed.verdict, relaxed.deciding.rule, relaxed.deciding.origin) == ("watch", "wear", "published")
+    assert (relaxed.verdict, relaxed.deciding.kind, relaxed.deciding.origin) == ("watch", "wear", "published")
 
 
 def test_a_clearance_limit_of_the_workshop_s_own_limits(
@@ -114,7 +120,7 @@ def test_a_clearance_limit_of_the_workshop_s_own_limits(
     assert verdicts == {"tcc_regulator": "watch", "solenoid_modulator": "ok", "accumulator": "critical"}
     deciding = next(land.deciding for land in found.lands if land.key == PISTON)
     assert deciding is not None
-    assert (deciding.rule, deciding.unit, deciding.origin) == ("radial_clearance", "µm", "set by the workshop")
+    assert (deciding.kind, deciding.kind.unit, deciding.origin) == ("radial_clearance", "µm", "set by the workshop")
     assert deciding.value == pytest.approx(20e-6, rel=1e-9, abs=0.0)
 
 
@@ -133,11 +139,11 @@ def test_a_clearance_limit_of_one_land_goes_before_that_of_all(
     found = diagnose(controller, hipol, replace(limits, clearance=everywhere, pair_share=None), readings=readings)
     land = next(land for land in found.lands if land.key == TCC)
     assert land.deciding is not None
-    assert (land.verdict, land.deciding.rule) == ("replace", "radial_clearance")
+    assert (land.verdict, land.deciding.kind) == ("replace", "radial_clearance")
     assert land.deciding.limit == pytest.approx(16.5e-6, rel=1e-12, abs=0.0)
     assert land.deciding.source == "the controller's file"
     assert land.uncertainty is not None
-    decided = land.uncertainty.rule("radial_clearance")
+    decided = land.uncertainty.on(land.deciding)
     assert decided is not None
     assert decided.probability_over_limit > 0.5  # 16.8 µm against 16.5
 
@@ -197,7 +203,7 @@ def test_no_land_of_the_study_s_controller_is_flagged_when_new(
 def test_flagged_lands_come_worst_first_then_costliest(sample: Diagnosis) -> None:
     flagged = sample.flagged
     assert {land.verdict for land in flagged} == {"watch", "replace"}
-    order = [(-VERDICTS.index(land.verdict), -land.excess_share) for land in flagged]
+    order = [(-land.verdict.rank, -land.excess_share) for land in flagged]
     assert order == sorted(order)
     assert sample.verdict == flagged[0].verdict == "replace"
 
@@ -257,7 +263,7 @@ def test_without_hot_idle_the_plan_is_at_the_stated_condition(
     only = replace(minimal, operating_points=minimal.operating_points[:1])
     found = diagnose(only, hipol, limits, readings=readings_of(only, at_wear(only, accumulator=0.7)))
     assert found.hot_idle is None
-    assert found.projections == (found.projection,)
+    assert found.reported == (found.projection,)
     assert {step.condition.name for step in found.repair_plan} == {"driving_second"}
     assert "no_hot_idle" in codes(found)
 
@@ -272,8 +278,8 @@ def test_a_stated_condition_is_judged_beside_the_controller_s_own(
     readings = readings_of(four_speed, {("25", 1): (16e-3, 16.12e-3)})
     found = diagnose(four_speed, hipol, limits, readings=readings, condition=condition)
     land = found.flagged[0]
-    names = [rule.rule for rule in land.rules]
-    assert names == ["wear", "share_stated", "share_driving_second", "share_hot_idle"]
+    names = [rule.condition.name if rule.condition else rule.kind for rule in land.rules]
+    assert names == ["wear", "stated", "driving_second", "hot_idle"]
     assert found.projection.condition is condition
     assert found.hot_idle is not None
     assert found.hot_idle.condition.name == "hot_idle"
@@ -332,7 +338,7 @@ def test_hot_idle_as_the_stated_condition_is_one_projection(
 ) -> None:
     idle = four_speed.operating_points[1]
     found = diagnose(four_speed, hipol, limits, condition=idle)
-    assert found.projections == (found.projection,)
+    assert found.reported == (found.projection,)
     assert found.hot_idle is found.projection
 
 
@@ -374,3 +380,20 @@ def test_of_half_a_pair_ok_is_not_claimed(
     assert found.measured == len(found.lands) - len(half)
     if part == "sleeve":  # the worn bore of land 25/1 crosses its limit whatever its spool
         assert half[("25", 1)].verdict == "replace"
+
+
+@pytest.mark.parametrize(("growth", "verdict"), [(1.0, "watch"), (1.08, "replace"), (2.0, "critical")])
+def test_the_worst_of_lands_and_totals_is_the_verdict_of_the_unit(
+    four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build, growth: float, verdict: str
+) -> None:
+    """At +8 % no land reaches a limit of its own, yet the pump gives a fifth of its flow away at hot idle."""
+    diameters = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * growth * land.mounting_clearance)
+        for land in four_speed.lands
+    }
+    found = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, diameters))
+    assert found.verdict == verdict
+    assert isinstance(found.decided_by, Rule)
+    assert found.decided_by.condition is not None
+    assert found.at(found.decided_by.condition).share == found.decided_by.value
+    assert all(land.verdict.rank < found.verdict.rank for land in found.lands)

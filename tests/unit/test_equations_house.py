@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import clearance, fluid, gap, pressure, pump
+from atleak.equations import clearance, fluid, gap, pressure, pump, referees
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -21,33 +21,35 @@ FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
 # Every public equation that gives numbers, with arguments from the middle of its domain.
 EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (gap.annular_flow, (*GAP, 10e-6)),
-    (gap.annular_flow_compressible, (8e5, 0.010, 30e-6, 8.5e-3, 0.008, 784.0, 783.0)),
+    (referees.annular_flow_compressible, (8e5, 0.010, 30e-6, 8.5e-3, 0.008, 784.0, 783.0)),
     (gap.eccentricity_factor, (10e-6, 30e-6)),
-    (gap.exact_annulus_flow, (8e5, 0.010, 0.01006, 8.5e-3, 0.008)),
+    (referees.exact_annulus_flow, (8e5, 0.010, 0.01006, 8.5e-3, 0.008)),
     (gap.entry_loss_flow, (*GAP, 1.5)),
     (gap.reynolds_number, (8e-7, 0.010, 1e-5)),
-    (gap.taper_cube, (20e-6, 40e-6)),
-    (gap.oval_cube, (30e-6, 10e-6)),
+    (referees.taper_cube, (20e-6, 40e-6)),
+    (referees.oval_cube, (30e-6, 10e-6)),
     (clearance.radial_clearance, (0.01006, 0.010)),
     (clearance.worn_clearance, (24e-6, 12e-6)),
     (clearance.wear, (36e-6, 24e-6)),
-    (clearance.effective_clearance, (30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 60.0, 60.0)),
+    (clearance.effective_clearance, (30e-6, 4.75e-8, 60.0)),
+    (referees.effective_clearance_two_temperatures, (30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 60.0, 60.0)),
     (clearance.thermal_rate, (0.01006, 0.010, 21.5e-6, 12e-6)),
     (fluid.study_viscosity, (80.0,)),
     (fluid.study_density, (80.0,)),
     (fluid.astm_d341, (80.0, 8.8874, 3.47595)),
     (fluid.dynamic_viscosity, (1e-5, 800.0)),
     (pressure.annulus_area, (0.010, 0.005)),
-    (pressure.pressure_force, (8e5, 5e-5)),
+    (referees.pressure_force, (8e5, 5e-5)),
     (pressure.spring_force, (2000.0, 0.01)),
     (pressure.spring_rate, (80e9, 1e-3, 10.0, 8e-3)),
     (pressure.spring_deflection, (0.03, 0.02)),
-    (pressure.spool_balance, (3e5, 8e5, 20.0, *FACES)),
+    (referees.spool_balance, (3e5, 8e5, 20.0, *FACES)),
     (pressure.control_pressure, (8e5, 20.0, *FACES)),
-    (pressure.modulated_pressure, (8e5, 0.5, 5e5)),
+    (pressure.regulated_pressure, (8e5, 0.5, 1e4, 5e5)),
+    (referees.modulated_pressure, (8e5, 0.5, 5e5)),
     (pump.displacement, (0.0045, 12.0, 0.012, 0.0084)),
     (pump.capacity, (1.7e-5, 40.0, 0.95)),
-    (pump.wilson_efficiency, (1e-7, 8e5, 8.5e-3, 40.0)),
+    (referees.wilson_efficiency, (1e-7, 8e5, 8.5e-3, 40.0)),
     (pump.slip_flow, (1.7e-5, 1e-7, 8e5, 8.5e-3)),
     (pump.minimum_speed, (1e-4, 2e-5, 1.7e-5)),
 ]
@@ -59,7 +61,7 @@ OTHERS = {
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
-ROOMS = [clearance, fluid, gap, pressure, pump]
+ROOMS = [clearance, fluid, gap, pressure, pump, referees]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 
@@ -164,3 +166,58 @@ def test_equations_import_only_numpy_and_mathematics() -> None:
             for module in modules:
                 own = module == "atleak.errors" or module.split(".")[:2] == ["atleak", "equations"]
                 assert own or module.split(".")[0] in allowed, f"{file.name} imports {module}"
+
+
+# --- the product calls its own equations
+
+PACKAGE = Path(atleak.equations.__file__).parent
+REFEREES = {"referees", "uncertainty_referees"}
+
+
+def public_names() -> set[str]:
+    """``module.function`` of every public function of the package, but for the referees."""
+    return {
+        f"{file.stem}.{node.name}"
+        for file in PACKAGE.glob("*.py")
+        if not file.stem.startswith("_") and file.stem not in REFEREES
+        for node in ast.parse(file.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")
+    }
+
+
+def equations_used_in(source: str) -> set[str]:
+    """``module.function`` of every equation that a file refers to, beyond importing it."""
+    tree = ast.parse(source)
+    modules: dict[str, str] = {}  # name in the file → module of equations
+    functions: dict[str, str] = {}  # name in the file → module.function
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module == "atleak.equations":
+            modules |= {alias.asname or alias.name: alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("atleak.equations."):
+            module = (node.module or "").rpartition(".")[2]
+            functions |= {alias.asname or alias.name: f"{module}.{alias.name}" for alias in node.names}
+    used = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in modules:
+            used.add(f"{modules[node.value.id]}.{node.attr}")
+        elif isinstance(node, ast.Name) and node.id in functions:
+            used.add(functions[node.id])
+    return used
+
+
+def test_uses_of_equations_are_seen_under_any_name() -> None:
+    source = (
+        "from atleak.equations import gap as g, pump\n"
+        "from atleak.equations.clearance import wear as w, thermal_rate\n"
+        "g.annular_flow(1)\npump.capacity\nw(1)\nthermal.rate\n"
+    )
+    assert equations_used_in(source) == {"gap.annular_flow", "pump.capacity", "clearance.wear"}
+
+
+def test_the_product_calls_every_equation_that_is_no_referee() -> None:
+    used: set[str] = set()
+    for file in sorted(PACKAGE.parent.rglob("*.py")):
+        if PACKAGE not in file.parents:
+            used |= equations_used_in(file.read_text(encoding="utf-8"))
+    assert public_names() <= used, "only tests call these: call them where the product computes the same, or move them"
+    assert not {name for name in used if name.split(".")[0] in REFEREES}

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from atleak.equations import pressure
+from atleak.equations import pressure, referees
 from atleak.errors import DomainError
 
 AREAS = (113.097e-6, 58.905e-6, 43.982e-6, 58.905e-6, 43.982e-6)
@@ -24,13 +24,13 @@ def test_solved_pressure_balances_the_spool(p_g: float, force: float, faces: tup
     assume(a_1 - a_2w + a_3w > 1e-6)
     p_s = pressure.control_pressure(p_g, force, *faces)
     largest = max(force, p_g * a_g1, p_g * a_g2, abs(p_s) * a_1, abs(p_s) * a_2w, abs(p_s) * a_3w, 1e-9)
-    assert abs(pressure.spool_balance(p_s, p_g, force, *faces)) <= 1e-12 * largest
+    assert abs(referees.spool_balance(p_s, p_g, force, *faces)) <= 1e-12 * largest
 
 
 @given(st.floats(0.0, 2e6), st.floats(0.0, 2e6), st.floats(0.0, 100.0), areas)
 def test_balance_is_the_sum_of_its_forces(p_s: float, p_g: float, f_sp: float, faces: tuple[float, ...]) -> None:
     a_1, a_2w, a_3w, a_g1, a_g2 = faces
-    force = pressure.pressure_force
+    force = referees.pressure_force
     forces = [
         force(p_s, a_1),
         -force(p_g, a_g1),
@@ -39,12 +39,12 @@ def test_balance_is_the_sum_of_its_forces(p_s: float, p_g: float, f_sp: float, f
         force(p_s, a_3w),
         -f_sp,
     ]
-    residual = pressure.spool_balance(p_s, p_g, f_sp, *faces)
+    residual = referees.spool_balance(p_s, p_g, f_sp, *faces)
     assert residual == pytest.approx(math.fsum(forces), abs=1e-11 * (1 + max(map(abs, forces))))
 
 
 def test_root_of_the_balance_is_the_solved_pressure() -> None:
-    found = brentq(lambda p: pressure.spool_balance(p, 800e3, 19.53125, *AREAS), 0.0, 2e6, xtol=1e-9, rtol=1e-14)
+    found = brentq(lambda p: referees.spool_balance(p, 800e3, 19.53125, *AREAS), 0.0, 2e6, xtol=1e-9, rtol=1e-14)
     assert pressure.control_pressure(800e3, 19.53125, *AREAS) == pytest.approx(found, rel=1e-12, abs=0.0)
 
 
@@ -84,7 +84,12 @@ def test_an_unloaded_spring_is_not_deflected() -> None:
 
 @given(st.floats(-1e5, 3e6), st.floats(0.0, 2.0), st.floats(1e5, 1e6))
 def test_modulated_pressure_is_the_smaller_of_two(p_g: float, ratio: float, limit: float) -> None:
-    assert pressure.modulated_pressure(p_g, ratio, limit) == min(ratio * p_g, limit)
+    assert referees.modulated_pressure(p_g, ratio, limit) == min(ratio * p_g, limit)
+    assert pressure.regulated_pressure(p_g, ratio, 0.0, limit) == min(ratio * p_g, limit)
+
+
+def test_a_regulated_pressure_without_limit_is_a_straight_line() -> None:
+    assert pressure.regulated_pressure([0.0, 800e3], 0.25, 50e3).tolist() == [50e3, 250e3]
 
 
 @pytest.mark.parametrize(
@@ -93,7 +98,7 @@ def test_modulated_pressure_is_the_smaller_of_two(p_g: float, ratio: float, limi
         (pressure.annulus_area, (0.0,), "diameter"),
         (pressure.annulus_area, (0.01, -0.001), "rod diameter"),
         (pressure.annulus_area, (0.01, 0.011), "rod diameter must be at most the diameter"),
-        (pressure.pressure_force, (8e5, -1e-6), "area"),
+        (referees.pressure_force, (8e5, -1e-6), "area"),
         (pressure.spring_force, (0.0, 0.01), "spring rate"),
         (pressure.spring_force, (2000.0, -0.01), "spring deflection"),
         (pressure.spring_rate, (0.0, 1e-3, 10, 8e-3), "shear modulus"),
@@ -103,13 +108,14 @@ def test_modulated_pressure_is_the_smaller_of_two(p_g: float, ratio: float, limi
         (pressure.spring_deflection, (0.02, 0.021), "at most the free length"),
         (pressure.spring_deflection, (0.0, 0.021), "free length"),
         (pressure.spring_deflection, (0.02, 0.0), "spring length"),
-        (pressure.spool_balance, (4e5, 8e5, 20.0, 1e-4, -1e-5, 0.0, 0.0, 0.0), "area A_2W"),
+        (referees.spool_balance, (4e5, 8e5, 20.0, 1e-4, -1e-5, 0.0, 0.0, 0.0), "area A_2W"),
         (pressure.control_pressure, (8e5, 20.0, 1e-4, 1.5e-4, 5e-5, 6e-5, 4e-5), "area left"),
         (pressure.control_pressure, (8e5, 20.0, 1e-4, 1.6e-4, 5e-5, 6e-5, 4e-5), "area left"),
         (pressure.control_pressure, (8e5, 20.0, 0.0, 0.0, 0.0, 6e-5, 4e-5), "area left"),
         (pressure.control_pressure, (8e5, 20.0, 1e-4, 1e-5, 5e-5, -6e-5, 4e-5), "area A_g1"),
-        (pressure.modulated_pressure, (8e5, -0.5), "pressure ratio"),
-        (pressure.modulated_pressure, (8e5, 0.5, 0.0), "limit of modulated pressure"),
+        (pressure.regulated_pressure, (8e5, 0.5, 0.0, 0.0), "limit of the pressure"),
+        (referees.modulated_pressure, (8e5, -0.5), "pressure ratio"),
+        (referees.modulated_pressure, (8e5, 0.5, 0.0), "limit of modulated pressure"),
     ],
 )
 def test_out_of_domain_is_refused_by_name(function, arguments: tuple, words: str) -> None:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from atleak.equations import pump
+from atleak.equations import pump, referees
 from atleak.errors import DomainError
 
 displacements = st.floats(5e-6, 5e-5)
@@ -22,7 +22,7 @@ speeds = st.floats(5.0, 100.0)
 
 @given(displacements, slips, pressures, viscosities, speeds)
 def test_what_efficiency_takes_is_what_slips(q_p: float, c_s: float, p: float, mu: float, n: float) -> None:
-    lost = q_p * n * (1 - pump.wilson_efficiency(c_s, p, mu, n))
+    lost = q_p * n * (1 - referees.wilson_efficiency(c_s, p, mu, n))
     assert pump.slip_flow(q_p, c_s, p, mu) == pytest.approx(lost, rel=1e-12, abs=1e-14 * q_p * n)
 
 
@@ -31,7 +31,7 @@ def test_minimum_speed_is_where_delivery_meets_demand(
     q_p: float, c_s: float, p: float, mu: float, leakage: float
 ) -> None:
     def surplus(n: float) -> float:
-        return q_p * n * pump.wilson_efficiency(c_s, p, mu, n) - leakage
+        return q_p * n * referees.wilson_efficiency(c_s, p, mu, n) - leakage
 
     slowest = pump.minimum_speed(leakage, pump.slip_flow(q_p, c_s, p, mu), q_p)
     found = brentq(surplus, slowest / 10, slowest * 10, rtol=1e-14)
@@ -39,19 +39,19 @@ def test_minimum_speed_is_where_delivery_meets_demand(
 
 
 def test_efficiency_is_not_clipped() -> None:
-    assert pump.wilson_efficiency(1e-6, 2e6, 0.004, 5.0) < 0.0
+    assert referees.wilson_efficiency(1e-6, 2e6, 0.004, 5.0) < 0.0
     with pytest.raises(DomainError, match="volumetric efficiency"):
-        pump.capacity(1.7e-5, 5.0, pump.wilson_efficiency(1e-6, 2e6, 0.004, 5.0))
+        pump.capacity(1.7e-5, 5.0, referees.wilson_efficiency(1e-6, 2e6, 0.004, 5.0))
 
 
 @given(st.floats(1e-8, 1e-6), pressures, viscosities, speeds, st.floats(1.01, 3.0))
 def test_efficiency_rises_with_speed_and_viscosity_and_falls_with_pressure(
     c_s: float, p: float, mu: float, n: float, factor: float
 ) -> None:
-    efficiency = pump.wilson_efficiency(c_s, p, mu, n)
-    assert pump.wilson_efficiency(c_s, p, mu, n * factor) > efficiency
-    assert pump.wilson_efficiency(c_s, p, mu * factor, n) > efficiency
-    assert pump.wilson_efficiency(c_s, p * factor, mu, n) < efficiency
+    efficiency = referees.wilson_efficiency(c_s, p, mu, n)
+    assert referees.wilson_efficiency(c_s, p, mu, n * factor) > efficiency
+    assert referees.wilson_efficiency(c_s, p, mu * factor, n) > efficiency
+    assert referees.wilson_efficiency(c_s, p * factor, mu, n) < efficiency
     assert efficiency < 1.0
 
 
@@ -84,9 +84,9 @@ def test_a_pump_at_rest_delivers_nothing() -> None:
         (pump.capacity, (1.7e-5, -1.0, 0.95), "pump speed"),
         (pump.capacity, (1.7e-5, 40.0, 1.01), "volumetric efficiency must be between 0 and 1, found 1.01"),
         (pump.capacity, (1.7e-5, 40.0, -0.1), "volumetric efficiency"),
-        (pump.wilson_efficiency, (-1e-8, 8e5, 0.01, 10.0), "slip coefficient"),
-        (pump.wilson_efficiency, (1e-8, 8e5, 0.0, 10.0), "dynamic viscosity"),
-        (pump.wilson_efficiency, (1e-8, 8e5, 0.01, 0.0), "pump speed"),
+        (referees.wilson_efficiency, (-1e-8, 8e5, 0.01, 10.0), "slip coefficient"),
+        (referees.wilson_efficiency, (1e-8, 8e5, 0.0, 10.0), "dynamic viscosity"),
+        (referees.wilson_efficiency, (1e-8, 8e5, 0.01, 0.0), "pump speed"),
         (pump.slip_flow, (0.0, 1e-8, 8e5, 0.01), "pump displacement"),
         (pump.slip_flow, (1.7e-5, -1e-8, 8e5, 0.01), "slip coefficient"),
         (pump.slip_flow, (1.7e-5, 1e-8, 8e5, -0.01), "dynamic viscosity"),

@@ -60,7 +60,7 @@ def test_verdicts_differ_by_sign_and_hatch_and_not_by_colour_alone(sample: Diagn
 def test_total_share_stands_over_the_bands_of_the_limit_set(sample: Diagnosis) -> None:
     figure = figures.total_share(sample)
     points = figure.data[0]
-    expected = [point.share * PERCENT for point in sample.projections]
+    expected = [point.share * PERCENT for point in sample.reported]
     assert list(points.x[: len(expected)]) == pytest.approx(expected, rel=1e-9, abs=0.0)
     assert points.x[-1] == pytest.approx(sample.road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
     edges = sorted({shape.x0 for shape in figure.layout.shapes})
@@ -130,8 +130,11 @@ def test_channels_are_drawn_in_the_unit_asked_for_and_suspect_samples_are_crosse
 def test_a_pump_that_delivers_nothing_leaves_no_point(sample: Diagnosis) -> None:
     from dataclasses import replace
 
-    dry = replace(sample, projection=replace(sample.projection, pump_capacity=0.0))
-    assert figures.total_share(dry).data[0].x[0] is None
+    first, *others = sample.projections
+    dry = replace(sample, projections=(replace(first, pump_capacity=0.0), *others))
+    points = figures.total_share(dry).data[0]
+    assert len(points.x) == len(dry.projections) - 1 + (dry.road is not None)
+    assert not any(label.startswith("driving") for label in points.y)
 
 
 def test_events_are_marked_where_they_begin_and_shaded_where_they_last(log_of) -> None:
@@ -158,9 +161,9 @@ def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -
     stated = stated_condition(sample.controller, temperature=120.0)
     found = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, condition=stated)
     points = next(one for one in figures.total_share(found).data if one.error_x.array is not None)
-    assert len(points.x) == len(found.projections) == 2
+    assert len(points.x) == len(found.reported) == 2
     for projection, x, low, high in zip(
-        found.projections, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
+        found.reported, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
     ):
         interval = found.uncertainty.total(projection.condition.name).share_interval
         assert x - low == pytest.approx(interval[0] * PERCENT, rel=1e-9, abs=0.0)
@@ -168,12 +171,20 @@ def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -
 
 
 def test_limits_and_mounting_clearances_lie_open_under_the_values(sample: Diagnosis) -> None:
-    drawn = [(one.name, one.marker.symbol) for one in of_uncertainty.clearances(sample.uncertainty, sample.limits).data]
+    drawn = [(one.name, one.marker.symbol) for one in of_uncertainty.clearances(sample.uncertainty).data]
     assert [name for name, _ in drawn[:2]] == ["mounting clearance", "limit"]
     assert all(symbol.endswith("-open") for _, symbol in drawn[:2])
     assert len(drawn) > 3
 
 
+def test_totals_tell_how_likely_each_band_is(sample: Diagnosis) -> None:
+    (points,) = figures.total_share(sample).data
+    for text, projection in zip(points.customdata, sample.reported, strict=False):
+        bands = sample.uncertainty.total(projection.condition.name).band_probabilities
+        likeliest = max(bands, key=lambda item: item[1])
+        assert f"{likeliest[0]} {100 * likeliest[1]:.0f} %" in str(text)
+
+
 def test_bands_of_the_totals_are_named_under_their_sign(sample: Diagnosis) -> None:
-    notes = of_uncertainty.totals(sample.uncertainty, sample.limits).layout.annotations
+    notes = figures.total_share(sample).layout.annotations
     assert [note.text.split("<br>")[1] for note in notes] == ["green", "amber", "red", "critical"]

@@ -164,6 +164,13 @@ def test_what_a_reader_must_know_is_said() -> None:
     assert codes(ALL["hipol_atf_iid"], 20.0, 100.0, "regression") == {"fluid_note"}
 
 
+def test_a_fluids_file_says_whether_the_studys_regression_describes_it(edited) -> None:
+    renamed = load_fluid(edited("fluids", "hipol_atf_iid", ('id = "hipol_atf_iid"', 'id = "our_own"')))
+    assert "viscosity_of_another_fluid" not in codes(renamed, 20.0, 100.0, "regression")
+    silent = load_fluid(edited("fluids", "hipol_atf_iid", ("study_regression = true", "study_regression = false")))
+    assert "viscosity_of_another_fluid" in codes(silent, 20.0, 100.0, "regression")
+
+
 def test_sheets_that_contradict_themselves_say_so() -> None:
     for name in ("mobil_multipurpose_atf", "mobil_delvac_1_atf"):
         assert "viscosity index" in ALL[name].note

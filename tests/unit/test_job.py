@@ -62,6 +62,8 @@ def test_every_field_is_optional():
         ("[vehicle]\nvim = 'x'", r"\[vehicle\], key 'vim': unknown key.*did you mean 'vin'"),
         ("[vehicle]\nmileage_km = -1", r"\[vehicle\], key 'mileage_km'.*found -1.*expected greater than or equal to 0"),
         ("[vehicle]\nmileage_km = nan", r"key 'mileage_km'"),
+        ("[vehicle]\nmileage_km = '123.456'", r"key 'mileage_km'.*can be read in two ways"),
+        ("[vehicle]\nmileage_km = '955 °C'", r"key 'mileage_km'.*is not a number"),
         ("[contamination]\ngrade = 'some'", r"key 'grade'.*'none', 'light', 'moderate' or 'heavy'"),
         ("[[photos]]\nfile = '../secret.png'", r"\[photos 1\], key 'file'.*without '..'"),
         ("[[photos]]\nfile = '/etc/secret.png'", r"key 'file'"),

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.errors import CatalogueError
-from atleak.limits import VERDICTS, Limits, Steps, load_limits, reaches, worst
+from atleak.limits import LimitOrigin, Limits, Steps, load_limits, reaches
+from atleak.verdicts import VERDICTS, Verdict, worst
 
 Edited = Callable[..., Path]
 
@@ -55,8 +56,8 @@ def test_wear_of_exactly_a_tenth_is_reached_through_floating_point(limits: Limit
     wear = (clearance - 30e-6) / 30e-6
     assert wear != 0.10
     assert limits.wear is not None
-    assert limits.wear.judge(wear, "ok")[0] == "watch"
-    assert limits.wear.judge(0.10 * (1 - 1e-6), "ok") == ("ok", limits.wear.levels[0][1])
+    assert limits.wear.judge(wear, Verdict.OK)[0] == "watch"
+    assert limits.wear.judge(0.10 * (1 - 1e-6), Verdict.OK) == ("ok", limits.wear.levels[0][1])
 
 
 @given(limit=st.floats(1e-9, 1e9), ulps=st.integers(-4, 4))
@@ -68,16 +69,16 @@ def test_the_last_digits_do_not_decide(limit: float, ulps: int) -> None:
 
 @given(value=st.floats(-1.0, 10.0))
 def test_steps_name_the_highest_level_reached(value: float) -> None:
-    steps = Steps((("watch", 1.0), ("replace", 2.0), ("critical", 5.0)), "published", "")
-    verdict, limit = steps.judge(value, "ok")
+    steps = Steps(((Verdict.WATCH, 1.0), (Verdict.REPLACE, 2.0), (Verdict.CRITICAL, 5.0)), LimitOrigin.PUBLISHED, "")
+    verdict, limit = steps.judge(value, Verdict.OK)
     reached = [(name, level) for name, level in steps.levels if reaches(value, level)]
     assert (verdict, limit) == (reached[-1] if reached else ("ok", 1.0))
 
 
 @given(st.lists(st.sampled_from(VERDICTS)))
-def test_worst_is_the_worst(verdicts: list[str]) -> None:
+def test_worst_is_the_worst(verdicts: list[Verdict]) -> None:
     order = ["not_measured", "ok", "watch", "replace", "critical"]
-    assert worst(verdicts) == (max(verdicts, key=order.index) if verdicts else "ok")  # type: ignore[arg-type]
+    assert worst(verdicts) == (max(verdicts, key=order.index) if verdicts else "ok")
 
 
 def test_a_workshop_s_own_clearance_limit(edited: Edited) -> None:
@@ -92,8 +93,8 @@ def test_a_workshop_s_own_clearance_limit(edited: Edited) -> None:
     clearance = load_limits(path).clearance
     assert clearance is not None
     assert clearance.origin == "set by the workshop"
-    assert clearance.judge(60e-6, "ok") == ("replace", pytest.approx(60e-6, rel=1e-9, abs=0.0))
-    assert clearance.judge(59.9e-6, "ok")[0] == "ok"
+    assert clearance.judge(60e-6, Verdict.OK) == ("replace", pytest.approx(60e-6, rel=1e-9, abs=0.0))
+    assert clearance.judge(59.9e-6, Verdict.OK)[0] == "ok"
 
 
 def test_a_rule_left_out_is_not_applied(edited: Edited) -> None:

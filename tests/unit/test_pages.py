@@ -11,8 +11,9 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.diagnosis import Diagnosis
-from atleak.drawing import INK, controller_svg, on_dark, spool_svg
+from atleak.drawing import controller_svg, on_dark, spool_svg
 from atleak.figures.diagnosis import leakage_ranking
+from atleak.look import PAPER
 from atleak.report.template import write_template
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,7 +60,7 @@ def choice(app: AppTest, label: str):
 
 
 def number(app: AppTest, label: str):
-    return next(found for found in app.sidebar.number_input if found.label == label)
+    return next(found for found in app.sidebar.text_input if found.label == label)
 
 
 def flagged(app: AppTest) -> list[str]:
@@ -172,13 +173,13 @@ def test_own_files_replace_the_sample_one_by_one(app: AppTest, sample_readings: 
 
 
 def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
-    number(app, "Temperature [°C]").set_value(92.715).run()
+    number(app, "Temperature [°C]").set_value("92.715").run()
     choice(app, "Fluid").select("mobil_atf_220").run()
     shown = app.dataframe[0].value
     assert "92.715 °C" in texts(app)
     go(app, "2_Readings")
     go(app, "1_Diagnosis")
-    assert number(app, "Temperature [°C]").value == 92.715
+    assert number(app, "Temperature [°C]").value == "92.715"
     assert choice(app, "Fluid").value == "mobil_atf_220"
     assert "92.715 °C" in texts(app)
     assert app.dataframe[0].value.equals(shown)
@@ -186,13 +187,55 @@ def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
 
 def test_a_temperature_outside_the_fluid_keeps_the_last_result(app: AppTest) -> None:
     before = app.dataframe[0].value
-    number(app, "Temperature [°C]").set_value(190.0).run()
+    number(app, "Temperature [°C]").set_value("190.0").run()
     assert not app.exception
     assert "cannot be computed" in texts(app)
     assert "190 °C" in texts(app)
     assert app.dataframe[0].value.equals(before)
-    number(app, "Temperature [°C]").set_value(95.0).run()
+    number(app, "Temperature [°C]").set_value("95.0").run()
     assert "cannot be computed" not in texts(app)
+
+
+def doubts(app: AppTest) -> list[str]:
+    return [found.value.replace("\\", "") for found in (*app.sidebar.error, *app.sidebar.warning)]
+
+
+def test_a_mileage_that_can_be_read_in_two_ways_is_asked_and_the_last_one_stays(app: AppTest) -> None:
+    number(app, "Mileage [km]").set_value("106 315").run()
+    assert app.session_state["atleak"].good.mileage == 106315.0
+    assert doubts(app) == []
+    number(app, "Mileage [km]").set_value("123.456").run()
+    go(app, "2_Readings")
+    go(app, "1_Diagnosis")
+    assert not app.exception
+    assert app.session_state["atleak"].good.mileage == 106315.0
+    assert number(app, "Mileage [km]").value == "123.456"
+    (doubt,) = doubts(app)
+    assert "write 123456 for 123456 km, or 123.4560 for 123.456 km. 106315 km stays in use." in doubt
+    number(app, "Mileage [km]").set_value("").run()
+    assert app.session_state["atleak"].good.mileage is None
+    assert doubts(app) == []
+
+
+def test_a_wrong_entry_leaves_the_result_and_an_unusual_one_says_so(app: AppTest) -> None:
+    before = app.dataframe[0].value
+    for text in ("955", "abc", "", "1e999"):
+        number(app, "Temperature [°C]").set_value(text).run()
+        assert not app.exception
+        assert len(doubts(app)) == 1
+        assert "80 °C stays in use" in doubts(app)[0]
+        assert app.dataframe[0].value.equals(before)
+    number(app, "Temperature [°C]").set_value("80").run()
+    number(app, "Engine speed [rpm]").set_value("8505").run()
+    assert app.session_state["atleak"].good.rpm == 8505.0
+    assert "8505 rpm is taken, but unusual" in doubts(app)[0]
+
+
+def test_no_page_has_a_number_field_of_another_kind() -> None:
+    for path in (ROOT / "pages").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert "number_input" not in text, path.name
+        assert "NumberColumn" not in text, path.name
 
 
 def test_profile_options_reach_the_engine(app: AppTest) -> None:
@@ -338,12 +381,12 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     next(found for found in app.main.file_uploader if found.label == "Other road-test log").upload(
         "after.csv", sample_log.read_bytes(), "text/csv"
     ).run()
-    next(found for found in app.main.number_input if found.label == "Shifted by [s]").set_value(1.25).run()
+    next(found for found in app.main.text_input if found.label == "Shifted by [s]").set_value("1,25").run()
     assert not app.exception
     go(app, "1_Diagnosis")
     go(app, "4_Road_test")
     assert "after.csv" in texts(app)
-    assert next(found for found in app.main.number_input if found.label == "Shifted by [s]").value == 1.25
+    assert next(found for found in app.main.text_input if found.label == "Shifted by [s]").value == "1,25"
     next(found for found in app.button if found.label == "Take it away").click().run()
     assert "after.csv" not in texts(app)
 
@@ -421,7 +464,7 @@ def press(app: AppTest, label: str) -> AppTest:
 def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, label: str) -> None:
     choice(app, "Fluid").select("mobil_atf_220").run()
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
-    number(app, "Mileage [km]").set_value(120000.0).run()
+    number(app, "Mileage [km]").set_value("120000.0").run()
     go(app, "5_Report")
     next(found for found in app.text_input if found.label == "Technician").set_value("T. Old").run()
     assert app.session_state["job"].technician == "T. Old"
@@ -429,7 +472,7 @@ def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, la
     assert not app.exception
     assert next(found for found in app.text_input if found.label == "Technician").value == ""
     assert app.session_state["job"].empty
-    assert number(app, "Mileage [km]").value is None
+    assert number(app, "Mileage [km]").value == ""
     bench = app.session_state["atleak"].good
     assert bench.sample == (label != "New, empty job")
     if not bench.sample:
@@ -440,8 +483,8 @@ def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: Ap
     table = app.dataframe[0].value
     assert list(table)[:4] == ["Verdict", "Pair", "Wear [%]", "Share [%]"]
     assert table["Pair"].iloc[0] == "25 · 1 main pressure valve"
-    assert table["Decided by"].iloc[0].startswith("share at hot idle ")
-    number(app, "Temperature [°C]").set_value(120.0).run()
+    assert table["Decided by"].iloc[0].startswith("share of pump flow, hot idle in drive")
+    number(app, "Temperature [°C]").set_value("120.0").run()
     choice(app, "Gear").select(3).run()
     assert not any("share stated" in text for text in app.dataframe[0].value["Decided by"].dropna())
 
@@ -499,6 +542,6 @@ def test_a_charts_words_stand_out_from_its_ground(
 
 def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
     for drawing in (spool_svg(four_speed, "25"), controller_svg(four_speed)):
-        assert INK in drawing
-        assert INK not in on_dark(drawing)
+        assert PAPER.ink in drawing
+        assert PAPER.ink not in on_dark(drawing)
         assert 'rx="4" fill="#FFFFFF"' not in on_dark(drawing)

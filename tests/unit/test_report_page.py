@@ -89,6 +89,22 @@ def test_a_record_that_cannot_be_used_is_refused_with_its_reason(app: AppTest) -
     assert app.session_state["job"].empty
 
 
+def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(app: AppTest) -> None:
+    target = io.BytesIO()
+    Image.new("RGB", (40, 30)).save(target, "PNG")
+
+    def folds() -> list[tuple[str, bool]]:
+        return [(found.label, found.proto.expanded) for found in app.expander]
+
+    before = folds()
+    field(app, "Make").set_value("Mercedes").run()
+    assert folds() == before
+    uploader = next(found for found in app.file_uploader if found.label == "Photos")
+    uploader.set_value([("a.png", target.getvalue(), "image/png")]).run()
+    field(app, "Caption").set_value("scored").run()
+    assert app.session_state["job"].photos[0].caption == "scored"
+
+
 def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     target = io.BytesIO()
     Image.new("RGB", (40, 30)).save(target, "PNG")

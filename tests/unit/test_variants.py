@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from atleak.controller import Controller
-from atleak.equations.clearance import effective_clearance
 from atleak.equations.gap import annular_flow
+from atleak.equations.referees import effective_clearance_two_temperatures
 from atleak.errors import RoadTestError
 from atleak.intake.road_test import read_road_test
 from atleak.profile import PAPER, WORKSHOP
@@ -70,7 +70,7 @@ def test_a_sample_equals_the_sum_of_its_gaps_one_by_one(
         land = four_speed.land(*gap.key)
         ends = [end.coefficient * pressures[end.section] if end.section else 0.0 for end in (gap.high, gap.low)]
         cold = land.mounting_clearance * (1.0 + variant.wear)
-        hot = effective_clearance(
+        hot = effective_clearance_two_temperatures(
             cold, land.nominal_diameter + 2.0 * cold, land.nominal_diameter,
             land.body_expansion, land.spool_expansion, rise, rise,
         )  # fmt: skip

@@ -7,12 +7,14 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
 from atleak.controller import Controller
 from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.readings import agreement
+from atleak.intake.readings.asides import LEFT_ASIDE
 from atleak.intake.readings.checks import check
 from atleak.intake.readings.choice import Choice, choose, require_one_measurement
 from atleak.intake.readings.columns import count_values
@@ -39,6 +41,7 @@ def read_readings(
     name: str | None = None,
     sheet: str | None = None,
     unit: str | None = None,
+    where: Mapping[str, str] | None = None,
 ) -> Readings:
     """The readings of a measuring sheet.
 
@@ -55,6 +58,8 @@ def read_readings(
         the workbook's sheet to read, where more than one holds readings.
     unit
         unit of the diameters ("mm", "µm", "inch" …), instead of what the headings say.
+    where
+        which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
 
     Returns
     -------
@@ -75,7 +80,7 @@ def read_readings(
     names = Names(controller)
     sheets = read_sheets(data, file, _score)
     chosen = choose(sheets, file, names, sheet)
-    read = [read_rows(table, names, told) for table in chosen.tables]
+    read = [read_rows(table, names, told, where) for table in chosen.tables]
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
@@ -98,14 +103,40 @@ def read_readings(
             *converted.messages,
             *_about(read, first.sheet),
             *account.messages,
+            *_agreement(read, converted),
         ),
     )
     problems += [*converted.problems, *account.problems, *check(result, controller)]
+    for table in chosen.tables:
+        other = agreement.other_controller(table.sheet, table.header, controller)
+        if other is not None:
+            problems = [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
     if not result.readings:
-        raise _not_filled_in(first)
+        raise _none_left(result) or _not_filled_in(first)
     return result
+
+
+def _agreement(read: Sequence[Rows], converted: Converted) -> list[Message]:
+    found = [
+        message
+        for rows in read
+        for message in agreement.messages(rows.table, rows.columns, rows.found, converted.readings)
+    ]
+    return list(dict.fromkeys(found))  # what stands above several tables is said once
+
+
+def _none_left(result: Readings) -> ReadingsError | None:
+    """Where every reading was left aside."""
+    said = [message.text for message in result.messages if message.code in LEFT_ASIDE]
+    if not said:
+        return None
+    return ReadingsError(
+        f"no reading is left: {'; '.join(said)}",
+        place=Place(result.file, result.sheet),
+        expected="at least one diameter, or two coordinates",
+    )
 
 
 def _score(sheet: Sheet) -> float:

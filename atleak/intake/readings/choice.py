@@ -14,6 +14,7 @@ from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.tables import Table, continued, find_tables
 from atleak.intake.readings.values import Key
+from atleak.intake.readings.words import is_repeat_title
 
 
 @dataclass(frozen=True)
@@ -162,10 +163,16 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
     first: dict[tuple[str, str, str], list[tuple[Rows, Key]]] = {}
     asked: dict[str | None, None] = {}
     told: set[tuple[int, int]] = set()
-    for rows in read:
+    for before, rows in zip((None, *read), read, strict=False):
+        if is_repeat_title(rows.table.title):
+            continue
+        over_the_page = _goes_on(before, rows)
         mine: dict[tuple[str, str, str], list[tuple[Rows, Key]]] = {}
-        for key, raw in rows.found:
+        for entry in rows.found:
+            key, raw = entry.key, entry.raw
             place = key.component, key.part, key.plane
+            if entry.row == over_the_page:
+                continue
             for other, earlier in first.get(place, ()):
                 if None not in (key.direction, earlier.direction) and key.direction != earlier.direction:
                     continue
@@ -188,6 +195,15 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
             expected="one: say which sheet, or delete the others",
         )
     return problems
+
+
+def _goes_on(before: Rows | None, rows: Rows) -> int | None:
+    """The first row under headings printed again, where it goes on with the station of the row above them."""
+    if before is None or before.table.sheet.name != rows.table.sheet.name or not before.found or not rows.found:
+        return None
+    last = {entry.key for entry in before.found if entry.row == before.found[-1].row}
+    first = {entry.key for entry in rows.found if entry.row == rows.found[0].row}
+    return rows.found[0].row if first == last and not rows.table.title else None
 
 
 def _twice(rows: Rows, other: Rows, key: Key, place: Place) -> ReadingsError:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from atleak.errors import ReadingsError
 from atleak.intake.readings.headings import Column, Header, Role
@@ -30,6 +31,8 @@ class Columns:
     unit: Column | None
     groups: tuple[dict[str, Column], ...]  # each makes one diameter: "diameter", "coordinate 1", "coordinate 2"
     sheet_unit: Unit | None  # where a heading names none
+    hidden: tuple[Column, ...] = ()  # diameters left aside because a visible column holds the same part
+    hidden_read: tuple[Column, ...] = ()  # hidden diameters that are read because none does
     problems: list[ReadingsError] = field(default_factory=list)
 
     @property
@@ -38,12 +41,19 @@ class Columns:
         found = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
         return tuple(column for column in found if column is not None)
 
+    @property
+    def read(self) -> frozenset[int]:
+        """Every column that something is read from, by its index."""
+        values = (column for group in self.groups for column in group.values())
+        return frozenset(column.index for column in (*self.keys, *values))
+
 
 def understand(table: Table, names: Names) -> Columns:
     """Which column is what. What is missing or contradictory is among the ``problems``."""
     sheet, header = table.sheet, table.header
     component = _component(sheet, header, names)
     problems: list[ReadingsError] = []
+    shown, hidden, hidden_read = _shown(sheet, header)
     columns = Columns(
         component=component,
         names=tuple(_same(sheet, header, names, component)),
@@ -53,8 +63,10 @@ def understand(table: Table, names: Names) -> Columns:
         direction=_used(sheet, header, "direction"),
         repeat=_used(sheet, header, "repeat"),
         unit=_used(sheet, header, "unit"),
-        groups=tuple(_groups(sheet, header, problems)),
+        groups=tuple(_groups(sheet, header, shown, problems)),
         sheet_unit=_sheet_unit(sheet, header),
+        hidden=hidden,
+        hidden_read=hidden_read,
         problems=problems,
     )
     problems.extend(_missing(table, names, columns))
@@ -122,9 +134,36 @@ def _same(sheet: Sheet, header: Header, names: Names, component: Column | None) 
             yield column
 
 
-def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list[dict[str, Column]]:
+def _shown(sheet: Sheet, header: Header) -> tuple[tuple[Column, ...], tuple[Column, ...], tuple[Column, ...]]:
+    """Columns of diameters to read; hidden ones beside which a visible one holds the part; hidden ones to read."""
+    concealed = [column for column in header.values if column.index in sheet.marks.hidden_columns]
+    if not concealed:
+        return header.values, (), ()
+    visible = [
+        column
+        for column in header.values
+        if column not in concealed and any(True for _ in _cells(sheet, header, column))
+    ]
+    # coordinates folded away beside the diameter that they make are one reading with it
+    beside = [column for column in concealed if any(_makes_one(column, other) for other in visible)]
+    aside = [
+        column
+        for column in concealed
+        if column not in beside and any(column.part in (None, other.part) or other.part is None for other in visible)
+    ]
+    read = tuple(column for column in concealed if column not in aside and column not in beside)
+    return tuple(column for column in header.values if column not in aside), tuple(aside), read
+
+
+def _makes_one(column: Column, other: Column) -> bool:
+    return column.group == other.group and (column.role, column.coordinate) != (other.role, other.coordinate)
+
+
+def _groups(
+    sheet: Sheet, header: Header, values: Sequence[Column], problems: list[ReadingsError]
+) -> list[dict[str, Column]]:
     groups: dict[object, dict[str, Column]] = {}
-    for column in header.values:
+    for column in values:
         name = "diameter" if column.role == "diameter" else f"coordinate {column.coordinate}"
         group = groups.setdefault(column.group, {})
         if name in group:
@@ -132,10 +171,12 @@ def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list
                 ReadingsError(
                     f"two columns are read as the same {name}: {group[name].name!r} and {column.name!r}",
                     place=sheet.place(header.last, column.index, column.heading),
-                    expected="headings that tell repeats apart, such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
+                    expected="one state of the valve body: delete or hide the other column; or, if they are repeats, "
+                    "headings such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
                 )
             )
         group.setdefault(name, column)
+    problems.extend(_told_apart(sheet, header, values))
     for group in groups.values():
         coordinates = [name for name in ("coordinate 1", "coordinate 2") if name in group]
         if "diameter" not in group and len(coordinates) != 2:
@@ -149,6 +190,21 @@ def _groups(sheet: Sheet, header: Header, problems: list[ReadingsError]) -> list
                 )
             )
     return list(groups.values())
+
+
+def _told_apart(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
+    """Columns that number repeats and say something else besides: "diameter 1 before", "diameter 2 after"."""
+    for column, other in pairwise(values):
+        numbered = column.group[:2] == other.group[:2] and column.repeat != other.repeat
+        if numbered and column.besides != other.besides:
+            yield ReadingsError(
+                f"the columns {column.name!r} and {other.name!r} are told apart by more than the number of a repeat: "
+                "two states?",
+                place=sheet.place(header.last, other.index, other.heading),
+                value=", ".join(sorted(column.besides ^ other.besides)),
+                expected="one state of the valve body: delete or hide the other column; or headings that differ in the "
+                "number of the repeat only",
+            )
 
 
 def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:

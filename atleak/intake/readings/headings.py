@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
+from atleak.intake.readings.heading_numbers import besides_numbers, is_angle, numbers_of_heading
 from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.words import direction_of, is_blank, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.readings.words import STATES, is_blank, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Part
 
@@ -81,6 +82,7 @@ class Column:
     rank: int = 0
     standing: Literal["raw", "corrected"] | None = None
     tentative: bool = False
+    besides: frozenset[str] = frozenset()  # words of a value's heading that say none of this
 
     @property
     def name(self) -> str:
@@ -114,6 +116,10 @@ class Header:
     last: int
     columns: tuple[Column, ...]
     texts: tuple[str, ...] = ()
+
+    def text(self, index: int) -> str:
+        """A column's heading on one line; "" where it has none."""
+        return " ".join(self.texts[index].split()) if index < len(self.texts) else ""
 
     def of(self, role: Role) -> tuple[Column, ...]:
         return tuple(column for column in self.columns if column.role == role)
@@ -292,13 +298,18 @@ def read_heading(text: str, index: int = 0) -> Column | None:
         return None
     if role not in {"diameter", "coordinate"}:
         return Column(index, text, role, unit=unit, rank=rank)
-    coordinate, direction, repeat = _numbers(role, tokens)
+    coordinate, direction, repeat = numbers_of_heading(role, tokens)
     standing: Literal["raw", "corrected"] | None = (
         "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
     )
     tentative = unit is None and not words & _SIZE and bool(words & _OUTCOME) and repeat is None
     part = _part(words, rest)
-    return Column(index, text, role, unit, coordinate, part, direction, repeat, standing=standing, tentative=tentative)
+    return Column(
+        *(index, text, role, unit, coordinate, part, direction, repeat),
+        standing=standing,
+        tentative=tentative,
+        besides=besides_numbers(words),
+    )
 
 
 def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, int]:
@@ -310,7 +321,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
     key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
     simple: list[tuple[bool, Role]] = [
         (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
-        (bool(words & _MEAN), "mean"),
+        (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
         (bool(words & _QUANTITY) and not words & _SPECIFICATION, "quantity"),
         (bool(words & _SPECIFICATION) and (sized or not key or bool(words & _QUANTITY)), "specification"),
         (bool(words & _REMARK), "remark"),
@@ -330,7 +341,7 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
         (plain(text) in {"d", "di"} and unit is not None, "diameter"),
-        (all(_is_angle(word) for word in words), "diameter"),
+        (all(is_angle(word) for word in words), "diameter"),
         (bool(words & _GAUGE) and unit is not None, "gauge"),
     ]
     for holds, role in simple:
@@ -340,6 +351,8 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
 
 
 def _component_rank(words: set[str]) -> tuple[Role | None, int]:
+    if words & _READING or words & STATES:
+        return None, 0  # a measurement, vehicle or inspection by its number
     if words & _NAME:
         return "component", 1
     if words & _COMPONENT:
@@ -353,41 +366,6 @@ def _component_rank(words: set[str]) -> tuple[Role | None, int]:
 
 def _both_ends(axes: set[str]) -> bool:
     return {"x1", "x2"} <= axes or {"y1", "y2"} <= axes
-
-
-def _is_angle(word: str) -> bool:
-    return re.fullmatch(r"\d+(?:°|deg)", word) is not None
-
-
-def _numbers(role: str, tokens: Sequence[str]) -> tuple[int | None, float | None, int | None]:
-    """Coordinate 1 or 2, direction and repeat from the words of a value's heading."""
-    direction = next((direction_of(token) for token in tokens if _is_angle(token)), None)
-    axes = {token for token in tokens if token in {"x1", "x2", "y1", "y2"}}
-    letters = {axis[0] for axis in axes}
-    if len(letters) == 1 and direction is None:
-        direction = 0.0 if letters == {"x"} else 90.0
-    repeat = coordinate = None
-    plain_numbers: list[int] = []
-    for before, token in zip(("", *tokens), tokens, strict=False):
-        glued = re.fullmatch(r"([a-z]+)(\d+)", token)
-        if token.isdigit():
-            if repeat is None and (before in _COUNTED or before == "#"):
-                repeat = int(token)
-            else:
-                plain_numbers.append(int(token))
-        elif glued and (glued[1] in _COUNTED or glued[1] == "r"):
-            repeat = int(glued[2])
-        elif glued and glued[1] in _SIZE:
-            plain_numbers.append(int(glued[2]))
-    if role == "coordinate":
-        ends = {axis[1] for axis in axes}
-        if len(ends) == 1:
-            coordinate = int(ends.pop())
-        elif plain_numbers:
-            coordinate = plain_numbers.pop(0)
-    if repeat is None and plain_numbers:
-        repeat = plain_numbers[0]
-    return coordinate, direction, repeat
 
 
 def _part(words: set[str], text: str) -> Part | None:
@@ -434,4 +412,13 @@ def settled(columns: list[Column]) -> tuple[Column, ...]:
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)
         settled.append(column)
-    return tuple(settled)
+    counted = {
+        key: {each.repeat for each in settled if each.group[:2] == key} for key in {each.group[:2] for each in settled}
+    }
+    # repeats count from 1, with one left out at most: 12 and 24 are something else
+    return tuple(
+        replace(column, repeat=None)
+        if column.repeat is not None and column.repeat > len(counted[column.group[:2]]) + 1
+        else column
+        for column in settled
+    )

@@ -4,26 +4,29 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.intake.readings import states
+from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, understand
 from atleak.intake.readings.headings import Column
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.sheet import Cell, column_letter
 from atleak.intake.readings.tables import Table
-from atleak.intake.readings.values import MM, Key, RawValue
+from atleak.intake.readings.values import MM, Entry, Key, RawValue
 from atleak.intake.readings.words import (
     at,
     direction_of,
     is_blank,
+    is_page_title,
     number,
     part_of,
     part_words,
     plain,
     repeat_of,
-    says_specification,
+    summary_of,
     text_of,
 )
 from atleak.intake.units import Unit, find_unit, unit_names
@@ -40,78 +43,122 @@ _DIAMETER = "a diameter such as 9.939"
 class Rows:
     """What `read_rows` found: diameters as written, and what is wrong.
 
-    ``cells`` are those that were read, by row and column; ``of_row`` is what the rows that were read are of; ``aside``
-    holds the rows that are no readings, and the word that says so.
+    ``cells`` are those that were read or left aside with a word, by row and column; ``of_row`` is what the rows that
+    were read are of.
     """
 
     table: Table
     columns: Columns
-    found: list[tuple[Key, RawValue]] = field(default_factory=list)
+    found: list[Entry] = field(default_factory=list)
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     rows_without_reading: int = 0
     cells: set[tuple[int, int]] = field(default_factory=set)
     of_row: dict[int, Key] = field(default_factory=dict)
-    aside: dict[int, str] = field(default_factory=dict)
 
 
-def read_rows(table: Table, names: Names, told: Unit | None) -> Rows:
+def read_rows(table: Table, names: Names, told: Unit | None, where: Mapping[str, str] | None = None) -> Rows:
     """Every reading of a table, and everything that is wrong with it."""
     columns = understand(table, names)
     if columns.problems:
         return Rows(table, columns, problems=columns.problems)
-    return _Reader(table, columns, names, told).read()
+    return _Reader(table, columns, names, told, where or {}).read()
 
 
 class _Reader:
-    def __init__(self, table: Table, columns: Columns, names: Names, told: Unit | None) -> None:
-        self.table, self.columns, self.names, self.told = table, columns, names, told
+    def __init__(
+        self, table: Table, columns: Columns, names: Names, told: Unit | None, where: Mapping[str, str]
+    ) -> None:
+        self.table, self.columns, self.names, self.told, self.where = table, columns, names, told, where
         self.sheet, self.header = table.sheet, table.header
+        self.values = [column.index for group in columns.groups for column in group.values()]
+        self.asides = Asides(table, columns, names)
+        self.left_out = states.rows_left_out(table, where)
+        self.found: list[Entry] = []
+        self.breaks: list[states.Break] = []
         self.problems: list[ReadingsError] = []
         self.messages: list[Message] = []
         self.blanks: dict[Column, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()
         self.cells: set[tuple[int, int]] = set()
         self.of_row: dict[int, Key] = {}
-        self.aside: dict[int, str] = {}
 
     def read(self) -> Rows:
-        unread = 0
-        found: list[tuple[Key, RawValue]] = []
+        unread = left_out = 0
         faulty_rows = {row for row, _ in self.sheet.faults}
-        named = self.columns.component or self.columns.part or self.columns.plane or self.columns.land
         for row in self.table.rows:
             cells = self.sheet.rows[row]
             if all(is_blank(cell) for cell in cells) and row not in faulty_rows:
                 continue
-            values = list(self._raw_values(row))
-            if not values:
-                unread += named is not None and not is_blank(self.sheet.filled(row, named.index))
-                continue
-            if (word := self._says_specification(row)) is not None:
-                self.aside[row] = word
-                continue
-            self._overlong(row)
-            self.cells.update((row, column.index) for column in self.columns.keys)
-            for group, value in values:
-                key = self._key(row, group)
-                if key is not None and value is not None:
-                    found.append((key, value))
-                    self.of_row.setdefault(row, key)
-                    self.cells.update((row, column.index) for column in group.values())
+            holds = any(not is_blank(self.sheet.cell(row, index)) for index in self.values)
+            if row in self.left_out:
+                left_out += holds
+                self._done(row)
+            elif holds and self.asides.takes(row):
+                self._done(row)
+            elif not self._read_row(row):
+                if title := self._title(row):
+                    self.breaks.append(states.Break(row, title))
+                else:
+                    unread += self._is_named(row)
+        self._means_alone()
         self._tell_blanks()
         self._tell_overridden()
-        self._tell_aside()
-        return Rows(
-            self.table, self.columns, found, self.problems, self.messages, unread, self.cells, self.of_row, self.aside
-        )
+        self._tell_hidden_columns()
+        if left_out:
+            told = " and ".join(f"{heading} is {value!r}" for heading, value in self.where.items())
+            text = f"{left_out} row{'s' if left_out > 1 else ''} left aside: read were those where {told}"
+            self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
+        question = states.question(self.found, self.breaks, self.table, self.columns)
+        if question is not None:
+            self.problems.append(question)
+        self.messages += self.asides.messages(self.found)
+        self.messages += states.messages(self.found, self.table, self.columns)
+        return Rows(self.table, self.columns, self.found, self.problems, self.messages, unread, self.cells, self.of_row)
 
-    def _says_specification(self, row: int) -> str | None:
-        """The word that says of a row that its number is what should be, beside rows of what is."""
-        for cell in self.sheet.rows[row]:
-            if isinstance(cell, str) and says_specification(cell) and self.names.component(cell) is None:
-                return cell
-        return None
+    def _read_row(self, row: int) -> bool:
+        """Read a row's diameters; whether there are any, readable or not."""
+        values = list(self._raw_values(row))
+        if values:
+            self._overlong(row)
+            self.cells.update((row, column.index) for column in self.columns.keys)
+        for group, value in values:
+            key = self._key(row, group)
+            if key is not None and value is not None:
+                column = (group.get("diameter") or next(iter(group.values()))).index
+                self.found.append(Entry(row, column, key, value))
+                self.of_row.setdefault(row, key)
+                self.cells.update((row, column.index) for column in group.values())
+        return bool(values) or row in self.asides.struck
+
+    def _done(self, row: int) -> None:
+        """Left aside with a word: no number of this row is lost."""
+        self.cells.update((row, index) for index in range(len(self.sheet.rows[row])))
+
+    def _is_named(self, row: int) -> bool:
+        columns = self.columns
+        named = columns.component or columns.part or columns.plane or columns.land
+        return named is not None and not is_blank(self.sheet.filled(row, named.index))
+
+    def _title(self, row: int) -> str:
+        """What a row without numbers says, unless it is one that was not measured."""
+        column = self.columns.component
+        if column is None or self.names.component(self.sheet.filled(row, column.index)) is not None:
+            return ""
+        title = " ".join(text_of(cell) for cell in self.sheet.rows[row] if isinstance(cell, str) and cell.strip())
+        return "" if is_page_title(title) else title[:80]
+
+    def _means_alone(self) -> None:
+        """Means of which the single readings are not on the sheet are readings themselves."""
+        read = tuple(self.found)
+        for found in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
+            self.asides.summaries.remove(found)
+            self._read_row(found.row)
+            text = (
+                f"row {self.sheet.row_number(found.row)} is said to be a {found.name}, and its single readings are not "
+                "there: read as one reading"
+            )
+            self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(found.row)))
 
     def _overlong(self, row: int) -> None:
         """A text row with more cells than headings: its decimal commas were taken for the ends of cells."""
@@ -129,6 +176,10 @@ class _Reader:
         """Each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
         for group in self.columns.groups:
             given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
+            if any((row, column.index) in self.sheet.marks.struck for column in given.values()):
+                self.asides.struck.append(row)
+                self.cells.update((row, column.index) for column in given.values())
+                continue
             faulty = [
                 column
                 for name, column in group.items()
@@ -352,6 +403,8 @@ class _Reader:
         if cell is None:
             return None, True, False
         repeat = repeat_of(cell)
+        if repeat is None and summary_of(cell, key=True):  # a mean that stands for its single readings
+            return None, False, True
         if repeat is None:
             self._once(
                 ReadingsError(
@@ -376,17 +429,23 @@ class _Reader:
                 expected=_IN_TEXT if self.sheet.is_text else _EVERY_ROW,
             )
 
-    def _tell_aside(self) -> None:
-        for word in dict.fromkeys(self.aside.values()):
-            numbers = [self.sheet.row_number(row) for row, said in self.aside.items() if said == word]
-            text = f"{len(numbers)} row{'s' if len(numbers) > 1 else ''} of {word!r} left aside: {_numbers(numbers)}"
-            self.messages.append(Message("info", "rows_aside", text, self.sheet.place(next(iter(self.aside)))))
-
     def _tell_overridden(self) -> None:
         if self.overridden:
             text = f"read in {self.told.name} as told, although the heading says otherwise: "
             text += ", ".join(sorted(self.overridden))
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
+
+    def _tell_hidden_columns(self) -> None:
+        for column in self.columns.hidden:
+            self.cells.update((row, column.index) for row in self.table.rows)
+        for columns, done in (
+            (self.columns.hidden, "left aside, because a visible column holds the same part"),
+            (self.columns.hidden_read, "read, because no visible column holds the same part"),
+        ):
+            if columns:
+                names = ", ".join(f"{self.header.text(column.index)!r}" for column in columns)
+                text = f"hidden column{'s' if len(columns) > 1 else ''} {names} {done}"
+                self.messages.append(Message("warning", "hidden_columns", text, self.sheet.place(self.header.last)))
 
     def _place(self, row: int, column: Column) -> Place:
         return self.sheet.place(row, column.index, column.name)

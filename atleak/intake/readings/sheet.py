@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from atleak.errors import Place
+from atleak.intake.workbook_marks import Marks
 
+_RUNS_SHOWN = 12
 Cell = Any  # str, float, int, bool, date or time; "" where empty
 
 
@@ -27,6 +29,7 @@ class Sheet:
     lines: Sequence[int] | None = None
     hidden: bool = False
     note: str = ""  # how a text file was read
+    marks: Marks = Marks()  # noqa: RUF009  frozen, so safe to share; rows, columns and cells hidden or crossed out
 
     @property
     def is_text(self) -> bool:
@@ -46,6 +49,10 @@ class Sheet:
     def width(self) -> int:
         return max((len(row) for row in self.rows), default=0)
 
+    def is_struck(self, row: int, column: int) -> bool:
+        """Whether what stands there, or in the first cell of its merged range, is crossed out."""
+        return self.merged.get((row, column), (row, column)) in self.marks.struck
+
     def row_number(self, row: int) -> int:
         """The row's number as a spreadsheet or an editor shows it."""
         return self.lines[row] if self.lines is not None else row + 1
@@ -56,6 +63,19 @@ class Sheet:
         if column is not None:
             where = heading or str(column + 1) if self.is_text else column_letter(column)
         return Place(self.file, self.name, None if row is None else self.row_number(row), where)
+
+
+def rows_named(sheet: Sheet, rows: Sequence[int]) -> str:
+    """Rows as a spreadsheet or an editor numbers them: "row 4", "rows 2–5, 9"."""
+    runs: list[list[int]] = []
+    for number in sorted({sheet.row_number(row) for row in rows}):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    shown = ", ".join(f"{run[0]}" if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:_RUNS_SHOWN])
+    more = " …" if len(runs) > _RUNS_SHOWN else ""
+    return f"row{'s' if len(runs) > 1 or len(runs[0]) > 1 else ''} {shown}{more}"
 
 
 def column_letter(column: int) -> str:

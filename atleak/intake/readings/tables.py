@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from atleak.errors import Place
+from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.headings import Column, Header, find_headers, settled
 from atleak.intake.readings.names import Names
 from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
-from atleak.intake.readings.words import is_blank, number_of, part_in, plain, vocabulary
+from atleak.intake.readings.words import ERRORS, is_blank, is_page_title, number_of, part_in, plain, vocabulary
 from atleak.readings import Part
 
 _ASIDE = vocabulary("aside")
@@ -36,6 +37,14 @@ class Table:
     component: str | None = None
     said_by: str = ""
     aside: str = ""
+
+    @property
+    def title(self) -> str:
+        """The line of text above the headings, but no count of pages; "" where there is none."""
+        lines = [row for row in range(self.header.first) if any(not is_blank(cell) for cell in self.sheet.rows[row])]
+        cells = [cell for cell in self.sheet.rows[lines[-1]] if not is_blank(cell)] if lines else []
+        title = " ".join(map(str, cells)) if len(cells) == 1 and isinstance(cells[0], str) else ""
+        return "" if is_page_title(title) else title
 
     @property
     def columns(self) -> range:
@@ -64,7 +73,7 @@ class Table:
 
     def heading(self, index: int) -> str:
         """The heading of a column on one line, "" where it has none."""
-        return " ".join(self.header.texts[index].split()) if index < len(self.header.texts) else ""
+        return self.header.text(index)
 
     @property
     def where(self) -> str:
@@ -171,7 +180,7 @@ def _by_content(sheet: Sheet, header: Header, names: Names) -> Header:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             column = replace(column, role="raw")
         settled_columns.append(column)
-    return replace(header, columns=tuple(settled_columns))
+    return with_counts(sheet, replace(header, columns=tuple(settled_columns)))
 
 
 def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: Names) -> bool:
@@ -261,7 +270,7 @@ def _why_aside(table: Table, titles: Sequence[str]) -> str:
         return "no measured diameter by its headings"
     for title in titles:
         words = set(_WORD.findall(plain(title)))
-        if words & _ASIDE and not words & _READ:
+        if words & _ASIDE and not words & _READ and not words & ERRORS:
             return f"by its title {title!r} no readings"
     if not header.of("component") and header.of("gauge"):
         return "a check of the instrument"

@@ -54,7 +54,6 @@ class Account:
         self._tables[table.sheet.name].append((table.rows, table))
         self._headings(table)
         done |= rows.cells
-        done.update((row, index) for row in rows.aside for index in range(table.sheet.width))
         for column in rows.columns.keys:
             done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
         used = {column.index for column in (*rows.columns.keys, *table.header.values)}

@@ -45,6 +45,16 @@ class RawValue:
         return abs(self.coordinates[0] - self.coordinates[1])
 
 
+@dataclass(frozen=True)
+class Entry:
+    """A diameter with the row and column, from 0, that it stands in."""
+
+    row: int
+    column: int
+    key: Key
+    raw: RawValue
+
+
 @dataclass
 class Converted:
     """Readings, and what was found on the way to them."""
@@ -56,15 +66,16 @@ class Converted:
     messages: list[Message] = field(default_factory=list)
 
 
-def convert(found: Sequence[tuple[Key, RawValue]], controller: Controller, headings: Place) -> Converted:
+def convert(found: Sequence[Entry], controller: Controller, headings: Place) -> Converted:
     """Readings from diameters as written; ``headings`` is the place to name where the unit is missing."""
     result = Converted()
-    unitless = [(key, raw) for key, raw in found if raw.unit is None]
+    unitless = [entry for entry in found if entry.raw.unit is None]
     assumed = _assumed_unit(unitless, controller, headings, result) if unitless else None
     result.unit_assumed = assumed is not None
     taken: dict[tuple[object, int], Reading] = {}
     counted: dict[object, int] = defaultdict(int)
-    for key, raw in found:
+    for entry in found:
+        key, raw = entry.key, entry.raw
         unit = raw.unit or assumed
         if unit is None or not _agrees(raw, unit, result.problems):
             continue
@@ -127,15 +138,13 @@ def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> Re
     )
 
 
-def _assumed_unit(
-    unitless: Sequence[tuple[Key, RawValue]], controller: Controller, headings: Place, result: Converted
-) -> Unit | None:
+def _assumed_unit(unitless: Sequence[Entry], controller: Controller, headings: Place, result: Converted) -> Unit | None:
     """The unit in which the diameters come near the nominal ones."""
     ratios = []
-    for key, raw in unitless:
-        land = controller.land_of_plane(key.component, key.plane)
+    for entry in unitless:
+        land = controller.land_of_plane(entry.key.component, entry.key.plane)
         assert land is not None  # a key is only made for planes that the controller knows
-        ratios.append(raw.size / (land.nominal_diameter / MM))
+        ratios.append(entry.raw.size / (land.nominal_diameter / MM))
     middle = median(ratios)
     for name in unit_names("length"):
         unit = find_unit(name, "length")

@@ -9,15 +9,16 @@ import unicodedata
 from collections.abc import Iterable
 from functools import lru_cache
 from importlib import resources
+from typing import Literal
 
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sheet import Cell
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Part
+from atleak.written_numbers import decimal_number
 
 _SPACES = re.compile(r"\s+")
-_NUMBER = re.compile(r"^[+\-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+\-]?\d{1,3})?$", re.IGNORECASE)
-_NUMBER_AND_UNIT = re.compile(r"^([+\-]?[\d.,]*\d(?:[.,])?(?:[eE][+\-]?\d+)?)([^\d.,\s+\-][^\d]*)$")
+_NUMBER_AND_UNIT = re.compile(r"(.*\d[.,]?)\s*([^\d.,\s+\-]\D*)", re.DOTALL)
 _ABSENT = {
     "",
     "-",
@@ -164,41 +165,19 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
             value=str(cell),
             expected="a diameter such as 9.939: format the cell as number or text and type it again",
         )
-    text, written = _split_unit(unicodedata.normalize("NFKC", str(cell)).strip().replace("−", "-"))
-    digits = _decimal_point(re.sub(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", text).strip())
-    if _NUMBER.match(digits):
-        return float(digits), written
+    text, unit = _split_unit(str(cell).strip())
+    value = decimal_number(text)
+    if value is not None:
+        return value, unit
     raise ReadingsError("not a number", value=str(cell), expected="a diameter such as 9.939 or 9,939")
 
 
 def _split_unit(text: str) -> tuple[str, Unit | None]:
-    found = _NUMBER_AND_UNIT.match(_SPACES.sub("", text))
+    found = _NUMBER_AND_UNIT.fullmatch(text)
     if found is None:
         return text, None
     written = find_unit(found[2], "length")
     return (found[1], written) if written else (text, None)
-
-
-def _decimal_point(text: str) -> str:
-    """The last of the two signs is the decimal one; a sign that stands more than once groups thousands."""
-    commas, points = text.count(","), text.count(".")
-    if commas and points:
-        decimal, grouping = (",", ".") if text.rfind(",") > text.rfind(".") else (".", ",")
-        if text.count(decimal) > 1:
-            return text
-        whole, _, rest = text.partition(decimal)
-        return (
-            f"{whole.replace(grouping, '')}.{rest}"
-            if re.fullmatch(rf"[+\-]?\d{{1,3}}(\{grouping}\d{{3}})+", whole)
-            else text
-        )
-    if commas == 1:
-        return text.replace(",", ".")
-    if commas > 1 and re.fullmatch(r"[+\-]?\d{1,3}(,\d{3})+", text):
-        return text.replace(",", "")
-    if points > 1 and re.fullmatch(r"[+\-]?\d{1,3}(\.\d{3})+", text):
-        return text.replace(".", "")
-    return text
 
 
 def part_words() -> list[str]:
@@ -325,3 +304,197 @@ _PART_WORDS.update(
 def at(place: Place, error: ReadingsError) -> ReadingsError:
     """The same error, now with its place."""
     return ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)
+
+
+# --- what a row is, besides a reading ---------------------------------------------------------------------------------
+
+_LETTERS = re.compile(r"[^\W\d_]+")
+
+
+def _folded(text: str) -> frozenset[str]:
+    return frozenset(plain(text).split())
+
+
+def letters(text: object) -> list[str]:
+    """The words of a text, folded, without its numbers and signs."""
+    return _LETTERS.findall(plain(text))
+
+
+Summary = Literal["mean", "sum", "largest", "smallest", "spread", "count"]
+
+_SUMMARIES: dict[Summary, str] = {
+    "mean": "mean means average averages avg ave aver median mittel mittelwert mittelwerte mw gesamtmittelwert "
+    "zwischenmittel durchschnitt durchschnittswert srednia srednie sredni sr moyenne moy media promedio gemiddelde "
+    "medel prumer среднее средняя средний ср xbar xq",
+    "sum": "sum sums total totals subtotal subtotals summe summen gesamt gesamtsumme gesamtergebnis zwischensumme "
+    "teilergebnis teilsumme suma sumy razem lacznie ogolem somme totale somma totaal сумма итого всего",
+    "largest": "max maximum maks maksimum maximal maximalwert hochstwert grosster najwiekszy najwieksza",
+    "smallest": "min minimum minimal minimalwert kleinster najmniejszy najmniejsza",
+    "spread": "range spread stdev stddev stdv sd sigma variance spannweite streuung standardabweichung stabw rozstep "
+    "rozrzut odchylenie wariancja ecart etendue",
+    "count": "count counts anzahl liczba ilosc",
+}
+_SUMMARY_WORDS: dict[str, Summary] = {plain(word): kind for kind, words in _SUMMARIES.items() for word in words.split()}
+_SUMMARY_SIGNS = {"ø", "⌀", "∅", "x̄", "x̅", "x̿", "x-bar", "x bar", "x quer", "σ", "∑"}
+_BESIDE_A_SUMMARY = _folded(
+    "of from the above over all for per by row rows value values reading readings measurement measurements repeat "
+    "repeats number numbers grand overall calculated arithmetic arithmetical standard deviation n "
+    "aus der die das von dem den wert werte messung messungen wiederholungen arithmetisch arithmetischer "
+    "uber alle oben "
+    "z ze dla od do wartosc wartosci pomiar pomiaru pomiarow arytmetyczna koncowa calkowita wszystkich powyzej "
+    "standardowe wierszy de la le les des general generale mesures и из значение измерений"
+)
+
+
+def summary_of(cell: Cell, *, key: bool = False) -> Summary | None:
+    """Whether a row with this label holds a mean or a sum of others, in place of a reading.
+
+    ``key`` is for cells that should say a component, part, plane, direction or repeat and do not: there one such word
+    is enough ("accumulator Average"). Elsewhere, in remarks, nothing else may be said.
+
+    >>> summary_of("Mittelwert aus 3 Messungen"), summary_of("below average finish"), summary_of("Grand Total")
+    ('mean', None, 'sum')
+    >>> summary_of("Kolben Summe", key=True), summary_of("Ø", key=True)
+    ('sum', 'mean')
+    """
+    if not isinstance(cell, str):
+        return None
+    return _summary(cell.strip(), key)
+
+
+@lru_cache(maxsize=4096)
+def _summary(text: str, key: bool) -> Summary | None:
+    if key and text.lower().strip(" .:") in _SUMMARY_SIGNS:
+        return "sum" if text.strip(" .:") in {"Σ", "∑"} else "mean"
+    words = letters(text)
+    kinds = [_SUMMARY_WORDS[word] for word in words if word in _SUMMARY_WORDS]
+    if not kinds and key and words and words[-1] == "ergebnis":  # as a German spreadsheet program ends a subtotal
+        return "sum"
+    if not kinds:
+        return None
+    others = [word for word in words if word not in _SUMMARY_WORDS and word not in _BESIDE_A_SUMMARY]
+    return kinds[0] if key or not others else None
+
+
+COUNTS = _folded(  # headings of a column that says which rows count
+    "valid use used usable counts include included accept accepted keep gultig verwenden verwendet verwendbar zahlt "
+    "gilt brauchbar berucksichtigen wazny wazna wazne uzyc uzyty uwzglednic uwzgledniony licz liczy valide valable "
+    "valido годен"
+)
+COUNTS_NOT = _folded(  # headings of a column that says which do not
+    "invalid exclude excluded reject rejected discard discarded outlier outliers void ungultig verworfen ausreisser "
+    "ausgeschlossen streichen gestrichen niewazny niewazna odrzucony odrzucona odrzucic pominac pominiety bledny"
+)
+_NO = _folded("no n nein nie non 0 false falsch falsz not nok нет ✗ ✘ ×") | COUNTS_NOT
+_YES = _folded("yes y ja j tak t oui si 1 true wahr prawda x ✓ ✔ да") | COUNTS_NOT
+
+
+def says_no(cell: Cell) -> bool:
+    """
+    >>> says_no("Nein"), says_no(False), says_no(0.0), says_no("ok")
+    (True, True, True, False)
+    """
+    return plain(text_of(cell)).strip(" .!") in _NO
+
+
+def says_yes(cell: Cell) -> bool:
+    return plain(text_of(cell)).strip(" .!") in _YES
+
+
+def is_rejected(cell: Cell) -> bool:
+    """Whether a remark strikes its row out: nothing but a word for it.
+
+    >>> is_rejected("Ausreißer"), is_rejected("do not use!"), is_rejected("no outlier")
+    (True, True, False)
+    """
+    text = plain(cell).strip(" .!()") if isinstance(cell, str) else ""
+    return text in COUNTS_NOT or text in {"do not use", "not valid", "nicht verwenden", "nie uzywac", "nie uwzgledniac"}
+
+
+# --- what tells two states apart --------------------------------------------------------------------------------------
+
+STATES = _folded(  # headings of a column that says when, or of which specimen
+    "date day month year week inspection visit mileage odometer km hours serial vehicle car unit specimen sample job "
+    "order state condition stage overhaul phase period session before after status when version batch lot set series "
+    "datum tag monat jahr woche inspektion prufung laufleistung kilometerstand betriebsstunden seriennummer fahrzeug "
+    "auftrag zustand stand probe prufling exemplar charge termin "
+    "data dzien miesiac rok tydzien przeglad badanie przebieg godziny seryjny pojazd zlecenie stan probka egzemplarz "
+    "sztuka etap partia date kilometrage vehicule etat serie fecha kilometraje vehiculo estado дата пробег состояние"
+)
+PERSONS = _folded(  # two people who measure the same thing make repeats
+    "operator operators inspector measured person technician initials prufer bearbeiter bediener gemessen messperson "
+    "operatorka mierzyl mierzacy wykonal pomiarowiec"
+)
+QUANTITIES = _folded(  # a number before one of these is no number of a repeat
+    "km mi mile miles h hr hrs hour hours std stunden godz day days tage dni week weeks month months k tkm tys c f bar "
+    "kpa rpm min s v n nm mm um °c °f kw cw q tsd"
+)
+_STATE_VALUE = re.compile(
+    r"(?:19|20)\d\d|\d[\d ., ]*(?:km|mi|miles|h|hours|std|godz)\.?|\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|"
+    r"(?:jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec|mai|okt|dez|marz|sty|lut|kwi|maj|cze|lip|sie|wrz|paz|lis|gru)"
+    r"[a-z]*\.?(?: \d{2,4})?|before|after|old|new|worn|repaired|vorher|nachher|alt|neu|vor|nach|przed|po|stary|nowy"
+)
+
+
+def is_state(cell: Cell) -> bool:
+    """Whether a cell says a time, a mileage or a state.
+
+    >>> is_state("November"), is_state("90 000 km"), is_state("przed"), is_state("scratched")
+    (True, True, True, False)
+    """
+    return isinstance(cell, datetime.date) or _STATE_VALUE.fullmatch(plain(text_of(cell))) is not None
+
+
+_REPEATS = _folded(
+    "repeat repetition replicate measurement reading measuring run trial pass series wiederholung "
+    "messung durchgang reihe "
+    "messreihe powtorzenie pomiar seria repetition mesure medicion no nr st nd rd th повтор измерение"
+)
+
+
+def is_repeat_title(text: str) -> bool:
+    """Whether a title over a block of rows numbers a repeat, and says nothing else.
+
+    >>> is_repeat_title("2nd measurement"), is_repeat_title("Messung 2:"), is_repeat_title("Messung Mai")
+    (True, True, False)
+    """
+    words = letters(text)
+    return (
+        bool(words) and all(word in _REPEATS for word in words) and re.search(r"(?<!\d)\d{1,2}(?!\d)", text) is not None
+    )
+
+
+_PAGES = _folded("page pages seite seiten blatt strona stron str arkusz folio of von z")
+
+
+def is_page_title(text: str) -> bool:
+    """Whether a line only counts the pages.
+
+    >>> is_page_title("Page 2 of 3"), is_page_title("Seite 2"), is_page_title("November")
+    (True, True, False)
+    """
+    words = letters(text)
+    return bool(words) and all(word in _PAGES for word in words)
+
+
+# --- what a sheet says a second time ----------------------------------------------------------------------------------
+
+CLEARANCES = _folded(
+    "clearance clearances spiel laufspiel einbauspiel kolbenspiel schieberspiel luz luzu jeu gioco holgura зазор"
+)
+NOT_MEASURED = _folded(  # a clearance of this kind is not that of the diameters beside it
+    "mounting nominal new limit max min maximum minimum allowed permissible specified specification spec "
+    "drawing target "
+    "tolerance design uncertainty einbau einbauspiel soll sollspiel nenn nennspiel neu neuzustand zulassig zulassiges "
+    "grenze zeichnung toleranz montazowy montazowa nominalny nominalna nowy dopuszczalny zadany rysunku "
+    "wear verschleiss "
+    "zuzycie ratio"
+)
+RADIAL = _folded("radial radiale radiales radialspiel promieniowy promieniowa cr")
+CORRECTIONS = _folded(
+    "correction corrections offset korrektur korrekturwert korrektion poprawka poprawki korekta korekcja "
+    "bias ringfehler "
+    "einstellringfehler gauge ring"
+)
+ERRORS = _folded("error deviation fehler abweichung blad odchylka")
+CORRECTED = _folded("corrected korrigiert skorygowana skorygowany poprawiona poprawiony corrige")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import io
-import posixpath
 import re
 import zipfile
 import zlib
@@ -15,6 +14,7 @@ from python_calamine import CalamineError, CalamineWorkbook, PasswordError, Shee
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sheet import Cell, Sheet
 from atleak.intake.workbook_cells import column_index, extent
+from atleak.intake.workbook_marks import Marks, marks, sheet_paths
 
 _UNPACKED = 300e6  # bytes; a measuring sheet is a thousandth of it
 _CELLS = 4_000_000  # a sheet's outermost cells span at most this many
@@ -45,8 +45,10 @@ def read_workbook(data: bytes, file: str) -> list[Sheet]:
     """
     merges: dict[str, dict[tuple[int, int], tuple[int, int]]] = {}
     faults: dict[str, dict[tuple[int, int], str]] = {}
+    marked: dict[str, Marks] = {}
     if data.startswith(b"PK"):
         merges, faults = _look_inside(data, file)
+        marked = _marks(data, file)
     elif "EncryptedPackage".encode("utf-16-le") in data:
         raise _protected(file)
     try:
@@ -66,6 +68,7 @@ def read_workbook(data: bytes, file: str) -> list[Sheet]:
                         merged=merges.get(meta.name, {}) if ranges is None else _merged(ranges),
                         faults=faults.get(meta.name, {}),
                         hidden=meta.visible != SheetVisibleEnum.Visible,
+                        marks=marked.get(meta.name, Marks()),
                     )
                 )
             return sheets
@@ -122,30 +125,26 @@ def _look_inside(
                 )
             return {}, {
                 sheet: _formula_faults(archive.read(path), file, sheet)
-                for sheet, path in _xlsx_paths(archive).items()
+                for sheet, path in sheet_paths(archive).items()
                 if path in names
             }
     except _DAMAGE as error:
-        raise ReadingsError(
-            f"this workbook is damaged ({error})",
-            place=Place(file),
-            expected="an .xlsx workbook that opens in a spreadsheet program",
-        ) from None
+        raise _damaged(error, file) from None
 
 
-def _xlsx_paths(archive: zipfile.ZipFile) -> dict[str, str]:
-    targets = {
-        relation.get("Id"): relation.get("Target", "")
-        for relation in ElementTree.fromstring(archive.read("xl/_rels/workbook.xml.rels"))
-    }
-    paths = {}
-    for element in ElementTree.fromstring(archive.read("xl/workbook.xml")).iter():
-        if element.tag.endswith("}sheet"):
-            relation = next((value for key, value in element.attrib.items() if key.endswith("}id")), None)
-            target = targets.get(relation, "")
-            path = target.lstrip("/") if target.startswith("/") else posixpath.normpath(f"xl/{target}")
-            paths[element.get("name", "")] = path
-    return paths
+def _marks(data: bytes, file: str) -> dict[str, Marks]:
+    try:
+        return marks(data)
+    except _DAMAGE as error:
+        raise _damaged(error, file) from None
+
+
+def _damaged(error: Exception, file: str) -> ReadingsError:
+    return ReadingsError(
+        f"this workbook is damaged ({error})",
+        place=Place(file),
+        expected="an .xlsx workbook that opens in a spreadsheet program",
+    )
 
 
 def _formula_faults(xml: bytes, file: str, sheet: str) -> dict[tuple[int, int], str]:

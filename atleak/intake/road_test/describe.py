@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from atleak import __version__
 from atleak.intake.road_test.understood import Understood
 from atleak.intake.units import Unit, unit
 from atleak.road_test import QUANTITIES, Channel, RoadTest
@@ -62,6 +63,7 @@ def describe(understood: Understood) -> dict[str, Any]:
     """
     test = understood.road_test
     result: dict[str, Any] = {
+        "atleak": __version__,
         "file": understood.file,
         "sha256": understood.sha256,
         "format": understood.format,

@@ -5,11 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from atleak.errors import OutputError, Place
+from atleak.files import PRIVATE, replace_file
 from atleak.intake.road_test.names import words
+
+_PATIENCE = 30  # [s] for other writers
+_POLL = 0.01  # [s]
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,7 @@ def default_path(environment: Mapping[str, str] | None = None, home: Path | None
 
 def recall(path: Path, header: str) -> Settled | None:
     """What was settled for a header's signature, or None. A damaged file counts as empty."""
-    entry = _load(path).get(header)
+    entry = _readable(path).get(header)
     if not isinstance(entry, dict):
         return None
     parts = [entry.get(key) for key in ("mapping", "units")]
@@ -52,25 +58,61 @@ def recall(path: Path, header: str) -> Settled | None:
 
 
 def remember(path: Path, header: str, mapping: Mapping[str, str], units: Mapping[str, str] | None = None) -> None:
-    """Keeps what was settled for a header's signature; replaces what was kept before."""
-    entries = _load(path)
-    entries[header] = {"mapping": dict(mapping), "units": dict(units or {})}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_suffix(".part")
-    beside.write_text(json.dumps(entries, ensure_ascii=False, indent=1), encoding="utf-8")
-    beside.replace(path)
+    """Keeps what was settled for a header's signature; replaces what was kept before.
+
+    Raises
+    ------
+    OutputError
+        where nothing can be kept there.
+    """
+    with _rewritten(path) as entries:
+        entries[header] = {"mapping": dict(mapping), "units": dict(units or {})}
 
 
 def forget(path: Path, header: str) -> None:
-    """Drops what was kept for a header's signature."""
-    entries = _load(path)
-    if entries.pop(header, None) is not None:
-        path.write_text(json.dumps(entries, ensure_ascii=False, indent=1), encoding="utf-8")
+    """Drops what was kept for a header's signature.
+
+    Raises
+    ------
+    OutputError
+        where it cannot be dropped.
+    """
+    if header in _readable(path):
+        with _rewritten(path) as entries:
+            entries.pop(header, None)
+
+
+@contextmanager
+def _rewritten(path: Path) -> Iterator[dict[str, object]]:
+    """What is kept, to be changed and kept anew; no other process or thread writes it meanwhile."""
+    from filelock import FileLock, Timeout  # 40 ms, and most runs remember nothing
+
+    place = Place(file=str(path))
+    lock = FileLock(path.with_suffix(".lock"), timeout=_PATIENCE, mode=PRIVATE)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with lock.acquire(poll_interval=_POLL):
+            entries = _load(path)
+            yield entries
+            replace_file(path, json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8"), mode=PRIVATE)
+    except Timeout:
+        raise OutputError(f"another program has kept it locked for {_PATIENCE} s", place=place) from None
+    except (OSError, NotImplementedError) as error:  # the latter: a file system without locks
+        raise OutputError(f"cannot be written: {getattr(error, 'strerror', None) or error}", place=place) from error
+
+
+def _readable(path: Path) -> dict[str, object]:
+    """What is kept; nothing where the file cannot be read."""
+    try:
+        return _load(path)
+    except OSError:
+        return {}
 
 
 def _load(path: Path) -> dict[str, object]:
+    """What is kept; nothing where there is no file yet or it is damaged."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (FileNotFoundError, ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}

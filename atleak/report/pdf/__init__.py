@@ -22,7 +22,10 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.drawing import controller_svg, shortened
 from atleak.errors import InputError, nearest_name
 from atleak.job import Job, clean_text
+from atleak.look import LOOKS, PAPER
+from atleak.marks import KEYWORD
 from atleak.report.charts import FONTS, Bar, glyphs, road_chart, shares_chart
+from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
 from atleak.report.pdf.front import Front
@@ -30,7 +33,8 @@ from atleak.report.pdf.names import Names
 from atleak.report.pdf.pictures import write_pictures
 from atleak.report.record import diagnosis_record
 from atleak.report.road_series import RoadSeries, road_series
-from atleak.report.wording import Wording, wording
+from atleak.verdicts import VERDICTS, Verdict
+from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 PAPERS = {"a4": "a4", "letter": "us-letter"}
@@ -102,9 +106,8 @@ def report_data(
         "title": title,
         "author": job.workshop.name or "atleak",
         "description": say("title.subject"),
-        "running": " · ".join(
-            part for part in (job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin) if part
-        ),
+        "keywords": KEYWORD,
+        "running": joined((job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
         "made": f"atleak {__version__}",
         "page": say("title.page", page="{page}", pages="{pages}"),
         "note": None,
@@ -114,6 +117,22 @@ def report_data(
         "verdict": front.verdict(),
         "sections": body.sections(chosen, {name: name for name in charts}),
         "charts": charts,
+        "inks": {"ink": PAPER.ink, "soft": PAPER.soft, "rule": PAPER.rule},
+        "looks": {verdict: _look(verdict) for verdict in VERDICTS},
+    }
+
+
+def _look(verdict: Verdict) -> dict[str, Any]:
+    """What the template needs to draw a verdict: its colours, the corners of its sign, whether its word is bold."""
+    look = LOOKS[verdict]
+    return {
+        "line": look.line,
+        "tint": look.tint,
+        "on-tint": look.on_tint,
+        "corners": [list(point) for point in look.shape.points],
+        "filled": look.shape.filled,
+        "ground": verdict.flagged,
+        "bold": verdict.calls_for_repair,
     }
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from atleak.wording import isolated
+
 Block = dict[str, Any]
 
 
@@ -40,5 +42,5 @@ def table(
 
 
 def joined(parts: Iterable[str], between: str = ", ") -> str:
-    """Those that are not empty, one after another."""
-    return between.join(part for part in parts if part)
+    """Those that are not empty, one after another, each in its own direction."""
+    return between.join(isolated(part) for part in parts if part)

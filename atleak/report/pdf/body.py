@@ -8,11 +8,12 @@ from typing import Any
 from atleak import __version__
 from atleak.controller import REFERENCE_TEMPERATURE
 from atleak.errors import InputError, nearest_name
-from atleak.limits import VERDICTS
-from atleak.report.engine import engine_of
+from atleak.limits import LimitOrigin
 from atleak.report.pdf.blocks import Block, facts, joined, table, text
-from atleak.report.pdf.names import Names, distinct
+from atleak.report.pdf.names import Names
 from atleak.report.road_series import RoadSeries
+from atleak.verdicts import VERDICTS, Verdict
+from atleak.wording import isolated
 from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
 
 SECTIONS = (
@@ -89,7 +90,7 @@ class Body:
         components = len({found.state.land.component for found in diagnosis.lands})
         counts = {verdict: sum(found.verdict == verdict for found in diagnosis.lands) for verdict in VERDICTS}
         legend = [
-            [verdict, f"{say.get('verdicts', verdict)}: {counts[verdict]}"] for verdict in _LEGEND if counts[verdict]
+            [verdict, f"{say.level(verdict)}: {counts[verdict]}"] for verdict in reversed(VERDICTS) if counts[verdict]
         ]
         words = joined(text for _, text in legend)
         yield {
@@ -125,7 +126,7 @@ class Body:
             cells: list[Any] = [
                 names.pair(found),
                 str(state.land.land),
-                {"sign": found.verdict, "text": say.get("verdicts", found.verdict)},
+                {"sign": found.verdict, "text": say.level(found.verdict)},
                 names.clearance(found),
                 say.number(state.land.mounting_clearance * UM, 1),
                 say.number(None if found.wear is None else found.wear * PERCENT, 0),
@@ -156,7 +157,7 @@ class Body:
                 [
                     str(number),
                     self.names.land_name(step.land),
-                    {"sign": step.land.verdict, "text": say.get("verdicts", step.land.verdict)},
+                    {"sign": step.land.verdict, "text": say.level(step.land.verdict)},
                     say.percent(step.share_before),
                     say.percent(step.share_after),
                     say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–",
@@ -177,7 +178,9 @@ class Body:
         ]
         if items:
             yield {"kind": "list", "items": items}
-        unsure = [found for found in self.diagnosis.lands if found.verdict == "ok" and found.decision in _CONDITIONAL]
+        unsure = [
+            found for found in self.diagnosis.lands if found.verdict == Verdict.OK and found.decision in _CONDITIONAL
+        ]
         if unsure:
             yield text(say("texts.unsure", lands=joined(names.land_number(found) for found in unsure)))
 
@@ -212,7 +215,7 @@ class Body:
                     say.number(found.effective_clearance * UM, 1),
                     names.flow(found.leakage, 3) + interval * (found.leakage > 0.0),
                     say.number(found.share * PERCENT, 2),
-                    {"sign": found.verdict, "text": say.get("verdicts", found.verdict)},
+                    {"sign": found.verdict, "text": say.level(found.verdict)},
                 ]
             )
         yield table(_with_units(names, columns), rows, "10000000000", "lcrrrrrrrrl")
@@ -299,7 +302,8 @@ class Body:
             land = f"{say('columns.land')}\u00a0{each.land}" if each.land else ""
             decision = say.get("job_decisions", each.decision) if each.decision else "–"
             date = say.date(each.date) if each.date else ""
-            rows.append([joined((f"{each.component}  {name}".strip(), land)), each.work, decision, each.reason, date])
+            pair = joined((f"{each.component}  {isolated(name)}".strip(), land))
+            rows.append([pair, each.work, decision, each.reason, date])
         names = ("pair", "work", "decision", "reason", "date")
         yield table([say(f"columns.{name}") for name in names], rows, "45262", "lllll", empty=False)
 
@@ -362,7 +366,7 @@ class Body:
                 rho=say.number(fluid.density(found.condition.temperature, model) * G_CM3, 4),
                 temperature=say.plain(found.condition.temperature),
             )
-            for found in distinct(diagnosis.projections)
+            for found in diagnosis.reported
         ]
         instruments = [
             joined(
@@ -376,7 +380,9 @@ class Body:
             if not each.empty
         ]
         measured = f"{diagnosis.measured} / {len(diagnosis.lands)}"
-        temperature = REFERENCE_TEMPERATURE if job.measuring_temperature_c is None else job.measuring_temperature_c
+        temperature = f"{say.plain(REFERENCE_TEMPERATURE)} °C"
+        if job.measuring_temperature_c is not None:
+            temperature = say("facts.not_corrected", temperature=say.plain(job.measuring_temperature_c))
         options = joined(f"{name} = {_option(value)}" for name, value in diagnosis.profile.options.items())
         sure = diagnosis.uncertainty
         taken = (
@@ -398,7 +404,7 @@ class Body:
                 [say("facts.profile"), diagnosis.profile.label],
                 [say("facts.options"), options],
                 [say("facts.measured"), measured],
-                [say("facts.measuring_temperature"), f"{say.plain(temperature)} °C"],
+                [say("facts.measuring_temperature"), temperature],
                 *([[say("facts.instruments"), joined(instruments, "; ")]] if instruments else []),
                 *([[say("facts.uncertainty"), taken]] if taken else []),
             ]
@@ -408,15 +414,13 @@ class Body:
         say, limits = self.say, self.diagnosis.limits
         rows = []
         for name, steps in limits.rules.items():
-            factor, unit = (UM, "µm") if name == "radial_clearance" else (PERCENT, "%")
-            table_name = "bands" if name == "total_share" else "verdicts"
             levels = joined(
-                say("rules.level", level=say.get(table_name, level), limit=f"{say.plain(limit * factor)}\u00a0{unit}")
+                say("rules.level", level=say.level(level), limit=f"{say.plain(limit * name.factor)}\u00a0{name.unit}")
                 for level, limit in steps.levels
             )
             rows.append([say(f"rules.{name}"), levels, say.get("origins", steps.origin), steps.source])
         yield table([say(f"columns.{name}") for name in ("rule", "limit", "origin", "source")], rows, "3426", "llll")
-        yield text(f"{limits.name}. {say('texts.limit_note')}", small=True)
+        yield text(f"{isolated(limits.name)}. {say('texts.limit_note')}", small=True)
 
     def _assumptions(self, charts: dict[str, str]) -> Iterable[Block]:
         say, diagnosis = self.say, self.diagnosis
@@ -433,18 +437,21 @@ class Body:
             values = joined(diagnosis.controller.pump.representative)
             items.append(say("texts.representative_lands", values=values))
         if diagnosis.fluid.representative:
-            items.append(
-                f"{diagnosis.fluid.name}: {say('facts.representative')}: {joined(diagnosis.fluid.representative)}."
-            )
+            values = joined(diagnosis.fluid.representative)
+            items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {values}.")
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
             lands = [self.names.land_number(found) for found in diagnosis.lands if found.state.status == status]
             if lands:
                 items.append(say(f"texts.{key}", lands=joined(lands)))
-        own = [say(f"rules.{name}") for name, steps in diagnosis.limits.rules.items() if "choice" in steps.origin]
+        own = [
+            say(f"rules.{name}")
+            for name, steps in diagnosis.limits.rules.items()
+            if steps.origin is LimitOrigin.PROJECT
+        ]
         if own:
             items.append(say("texts.project_limits", rules=joined(own)))
         pump = diagnosis.controller.pump
-        if engine_of(diagnosis).uses_slip:
+        if diagnosis.model.uses_slip:
             items.append(say("texts.slip"))
         else:
             items.append(say("texts.efficiency", value=say.plain(pump.volumetric_efficiency)))
@@ -504,7 +511,6 @@ class Body:
 
 _SAID_ELSEWHERE = ("controller_representative",)  # among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
-_LEGEND = ("critical", "replace", "watch", "ok", "not_measured")
 
 
 def _worth_saying(mileage: float | None) -> bool:

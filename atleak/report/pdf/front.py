@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.report.pdf.blocks import Block, joined, table
-from atleak.report.pdf.names import Names, distinct
+from atleak.report.pdf.names import Names
+from atleak.rules import Rule
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
-
-_BAND_SIGNS = {"green": "ok", "amber": "watch", "red": "replace", "critical": "critical"}
 
 
 class Front:
@@ -62,19 +61,24 @@ class Front:
     def verdict(self) -> dict[str, Any]:
         """The verdict in one sentence, and the totals under it."""
         diagnosis, say = self.diagnosis, self.say
+        decided_by = diagnosis.decided_by
+        by_total = isinstance(decided_by, Rule)
         at = diagnosis.hot_idle or diagnosis.projection
+        if isinstance(decided_by, Rule) and decided_by.condition is not None:
+            at = diagnosis.at(decided_by.condition)
         condition = self.names.condition(at.condition)
         if at.pump_capacity > 0.0:
-            band = say.get("bands", diagnosis.band(at))
+            band = say.level(diagnosis.band(at))
             total = say("sentences.total", condition=condition, share=say.percent(at.share), band=band)
         else:
             total = say("sentences.no_delivery", condition=condition)
         sentence = say(
-            f"sentences.{diagnosis.verdict}",
+            "sentences.by_total" if by_total else f"sentences.{diagnosis.verdict}",
+            verdict=say.level(diagnosis.verdict).capitalize(),
             total=total,
             flagged=len(diagnosis.flagged),
-            repair=sum(land.verdict in {"replace", "critical"} for land in diagnosis.lands),
-            watch=sum(land.verdict == "watch" for land in diagnosis.lands),
+            repair=sum(land.verdict.calls_for_repair for land in diagnosis.lands),
+            watch=sum(land.verdict.flagged and not land.verdict.calls_for_repair for land in diagnosis.lands),
             measured=diagnosis.measured,
         )
         more = [say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0))] if at.pump_capacity > 0.0 else []
@@ -83,7 +87,7 @@ class Front:
             more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))
         return {
             "key": diagnosis.verdict,
-            "word": say.get("verdicts", diagnosis.verdict),
+            "word": say.level(diagnosis.verdict),
             "sentence": sentence,
             "more": " ".join(more),
             "totals": self._totals(),
@@ -104,7 +108,7 @@ class Front:
             "holds": "1/min",
         }
         rows = []
-        for found in distinct(diagnosis.projections):
+        for found in diagnosis.reported:
             at, band = found.condition, diagnosis.band(found)
             total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
             low, high = total.share_interval if total else (None, None)
@@ -119,7 +123,7 @@ class Front:
                     say.number(found.leakage * DM3_MIN, 2),
                     say.number(found.pump_capacity * DM3_MIN, 2),
                     say.number(found.share * PERCENT, 1) + interval,
-                    {"sign": _BAND_SIGNS[band], "text": say.get("bands", band)},
+                    {"sign": band.verdict, "text": say.level(band)},
                     say.number(found.minimum_speed * RPM, 0),
                 ]
             )

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from atleak.controller import OperatingPoint
-from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
+from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.job import Job
 from atleak.projection import Projection
-from atleak.report.wording import Wording
-from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
+from atleak.rules import Rule
+from atleak.wording import Wording, isolated
+from atleak.workshop_units import DM3_MIN, RPM, UM
 
 _MOSTLY = 0.5  # of an uncertainty's variance
-FLAGGED = ("watch", "replace", "critical")
 
 
 class Names:
@@ -46,7 +45,7 @@ class Names:
     def pair(self, found: LandDiagnosis) -> str:
         """Component and its name."""
         component = found.state.land.component
-        return f"{component} {self.diagnosis.controller.components[component]}"
+        return f"{component} {isolated(self.diagnosis.controller.components[component])}"
 
     def column(self, name: str) -> str:
         """The heading of a column."""
@@ -119,12 +118,12 @@ class Names:
         deciding = found.deciding
         if deciding is None:
             return ""
-        others = [rule for rule in found.rules if rule.verdict in FLAGGED and rule is not deciding]
+        others = [rule for rule in found.rules if rule.verdict.flagged and rule is not deciding]
         also = "; ".join(self._reached("rules.reached_short", rule) for rule in others)
         said = self._reached("rules.reached", deciding)
         return f"{said}\n{self.say('rules.also', others=also)}" if also else said
 
-    def _reached(self, key: str, rule: RuleResult) -> str:
+    def _reached(self, key: str, rule: Rule) -> str:
         say = self.say
         return say(
             key,
@@ -134,25 +133,10 @@ class Names:
             origin=say.get("origins", rule.origin),
         )
 
-    def _value(self, rule: RuleResult, value: float) -> str:
-        factor, unit = (UM, "µm") if rule.unit == "µm" else (PERCENT, "%")
-        return f"{self.say.number(value * factor, 1)}\u00a0{unit}"
+    def _value(self, rule: Rule, value: float) -> str:
+        return f"{self.say.number(value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}"
 
-    def _rule(self, rule: RuleResult) -> str:
-        if not rule.rule.startswith("share_"):
-            return self.say(f"rules.{rule.rule}")
-        name = rule.rule.removeprefix("share_")
-        points = (
-            *(found.condition for found in self.diagnosis.projections),
-            *self.diagnosis.controller.operating_points,
-        )
-        point = next((each for each in points if each.name == name), None)
-        return self.say("rules.share_at", condition=name if point is None else self.condition(point))
-
-
-def distinct(projections: Iterable[Projection]) -> list[Projection]:
-    found: list[Projection] = []
-    for projection in projections:
-        if not any(projection is other for other in found):
-            found.append(projection)
-    return found
+    def _rule(self, rule: Rule) -> str:
+        if rule.condition is None:
+            return self.say(f"rules.{rule.kind}")
+        return self.say("rules.share_at", condition=self.condition(rule.condition))

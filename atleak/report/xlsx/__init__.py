@@ -14,6 +14,7 @@ import xlsxwriter
 from atleak import __version__
 from atleak.diagnosis import Diagnosis
 from atleak.job import Job
+from atleak.marks import PROPERTY, sealed, unsealed
 from atleak.report.record import diagnosis_record
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.live import LiveSheets, write_readings
@@ -44,8 +45,9 @@ def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str =
         workbook.set_properties(
             {"title": "Valve body leakage", "author": "", "comments": f"atleak {__version__}", "created": created}
         )
+        workbook.set_custom_property(PROPERTY, unsealed("report workbook"))
         _write(Book(workbook, paper), diagnosis, job)
-    return target.getvalue()
+    return sealed(target.getvalue())
 
 
 def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:

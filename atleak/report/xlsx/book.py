@@ -12,28 +12,26 @@ from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.job import clean_text
-from atleak.report.text import SYMBOLS, WORDS
+from atleak.look import HEADING, LOOKS, look_of
+from atleak.verdicts import Band, Verdict
+from atleak.wording import wording
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
-COLOURS = {
-    "ok": ("#E6F2E6", "#1E5B2A"),
-    "watch": ("#FFF2CC", "#7A5200"),
-    "replace": ("#F8D7C4", "#8A2A00"),
-    "critical": ("#B3261E", "#FFFFFF"),
-    "not_measured": ("#EEEEEE", "#555555"),
-    "green": ("#E6F2E6", "#1E5B2A"),
-    "amber": ("#FFF2CC", "#7A5200"),
-    "red": ("#F8D7C4", "#8A2A00"),
-}
-BANDS = ("green", "amber", "red", "critical")
+
+
+def _or_words(limit: str, words: str, digits: str) -> str:
+    """A number format that says words from a limit on; negative numbers keep their sign in every office suite."""
+    return f'[>={limit}]"{words}";[<0]-{digits};{digits}'
+
+
 NUMBER_FORMATS = {
     "mm": "0.0000",
     "um": "0.00",
     "kpa": "0.0",
     "flow": "0.0000",
     "mm3": "0.000",
-    "percent": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";0.00',
+    "percent": _or_words(f"{NO_DELIVERY / 10:.0E}", "pump delivers nothing", "0.00"),
     "temperature": "0.0",
     "rpm": "0",
     "nu": "0.0000",
@@ -41,7 +39,7 @@ NUMBER_FORMATS = {
     "time": "0.00",
     "count": "0",
     "scientific": "0.00E+00",
-    "mileage": '[>=10000000]"beyond 10 million";0',
+    "mileage": _or_words("10000000", "beyond 10 million", "0"),
     "plain": "General",
 }
 
@@ -64,7 +62,7 @@ class Book:
 
     @property
     def heading(self) -> Format:
-        return self.form(bold=True, bottom=1, text_wrap=True, bg_color="#E8EDF2")
+        return self.form(bold=True, bottom=1, text_wrap=True, bg_color=HEADING)
 
     @property
     def title(self) -> Format:
@@ -129,16 +127,17 @@ class Book:
         return row + len(records) + 1
 
     def colour_words(
-        self, sheet: Worksheet, first: tuple[int, int], last: tuple[int, int], words: Iterable[str]
+        self, sheet: Worksheet, first: tuple[int, int], last: tuple[int, int], levels: Iterable[Verdict | Band]
     ) -> None:
         """Colour cells that say a verdict or a band; the word and the sign stand for themselves in greyscale."""
         if last[0] < first[0]:
             return
-        for word in words:
-            background, ink = COLOURS[word]
-            form = self.workbook.add_format({"bg_color": background, "font_color": ink, "bold": word != "ok"})
-            said = WORDS.get(word, word)
-            rule = {"type": "text", "criteria": "ends with", "value": said, "format": form}
+        for level in levels:
+            look = look_of(level)
+            form = self.workbook.add_format(
+                {"bg_color": look.tint, "font_color": look.on_tint, "bold": look is not LOOKS[Verdict.OK]}
+            )
+            rule = {"type": "text", "criteria": "ends with", "value": wording("en").level(level), "format": form}
             sheet.conditional_format(*first, *last, rule)
 
 
@@ -197,8 +196,3 @@ def span(first: int, last: int, column: int, sheet: str | None = None) -> str:
 
 def quoted(sheet: str) -> str:
     return f"'{sheet}'" if not sheet.isidentifier() else sheet
-
-
-def verdict_word(verdict: str) -> str:
-    """The sign and the word of a verdict."""
-    return f"{SYMBOLS[verdict]} {WORDS[verdict]}"

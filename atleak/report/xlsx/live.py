@@ -14,18 +14,24 @@ from typing import Any
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.controller import REFERENCE_TEMPERATURE, Pressure
-from atleak.diagnosis import Diagnosis, LandDiagnosis, RuleResult
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
+from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS
 from atleak.leakage import GapLeakage
-from atleak.limits import ROUNDING, VERDICTS, Verdict
+from atleak.limits import ROUNDING, RuleKind
+from atleak.look import DATA_BAR, INPUT
 from atleak.projection import Projection
 from atleak.readings import Reading
-from atleak.report.engine import engine_of
-from atleak.report.xlsx.book import BANDS, Book, cell, formula, put, span, verdict_word
+from atleak.report.xlsx.book import Book, cell, formula, put, span
+from atleak.rules import Rule
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
+from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
-_INPUT = {"font_color": "#0000C0"}
-_RANKED = [verdict for verdict in VERDICTS if verdict != "not_measured"]
-_ENTRY_LOSS = 1.5  # velocity heads, as atleak.equations.gap.entry_loss_flow
+_INPUT = {"font_color": INPUT}
+_RANKED = [verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED]
+_FIRST_LEVEL = 5  # column of the sheet of rules in which the first level's limit stands
+_VERDICT = _FIRST_LEVEL + len(FLAGGED)  # and of the verdict, behind the limits
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,9 @@ class LiveSheets:
             self.conditions.append(_At(diagnosis.hot_idle, "hot_idle", "Gaps hot idle", "hot idle"))
         self.gaps = {at.prefix: self._by_land(at.projection.gaps) for at in self.conditions}
         self.columns = _Columns(self)
-        self.limit_cells: dict[tuple[str, str], str] = {}  # (rule, level) → address in the sheet of limits
+        self.limit_cells: dict[
+            tuple[RuleKind, Verdict | Band], str
+        ] = {}  # (quantity, level) → address in the sheet of limits
         self.rule_rows = self._rule_rows()
 
     def _by_land(self, gaps: Iterable[GapLeakage]) -> list[GapLeakage]:
@@ -141,16 +149,20 @@ class LiveSheets:
             a, b = fluid.d341
             reference, slope = fluid.density_at, _number(fluid.density_slope * G_CM3)
             texts = (
-                f"10^(10^({_number(a)}-{_number(b)}*LOG10({at('T')}+273.15)))-0.7",
+                f"10^(10^({_number(a)}-{_number(b)}*LOG10({at('T')}+{_number(-ABSOLUTE_ZERO)})))-{ASTM_D341_SHIFT}",
                 f"{_number(reference[1] * G_CM3)}+{slope}*({at('T')}-{_number(reference[0])})",
             )
         elif model == "regression":
-            texts = (f"343.92*EXP(-0.043*{at('T')})", f"-0.0007*{at('T')}+0.8409")
+            (nu, exponent), (rho, slope) = STUDY_VISCOSITY, STUDY_DENSITY
+            texts = (
+                f"{_number(nu)}*EXP({exponent}*{at('T')})",
+                f"{slope * G_CM3}*{at('T')}+{_number(rho * G_CM3)}",
+            )
         yield "kinematic viscosity ν", "mm²/s", "nu", texts[0], viscosity, "nu"
         yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"
 
     def _pump(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
-        engine, found = engine_of(self.diagnosis), at.projection
+        engine, found = self.diagnosis.model, at.projection
         pump, condition = engine.controller.pump, found.condition
         yield "pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3"
         displaced = f"{at('q_p')}*{at('n')}*1E-6"
@@ -171,9 +183,9 @@ class LiveSheets:
         share = _share(at("leakage"), at("capacity"))
         yield "share of pump capacity", "%", "share", share, found.share * PERCENT, "percent"
         yield "pump needs for this leakage alone", "1/min", "n_min", lowest, found.minimum_speed * RPM, "rpm"
-        band = '"green"'
+        band = f'"{Band.GREEN}"'
         for level, _ in self.diagnosis.limits.total_share.levels:  # rising, so that the highest is asked first
-            limit = self.limit_cells["total_share", level]
+            limit = self.limit_cells[RuleKind.TOTAL_SHARE, level]
             band = f'IF({at("share")}>={limit}*(1-{ROUNDING:E}),"{level}",{band})'
         yield "band of the total share", "", "band", band, self.diagnosis.band(found), "plain"
 
@@ -203,7 +215,7 @@ class LiveSheets:
         verdict = columns.at["verdict"]
         book.colour_words(sheet, (1, verdict), (last, verdict), VERDICTS)
         for name in columns.shares:
-            bar = {"type": "data_bar", "bar_color": "#9DB7D5", "min_type": "num", "min_value": 0}
+            bar = {"type": "data_bar", "bar_color": DATA_BAR, "min_type": "num", "min_value": 0}
             sheet.conditional_format(1, columns.at[name], last, columns.at[name], bar)
 
     # --- gaps
@@ -256,10 +268,10 @@ class LiveSheets:
     def _flow(self, row: int) -> str:
         """The gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
         profile, r = self.diagnosis.profile, row + 1
-        eccentric = f"(1+1.5*{_number(profile.eccentricity)}^2)*" if profile.eccentricity else ""
+        eccentric = f"(1+{ECCENTRIC_GAIN}*{_number(profile.eccentricity)}^2)*" if profile.eccentricity else ""
         if profile.entry_loss:
             viscous = f"(12*J{r}*K{r}*H{r})"
-            root = f"SQRT({viscous}^2+2*{_ENTRY_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
+            root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
             law = f"2*PI()*G{r}*I{r}^3*F{r}*0.001/({viscous}+{root})"
         else:
             law = f"PI()*G{r}*I{r}^3*F{r}*0.001/(12*J{r}*K{r}*H{r})"
@@ -269,7 +281,7 @@ class LiveSheets:
 
     def write_rules(self, sheet: Worksheet) -> None:
         """Which rule says what of which land; the worst gives the land's verdict."""
-        names = ["component", "land", "rule", "unit", "value", "watch from", "replace from", "critical from"]
+        names = ["component", "land", "rule", "unit", "value", *(f"{level} from" for level in FLAGGED)]
         names += ["verdict", "rank", "origin of the limit", "source"]
         self.book.headings(sheet, 0, names)
         for found in self.lands:
@@ -278,15 +290,15 @@ class LiveSheets:
             for row, rule in enumerate(found.rules, start=self.rule_rows[found.key][0]):
                 self._rule(sheet, row, found, rule)
         last = max((rows[1] for rows in self.rule_rows.values()), default=1)
-        for column, width in enumerate((12, 7, 44, 7, 12, 12, 12, 12, 14, 7, 24, 60)):
+        for column, width in enumerate((12, 7, 44, 7, 12, *(12 for _ in FLAGGED), 14, 7, 24, 60)):
             sheet.set_column(column, column, width)
         sheet.autofilter(0, 0, last, len(names) - 1)
-        self.book.colour_words(sheet, (1, 8), (last, 8), VERDICTS)
+        self.book.colour_words(sheet, (1, _VERDICT), (last, _VERDICT), VERDICTS)
 
-    def _rule(self, sheet: Worksheet, row: int, found: LandDiagnosis, rule: RuleResult) -> None:
+    def _rule(self, sheet: Worksheet, row: int, found: LandDiagnosis, rule: Rule) -> None:
         book, land, r = self.book, found.state.land, row + 1
-        kind, factor = ("um", UM) if rule.unit == "µm" else ("percent", PERCENT)
-        for column, value in enumerate((land.component, land.land, rule.label, rule.unit)):
+        kind, factor = rule.kind.suffix, rule.kind.factor
+        for column, value in enumerate((land.component, land.land, rule.label, rule.kind.unit)):
             put(sheet, row, column, value)
         source = self._rule_source(found, rule)
         if source is None:
@@ -294,39 +306,28 @@ class LiveSheets:
         else:
             formula(sheet, row, 4, source, rule.value * factor, book.form(kind))
         text = "1"
-        for level, column, limit in self._levels(found, rule):
-            if isinstance(limit, str):
-                value = dict(self.diagnosis.limits.rules[_limit_name(rule)].levels)[level] * factor
-                formula(sheet, row, column, limit, value, book.form(kind))
-            else:
+        shared = rule.steps is self.diagnosis.limits.rules.get(rule.kind)
+        for level, limit in rule.steps.levels:
+            column = _FIRST_LEVEL + FLAGGED.index(level)
+            if shared:
+                formula(sheet, row, column, self.limit_cells[rule.kind, level], limit * factor, book.form(kind))
+            else:  # the land's own
                 put(sheet, row, column, limit * factor, book.form(kind, **_INPUT))
-            text = f"IF(E{r}>={'FGH'[column - 5]}{r}*(1-{ROUNDING:E}),{_RANKED.index(level) + 1},{text})"
-        rank = _RANKED.index(rule.verdict) + 1
-        formula(sheet, row, 9, text, rank)
-        formula(sheet, row, 8, _choose(f"J{r}"), verdict_word(rule.verdict), book.form())
-        put(sheet, row, 10, rule.origin)
-        put(sheet, row, 11, rule.source)
+            text = f"IF(E{r}>={cell(row, column)}*(1-{ROUNDING:E}),{_RANKED.index(level) + 1},{text})"
+        formula(sheet, row, _VERDICT + 1, text, _RANKED.index(rule.verdict) + 1)
+        formula(sheet, row, _VERDICT, _choose(cell(row, _VERDICT + 1)), signed(rule.verdict), book.form())
+        put(sheet, row, _VERDICT + 2, rule.origin)
+        put(sheet, row, _VERDICT + 3, rule.source)
 
-    def _levels(self, found: LandDiagnosis, rule: RuleResult) -> Iterable[tuple[Any, int, str | float]]:
-        """Rising (level, column, address or limit in SI) of a rule."""
-        columns = {"watch": 5, "replace": 6, "critical": 7}
-        own = found.state.land.clearance_limit
-        if rule.rule == "radial_clearance" and own is not None:
-            yield "replace", columns["replace"], own
-            return
-        name = _limit_name(rule)
-        for level, _ in self.diagnosis.limits.rules[name].levels:
-            yield level, columns[level], self.limit_cells[name, level]
-
-    def _rule_source(self, found: LandDiagnosis, rule: RuleResult) -> str | None:
+    def _rule_source(self, found: LandDiagnosis, rule: Rule) -> str | None:
         """Where the rule's value stands among the lands; None where the workbook holds no such condition."""
         row, at = self.row_of[found.key], self.columns.at
-        if rule.rule == "wear":
+        if rule.kind is RuleKind.WEAR:
             return cell(row, at["wear"], "Lands")
-        if rule.rule == "radial_clearance":
+        if rule.kind is RuleKind.CLEARANCE:
             return cell(row, at["c_r"], "Lands")
         for condition in self.conditions:
-            if rule.rule == f"share_{condition.projection.condition.name}":
+            if rule.condition == condition.projection.condition:
                 return cell(row, at["share", condition.prefix], "Lands")
         return None
 
@@ -402,9 +403,10 @@ class _Columns:
                     yield "plain", None, land.land, {"align": "center"}
                 case "verdict":
                     rows = sheets.rule_rows.get(found.key)
-                    fine = "ok" if state.status == "measured" else "not_measured"  # ok is not claimed of half a pair
-                    ranks = None if rows is None else _choose(f"MAX({span(*rows, 9, 'Rules')})", fine)
-                    yield "plain", ranks, verdict_word(found.verdict), {"bold": True}
+                    # ok is not claimed of half a pair
+                    fine = Verdict.OK if state.status == "measured" else Verdict.NOT_MEASURED
+                    ranks = None if rows is None else _choose(f"MAX({span(*rows, _VERDICT + 1, 'Rules')})", fine)
+                    yield "plain", ranks, signed(found.verdict), {"bold": True}
                 case "status":
                     yield "plain", None, state.status.replace("_", " "), {}
                 case "sleeve" | "spool":
@@ -446,7 +448,7 @@ class _Columns:
                     yield "mileage", None, found.replace_mileage, {}
                 case "because":
                     deciding = found.deciding
-                    because = deciding.label if deciding and found.verdict != "ok" else None
+                    because = deciding.label if deciding and found.verdict != Verdict.OK else None
                     yield "plain", None, because, {"text_wrap": True}
                 case "representative":
                     yield "plain", None, ", ".join(land.representative) or None, {}
@@ -459,10 +461,7 @@ class _Columns:
         gaps = at.projection.gaps_of(found.key)
         if gaps:
             return "um", text, gaps[0].effective_clearance * UM, {}
-        state = found.state
-        rate = state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter)
-        rise_k = at.projection.condition.temperature - REFERENCE_TEMPERATURE
-        return "um", text, max(state.radial_clearance + rate * rise_k, 0.0) * UM, {}
+        return "um", text, found.state.effective_clearance(at.projection.condition.temperature) * UM, {}
 
     def _leakage(self, found: LandDiagnosis, prefix: str) -> tuple[str, str | None, float, dict[str, Any]]:
         at = next(each for each in self.sheets.conditions if each.prefix == prefix)
@@ -525,12 +524,8 @@ def _average(terms: list[str]) -> str:
     return f"AVERAGE({','.join(terms)})"
 
 
-def _limit_name(rule: RuleResult) -> str:
-    return "pair_share" if rule.rule.startswith("share_") else rule.rule
-
-
-def _choose(rank: str, fine: Verdict = "ok") -> str:
-    words = ",".join(f'"{verdict_word(verdict)}"' for verdict in (fine, *_RANKED[1:]))
+def _choose(rank: str, fine: Verdict = Verdict.OK) -> str:
+    words = ",".join(f'"{signed(verdict)}"' for verdict in (fine, *_RANKED[1:]))
     return f"CHOOSE({rank},{words})"
 
 

@@ -9,10 +9,14 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.diagnosis import Diagnosis
 from atleak.job import Job, Record
-from atleak.limits import VERDICTS
+from atleak.limits import RuleKind
+from atleak.look import CHART_GRID, INPUT, PAPER
 from atleak.report.road_series import road_series
-from atleak.report.xlsx.book import BANDS, Book, cell, formula, put, put_text, span, verdict_word
+from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.live import LiveSheets
+from atleak.rules import Rule
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
 ROAD_ROWS = 2000  # of the thinned road test
@@ -24,10 +28,10 @@ _KINDS = {
     "engine_rpm": "rpm",
 }
 _RULE_LABELS = {
-    "wear": "wear [%]",
-    "radial_clearance": "radial clearance [µm]",
-    "pair_share": "share of pump flow of one land [%]",
-    "total_share": "share of pump flow of the whole controller [%]",
+    RuleKind.WEAR: "wear [%]",
+    RuleKind.CLEARANCE: "radial clearance [µm]",
+    RuleKind.PAIR_SHARE: "share of pump flow of one land [%]",
+    RuleKind.TOTAL_SHARE: "share of pump flow of the whole controller [%]",
 }
 _INSTANTS = {"max_leakage": "largest leakage", "min_leakage": "smallest leakage", "max_share": "largest share"}
 
@@ -75,15 +79,20 @@ class Sheets:
 
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
+        decided_by = diagnosis.decided_by
         worst = diagnosis.hot_idle or diagnosis.projection
+        if isinstance(decided_by, Rule) and decided_by.condition is not None:
+            worst = diagnosis.at(decided_by.condition)
         share = (
             f"{worst.share * PERCENT:.1f} % of the pump's flow" if worst.pump_capacity > 0 else "all the pump delivers"
         )
         total = f"At “{worst.condition.label}” leakage takes {share} ({diagnosis.band(worst)})."
-        if diagnosis.verdict == "not_measured":
+        if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
         found = f"{len(flagged)} of {diagnosis.measured} measured lands have reached a limit"
-        return f"{verdict_word(diagnosis.verdict)}: {found}. {total}"
+        if isinstance(decided_by, Rule):
+            return f"{signed(diagnosis.verdict)} because of the total: {total} {found}."
+        return f"{signed(diagnosis.verdict)}: {found}. {total}"
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
@@ -131,7 +140,7 @@ class Sheets:
             put(sheet, row, 0, land.component, book.bold)
             put(sheet, row, 1, self.diagnosis.controller.components[land.component])
             verdict = cell(at, live.columns.at["verdict"], "Lands")
-            formula(sheet, row, 2, verdict, verdict_word(found.verdict), book.bold)
+            formula(sheet, row, 2, verdict, signed(found.verdict), book.bold)
             put(sheet, row, 3, land.land, book.form(align="left"))
             for column, (key, _, kind) in enumerate(keys, start=4):
                 value = self._land_value(found, key)
@@ -168,7 +177,7 @@ class Sheets:
         first = row + 2
         for row, step in enumerate(plan, start=first):
             name = self.diagnosis.controller.components[step["component"]]
-            values = (step["component"], name, verdict_word(step["verdict"]), step["land"])
+            values = (step["component"], name, signed(step["verdict"]), step["land"])
             for column, value in enumerate(values):
                 put(sheet, row, column, value, self.book.form(align="left"))
             for column, key in enumerate(("share_before_percent", "share_after_percent"), start=4):
@@ -230,9 +239,9 @@ class Sheets:
         self, sheet: Worksheet, row: int, axis: str, series: list[tuple[str, int]], first: int, last: int
     ) -> None:
         chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
-        dashes = {"pump_capacity_dm3_min": ("#1F4E79", "dash"), "leakage_dm3_min": ("#B3261E", "solid")}
+        dashes = {"pump_capacity_dm3_min": (PAPER.pump, "dash"), "leakage_dm3_min": (PAPER.leakage, "solid")}
         for name, column in series:
-            colour, dash = dashes.get(name, ("#333333", "solid"))
+            colour, dash = dashes.get(name, (PAPER.share, "solid"))
             chart.add_series(
                 {
                     "name": _heading(name).partition(" [")[0],
@@ -242,7 +251,7 @@ class Sheets:
                 }
             )
         chart.set_x_axis({"name": "time [s]", "min": 0, "label_position": "low"})
-        chart.set_y_axis({"name": axis, "major_gridlines": {"visible": True, "line": {"color": "#DDDDDD"}}})
+        chart.set_y_axis({"name": axis, "major_gridlines": {"visible": True, "line": {"color": CHART_GRID}}})
         chart.set_title({"none": True})
         chart.set_legend({"position": "top"} if len(series) > 1 else {"none": True})
         chart.show_blanks_as("gap")
@@ -253,24 +262,24 @@ class Sheets:
 
     def write_limits(self, sheet: Worksheet) -> None:
         """Every limit in a cell that rules and bands point to."""
-        names = ["rule", "watch", "replace", "amber", "red", "critical", "origin", "source"]
+        names = ["rule", *dict.fromkeys([*FLAGGED, *BANDS[1:]]), "origin", "source"]
+        origin = len(names) - 2
         book = self.book
         book.headings(sheet, 0, names)
         for row, (rule, steps) in enumerate(self.diagnosis.limits.rules.items(), start=1):
             put(sheet, row, 0, _RULE_LABELS[rule], book.bold)
-            factor = UM if rule == "radial_clearance" else PERCENT
             for level, limit in steps.levels:
                 column = names.index(level)
-                put(sheet, row, column, limit * factor, book.form("um", font_color="#0000C0"))
+                put(sheet, row, column, limit * rule.factor, book.form("um", font_color=INPUT))
                 self.live.limit_cells[rule, level] = cell(row, column, "Limits")
-            put(sheet, row, 6, steps.origin, book.wrapped)
-            put_text(sheet, row, 7, steps.source, book.wrapped, 64)
+            put(sheet, row, origin, steps.origin, book.wrapped)
+            put_text(sheet, row, origin + 1, steps.source, book.wrapped, 64)
         row = len(self.diagnosis.limits.rules) + 2
         book.pairs(sheet, row, [("limit set", self.diagnosis.limits.name), ("note", self.diagnosis.limits.note)])
         sheet.set_column(0, 0, 44)
-        sheet.set_column(1, 5, 12)
-        sheet.set_column(6, 6, 24)
-        sheet.set_column(7, 7, 70)
+        sheet.set_column(1, origin - 1, 12)
+        sheet.set_column(origin, origin, 24)
+        sheet.set_column(origin + 1, origin + 1, 70)
 
     def write_job(self, sheet: Worksheet) -> None:
         """The job record: what was filled in and nothing else."""
@@ -294,7 +303,7 @@ class Sheets:
                         row += 1
             else:
                 put(sheet, row, 0, _words(name), self.book.heading)
-                row = put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
+                row = put_text(sheet, row, 1, _field(name, value), self.book.wrapped, 84) + 2
 
     def write_messages(self, sheet: Worksheet) -> None:
         rows = [
@@ -338,6 +347,13 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return ", ".join(map(str, value))
     return value if value is None or isinstance(value, int | float | str) else str(value)
+
+
+def _field(name: str, value: Any) -> str:
+    if name == "measuring_temperature_c":
+        say = wording("en")
+        return say("facts.not_corrected", temperature=say.plain(value))
+    return str(value)
 
 
 def _words(name: str) -> str:

@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 import pytest
 
 from atleak.controller import load_controller
-from atleak.drawing import SHADES, controller_svg, shortened, spool_svg
+from atleak.drawing import controller_svg, shortened, spool_svg
+from atleak.look import LOOKS
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -21,12 +22,12 @@ def rectangles(svg: str) -> list[dict[str, str]]:
 
 def test_every_land_is_drawn_in_the_shade_of_its_verdict():
     controller = load_controller("four_speed_2023")
-    order = list(SHADES)[:5]
+    order = list(LOOKS)
     verdicts = {land.key: order[number % 5] for number, land in enumerate(controller.lands)}
     fills = [found["fill"] for found in rectangles(controller_svg(controller, verdicts))]
     for verdict in ("watch", "replace", "critical"):
         expected = sum(given == verdict for given in verdicts.values())
-        assert fills.count(SHADES[verdict].fill) == expected > 0
+        assert fills.count(LOOKS[verdict].fill) == expected > 0
 
 
 @pytest.mark.parametrize("columns", [1, 5, 6, 50])

@@ -17,19 +17,19 @@ import pypdfium2
 import pytest
 from PIL import Image
 
-import atleak.report.wording
+import atleak.wording
 from atleak.controller import load_controller
 from atleak.diagnosis import diagnose
-from atleak.drawing import SHADES
 from atleak.errors import InputError
 from atleak.job import Job
+from atleak.look import look_of
 from atleak.profile import PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.pdf.pictures import printable_picture
-from atleak.report.wording import languages, wording
+from atleak.wording import languages, wording
 
-TEXTS = Path(atleak.report.wording.__file__).parent / "texts"
+TEXTS = Path(atleak.wording.__file__).parent / "texts"
 
 
 def picture(width: int = 300, height: int = 200, form: str = "PNG", **options: object) -> bytes:
@@ -270,7 +270,7 @@ def test_shades_are_told_apart_in_grey():
         red, green, blue = (int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
         return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
-    greys = [grey(SHADES[verdict].fill) for verdict in ("ok", "watch", "replace", "critical")]
+    greys = [grey(look_of(verdict).fill) for verdict in ("ok", "watch", "replace", "critical")]
     assert all(light - dark > 0.1 for light, dark in pairwise(greys)), greys
 
 
@@ -338,3 +338,34 @@ def test_a_pump_that_delivers_nothing_and_another_controller(worn):
     assert minimal.name in text_of(write_pdf(other, paper="letter"))
     for each in (still, other):
         assert is_archival(write_pdf(each, language="de"))
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "23.5 °C (noted, not corrected)"),
+        ("pl", "23,5 °C (odnotowano, bez korekty wyników)"),
+        ("de", "23,5 °C (vermerkt, nicht korrigiert)"),
+    ],
+)
+def test_a_measuring_temperature_is_noted_and_not_corrected(unmeasured, language, said):
+    printed = write_pdf(unmeasured, Job(measuring_temperature_c=23.5), language=language, sections=["conditions"])
+    assert said in text_of(printed)
+    unknown = write_pdf(unmeasured, Job(number="1"), language=language, sections=["conditions"])
+    assert said.partition("(")[2] not in text_of(unknown)
+
+
+def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):
+    job = Job(
+        number="2026-0417",
+        workshop={"name": "شركة النور للسيارات"},
+        customer={"name": "محمد علي", "number": "44-17", "email": "somebody@example.org"},
+        vehicle={"registration": "12-345-67"},
+        transmission={"maker": "אבג", "code": "4G-22"},
+    )
+    first, *others = pages_of(write_pdf(worn, job))
+    assert len(others) > 2
+    for page in others:
+        assert page.splitlines()[0].split(" · ")[1:3] == ["2026-0417", "12-345-67 Internal leakage of a valve body"]
+    for numbers in (", 44-17, somebody@example.org", "Transmission אבג 4G-22"):
+        assert numbers in first

@@ -18,7 +18,8 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.job import Job
 from atleak.profile import PAPER, WORKSHOP
 from atleak.report.xlsx import write_workbook
-from atleak.report.xlsx.book import verdict_word
+from atleak.report.xlsx.book import NUMBER_FORMATS
+from atleak.wording import signed
 
 SHEETS = ["Summary", "Lands", "Gaps", "Gaps hot idle", "Rules", "Readings", "Road test", "Conditions", "Limits"]
 
@@ -119,9 +120,7 @@ def test_a_changed_diameter_changes_clearance_flow_share_and_verdict(worn, conte
         assert found == pytest.approx(value, rel=1e-9, abs=0.0), heading
     assert worn.lands[0].verdict == "ok"
     assert other.lands[0].verdict != "ok"
-    assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == verdict_word(
-        other.lands[0].verdict
-    )
+    assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == signed(other.lands[0].verdict)
     total = sheets.book.defined_names["stated_share"].attr_text.split("!")
     assert sheets.value(*total) == pytest.approx(other.projection.share * 100, rel=1e-9, abs=0.0)
 
@@ -165,6 +164,40 @@ def test_libreoffice_recalculates_atleaks_numbers(content, tmp_path):
                     expected = cached[sheet.title][cell.coordinate].value
                     assert same(rows[cell.row - 1][cell.column - 1], expected), (sheet.title, cell.coordinate)
     assert compared > 1500
+
+
+def test_libreoffice_shows_a_negative_wear_with_its_sign(worn, tmp_path):
+    soffice = shutil.which("soffice") or shutil.which("libreoffice")
+    if soffice is None:
+        pytest.skip("LibreOffice is not installed; how it shows a number format cannot be seen")
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(replace(worn, road=None))))
+    for name in book.sheetnames:
+        if name != "Lands":
+            del book[name]
+    column = column_of(book, "Lands", "wear Z")
+    for row, value in enumerate((-3.2, 0.0, 3.2, 9.99e99), start=2):
+        book["Lands"][f"{column}{row}"] = value  # in place of the formula, whose other sheets are gone
+    book.save(tmp_path / "in.xlsx")
+    as_shown = "csv:Text - txt - csv (StarCalc):44,34,76,1,,0,false,true,true"
+    profile = (tmp_path / "profile").as_uri()
+    command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", as_shown]
+    subprocess.run([*command, "--outdir", tmp_path, tmp_path / "in.xlsx"], check=True, capture_output=True, timeout=120)
+    lands = pd.read_csv(tmp_path / "in.csv", dtype=str)
+    shown = lands[next(name for name in lands.columns if name.startswith("wear Z"))]
+    assert shown.tolist()[:4] == ["-3.20", "0.00", "3.20", "pump delivers nothing"]
+
+
+def test_every_number_format_keeps_the_sign_of_a_negative_number():
+    """A format of several parts shows a negative number without its sign unless one part is for negative numbers."""
+    several = {name: form.split(";") for name, form in NUMBER_FORMATS.items() if ";" in form}
+    assert several
+    assert [name for name, parts in several.items() if not parts[1].startswith("[<0]-")] == []
+
+
+def test_a_measuring_temperature_is_noted_and_not_corrected(unmeasured):
+    content = io.BytesIO(write_workbook(unmeasured, Job(measuring_temperature_c=23.5)))
+    job = pd.read_excel(content, sheet_name="Job", header=None, engine="calamine")
+    assert "23.5 °C (noted, not corrected)" in job[1].tolist()
 
 
 def test_nothing_a_user_typed_becomes_a_formula(worn, hostile):
@@ -219,7 +252,7 @@ def test_same_job_same_bytes(worn):
 
 
 def test_unit_without_hot_idle(worn):
-    other: Diagnosis = replace(worn, hot_idle=None, road=None)
+    other: Diagnosis = replace(worn, projections=worn.projections[:1], road=None)
     sheets = pd.read_excel(io.BytesIO(write_workbook(other)), sheet_name=None, engine="calamine")
     assert "Gaps hot idle" not in sheets
 

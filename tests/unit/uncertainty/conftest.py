@@ -17,6 +17,7 @@ from atleak.limits import Limits
 from atleak.profile import WORKSHOP, Profile
 from atleak.projection import Projection, project
 from atleak.readings import LandClearance, Reading, Readings, clearances
+from atleak.rules import unit_rules
 from atleak.uncertainty import NOTHING_ELSE, Assumptions, UnitUncertainty, assess
 
 
@@ -117,7 +118,7 @@ def judge(four_speed: Controller, hipol: Fluid, limits: Limits) -> Callable[...,
             model,
             states,
             projections,
-            limits,
+            unit_rules(states, projections, limits),
             readings=sheet,
             instruments=instruments or two_instruments(),
             assumptions=assumptions,

@@ -11,16 +11,19 @@ import pytest
 
 from atleak.controller import Controller
 from atleak.equations import uncertainty as equations
+from atleak.equations import uncertainty_referees as referees
 from atleak.errors import InputError
 from atleak.fluid import Fluid
 from atleak.instruments import load_instruments
 from atleak.leakage import LeakageModel
-from atleak.limits import Limits, Steps
+from atleak.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.profile import PAPER, WORKSHOP
 from atleak.projection import project
 from atleak.readings import clearances
+from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, NOTHING_ELSE, Assumptions, assess
 from atleak.uncertainty.table import budget_rows, land_rows
+from atleak.verdicts import Band, Verdict
 
 from .conftest import a_sheet, two_instruments
 
@@ -41,8 +44,8 @@ def test_twenty_lands_with_a_common_error(
     total = case.unit.totals[0]
     found = 100.0 * total.u_leakage / total.leakage
     u = 0.0283 * hot
-    own = equations.cube_variance(hot, u)
-    shared = equations.cube_covariance(hot, u, hot, u, common_part)
+    own = referees.cube_variance(hot, u)
+    shared = referees.cube_covariance(hot, u, hot, u, common_part)
     exact = 100.0 * math.sqrt(20 * own + 380 * shared) / (20 * hot**3)
     assert exact == pytest.approx(percent, abs=0.005)
     assert abs(found - exact) < 3.0 * exact * math.sqrt(0.6 / draws)  # standard error, a little more than normal
@@ -69,15 +72,15 @@ def test_closed_form_and_draws_agree_within_three_standard_errors(judge: Callabl
     assert not again.closed_form
     factor = gap.leakage / gap.effective_clearance**3
     u = case.unit.lands[0].u_clearance
-    exact = factor * math.sqrt(equations.cube_variance(gap.effective_clearance, u))
+    exact = factor * math.sqrt(referees.cube_variance(gap.effective_clearance, u))
     assert land.u_leakage == pytest.approx(exact, rel=1e-9, abs=0.0)
-    ends = [factor * equations.cube_quantile(p, gap.effective_clearance, u) for p in (0.025, 0.975)]
+    ends = [factor * referees.cube_quantile(p, gap.effective_clearance, u) for p in (0.025, 0.975)]
     assert land.leakage_interval == pytest.approx(ends, rel=1e-9, abs=0.0)
     assert abs(again.u_leakage / exact - 1.0) < 3.0 * math.sqrt(0.6 / draws)
     for p, drawn_end, end in zip((0.025, 0.975), again.leakage_interval, ends, strict=True):
         z = equations.normal_quantile(p)
         c = gap.effective_clearance + z * u
-        density = equations.normal_density(z) / (factor * 3.0 * c * c * u)
+        density = referees.normal_density(z) / (factor * 3.0 * c * c * u)
         assert abs(drawn_end - end) < 3.0 * math.sqrt(p * (1 - p) / draws) / density
 
 
@@ -140,13 +143,13 @@ def test_draws_below_zero_leak_nothing(judge: Callable, twenty_lands: Controller
     assert land.clearance_interval[0] == 0.0
     assert land.leakage_interval[0] == 0.0
     assert not land.conditions[0].closed_form or gap.effective_clearance > 0
-    _, variance = equations.truncated_cube_moments(gap.effective_clearance, land.u_clearance)
+    _, variance = referees.truncated_cube_moments(gap.effective_clearance, land.u_clearance)
     exact = gap.leakage / gap.effective_clearance**3 * math.sqrt(variance)
     assert land.conditions[0].u_leakage == pytest.approx(exact, rel=0.02, abs=0.0)
 
 
 def test_probability_and_decision_follow_the_reading(judge: Callable, four_speed: Controller, limits: Limits) -> None:
-    steps = Steps((("replace", 30 * UM),), "set by the workshop", "")
+    steps = Steps(((Verdict.REPLACE, 30 * UM),), LimitOrigin.WORKSHOP, "")
     only = replace(limits, wear=None, clearance=steps, pair_share=None)
     seen = []
     for clearance in (27.0, 29.5, 30.5, 33.0):
@@ -162,7 +165,7 @@ def test_probability_and_decision_follow_the_reading(judge: Callable, four_speed
 def test_wear_is_judged_against_an_uncertain_mounting_clearance(judge: Callable, four_speed: Controller) -> None:
     given = replace(NOTHING_ELSE, mounting_clearance=1 * UM)
     land = judge(a_sheet(four_speed, clearance=30 * UM), assumptions=given).unit.lands[0]
-    rule = land.rule("wear")
+    rule = next(decided for decided in land.rules if decided.rule.kind is RuleKind.WEAR)
     mounting = land.sources.state.land.mounting_clearance
     rng = np.random.default_rng(0)
     new = rng.normal(mounting, 1 * UM, 400_000)
@@ -175,7 +178,7 @@ def test_wear_is_judged_against_an_uncertain_mounting_clearance(judge: Callable,
 
 def test_bands_of_the_total_have_probabilities(judge: Callable, four_speed: Controller, limits: Limits) -> None:
     share = judge(a_sheet(four_speed)).projections[0].share
-    steps = Steps((("amber", share), ("red", 1.2 * share), ("critical", 9.0)), "set by the workshop", "")
+    steps = Steps(((Band.AMBER, share), (Band.RED, 1.2 * share), (Band.CRITICAL, 9.0)), LimitOrigin.WORKSHOP, "")
     total = judge(a_sheet(four_speed), limits=replace(limits, total_share=steps), assumptions=DEFAULTS).unit.totals[0]
     bands = dict(total.band_probabilities)
     assert math.fsum(bands.values()) == pytest.approx(1.0, abs=1e-12)
@@ -191,7 +194,8 @@ def test_pump_that_delivers_nothing_is_over_every_limit(four_speed: Controller, 
     sheet = a_sheet(four_speed)
     states = clearances(sheet, four_speed)
     model = LeakageModel(four_speed, states, hipol, WORKSHOP)
-    unit = assess(model, states, [project(model, slow)], limits, readings=sheet, draws=500)
+    at = [project(model, slow)]
+    unit = assess(model, states, at, unit_rules(states, at, limits), readings=sheet, draws=500)
     total = unit.totals[0]
     assert math.isinf(total.share)
     assert total.decision.decision == "fail"
@@ -232,7 +236,7 @@ def test_nothing_measured_says_nothing(four_speed: Controller, hipol: Fluid, lim
     states = clearances(None, four_speed)
     model = LeakageModel(four_speed, states, hipol, WORKSHOP)
     projections = [project(model, point) for point in four_speed.operating_points]
-    unit = assess(model, states, projections, limits, draws=500)
+    unit = assess(model, states, projections, unit_rules(states, projections, limits), draws=500)
     assert all(land.u_clearance is None and land.decision is None for land in unit.lands)
     assert not land_rows(unit)
     assert len(unit.totals) == len(projections)
@@ -294,7 +298,7 @@ def test_a_unit_of_sixty_lands_is_assessed(
     states = clearances(sheet, sixty)
     model = LeakageModel(sixty, states, hipol, WORKSHOP)
     projections = [project(model, point) for point in sixty.operating_points]
-    unit = assess(model, states, projections, limits, readings=sheet, draws=20_000)
+    unit = assess(model, states, projections, unit_rules(states, projections, limits), readings=sheet, draws=20_000)
     assert unit.draws == 20_000
     assert len(unit.lands) == 60
     assert all(land.u_clearance for land in unit.lands)

@@ -9,8 +9,9 @@ import pytest
 
 from atleak.controller import Controller
 from atleak.figures import uncertainty as figures
-from atleak.limits import Limits, Steps
+from atleak.limits import LimitOrigin, Limits, Steps
 from atleak.uncertainty import DEFAULTS, UnitUncertainty
+from atleak.verdicts import Verdict
 
 from .conftest import a_sheet
 
@@ -24,7 +25,7 @@ def unit(judge: Callable, four_speed: Controller) -> UnitUncertainty:
 
 
 def test_clearances_carry_their_intervals_and_limits(unit: UnitUncertainty, limits: Limits) -> None:
-    figure = figures.clearances(unit, limits, lands=10)
+    figure = figures.clearances(unit, lands=10)
     traces = {trace.name: trace for trace in figure.data}
     drawn = 0
     for decision in ("pass", "conditional pass", "conditional fail", "fail"):
@@ -56,14 +57,6 @@ def test_leakages_show_interval_and_eccentricity(unit: UnitUncertainty) -> None:
     assert len(points.x) == 5
 
 
-def test_totals_tell_how_likely_each_band_is(unit: UnitUncertainty, limits: Limits) -> None:
-    (points,) = figures.totals(unit, limits).data
-    assert len(points.x) == len(unit.totals)
-    for text, total in zip(points.customdata, unit.totals, strict=True):
-        likeliest = max(total.band_probabilities, key=lambda item: item[1])
-        assert f"{likeliest[0]} {100 * likeliest[1]:.0f} %" in str(text)
-
-
 def test_budget_adds_up(unit: UnitUncertainty) -> None:
     bars = figures.budget(unit.lands[0], sources=50).data
     assert [sum(bar.x) for bar in bars] == pytest.approx([100.0, 100.0], rel=1e-9, abs=0.0)
@@ -72,8 +65,8 @@ def test_budget_adds_up(unit: UnitUncertainty) -> None:
 def test_limit_of_a_clearance_is_drawn_where_it_decides(
     judge: Callable, four_speed: Controller, limits: Limits
 ) -> None:
-    steps = Steps((("replace", 30 * UM),), "set by the workshop", "")
+    steps = Steps(((Verdict.REPLACE, 30 * UM),), LimitOrigin.WORKSHOP, "")
     only = replace(limits, wear=None, clearance=steps, pair_share=None)
     unit = judge(a_sheet(four_speed, clearance=32 * UM), limits=only, draws=500).unit
-    limit = next(trace for trace in figures.clearances(unit, only).data if trace.name == "limit")
+    limit = next(trace for trace in figures.clearances(unit).data if trace.name == "limit")
     assert list(limit.x) == pytest.approx([30.0] * len(limit.x), rel=1e-12, abs=0.0)

@@ -1,4 +1,4 @@
-"""The words and numbers of a report in a reader's language."""
+"""Words and numbers in a reader's language: one file of texts for each."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import datetime as dt
 import math
 import re
 import tomllib
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -13,11 +14,26 @@ from pathlib import Path
 from typing import Any
 
 from atleak.errors import InputError, nearest_name
+from atleak.look import look_of
+from atleak.verdicts import Band, Verdict
 from atleak.workshop_units import PERCENT
 
 _FOLDER = Path(__file__).parent / "texts"
 _PLACE = re.compile(r"\{(\w+)\}")
+_FROM_THE_RIGHT = ("R", "AL", "AN")  # Unicode's classes of letters and digits
 _NARROW = "\u00a0"  # between thousands, and between a number and its unit: no line breaks there
+
+
+def isolated(text: str) -> str:
+    r"""A text beside others on one line: written from right to left, it leaves the order of what stands around it.
+
+    Without this, a number between hyphens beside an Arabic name is shown with its parts exchanged.
+
+    >>> isolated("2026-0417"), isolated("שלום").encode("unicode_escape")
+    ('2026-0417', b'\\u2068\\u05e9\\u05dc\\u05d5\\u05dd\\u2069')
+    """
+    from_the_right = any(unicodedata.bidirectional(letter) in _FROM_THE_RIGHT for letter in text)
+    return f"\u2068{text}\u2069" if from_the_right else text
 
 
 @dataclass(frozen=True)
@@ -36,11 +52,19 @@ class Wording:
             for a key no language has.
         """
         table, _, name = key.partition(".")
-        return _PLACE.sub(lambda found: str(values[found[1]]), self.texts[table][name])
+        return _PLACE.sub(lambda found: isolated(str(values[found[1]])), self.texts[table][name])
 
     def get(self, table: str, name: str) -> str:
         """The text for a name that need not be known: itself where it is not."""
         return self.texts[table].get(name, name)
+
+    def level(self, level: Verdict | Band) -> str:
+        """The word of a verdict or a band."""
+        return self.texts["bands" if isinstance(level, Band) else "verdicts"][level]
+
+    def signed(self, level: Verdict | Band) -> str:
+        """Sign and word of a verdict or a band: ``■ replace``."""
+        return f"{look_of(level).sign} {self.level(level)}"
 
     def number(self, value: float | None, digits: int) -> str:
         """A number with the language's decimal sign; a dash where unknown, ∞ where infinite.
@@ -91,3 +115,8 @@ def wording(language: str) -> Wording:
             nearest=nearest_name(language, known),
         )
     return Wording(language, tomllib.loads((_FOLDER / f"{language}.toml").read_text(encoding="utf-8")))
+
+
+def signed(level: Verdict | Band) -> str:
+    """Sign and English word of a verdict or a band: ``■ replace``."""
+    return wording("en").signed(level)

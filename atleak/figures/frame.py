@@ -1,0 +1,60 @@
+"""What every figure on the screen shares: a clear ground, a legend on top, room for labels, error bars."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import plotly.graph_objects as go
+
+from atleak.look import CLEAR, FAINT_GRID, SCREEN
+
+Interval = tuple[float, float]
+
+
+def framed(figure: go.Figure, height: int, top: int = 36, **layout: object) -> go.Figure:
+    """The figure with the page's ground and narrow margins, ``height`` and ``top`` in pixels."""
+    figure.update_layout(
+        height=height,
+        paper_bgcolor=CLEAR,
+        plot_bgcolor=CLEAR,
+        margin={"l": 8, "r": 8, "t": top, "b": 8},
+        legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0.0, "xanchor": "left"},
+        **layout,
+    )
+    figure.update_xaxes(automargin=True, zeroline=False, gridcolor=FAINT_GRID)
+    figure.update_yaxes(automargin=True, zeroline=False)
+    return figure
+
+
+def error_bars(
+    values: Sequence[float], intervals: Sequence[Interval | None], factor: float, colour: str = SCREEN.soft
+) -> dict[str, Any] | None:
+    """Asymmetric error bars; None where nothing has an interval.
+
+    Parameters
+    ----------
+    values, intervals
+        in SI; an interval that is None has no length.
+    factor
+        from SI to the unit of the axis.
+    """
+    if all(interval is None for interval in intervals):
+        return None
+    ends = [(value, value) if end is None else end for value, end in zip(values, intervals, strict=True)]
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": [(high - value) * factor for value, (_, high) in zip(values, ends, strict=True)],
+        "arrayminus": [(value - low) * factor for value, (low, _) in zip(values, ends, strict=True)],
+        "color": colour,
+        "thickness": 1.6,
+        "width": 5,
+    }
+
+
+def by_land(figure: go.Figure, names: Sequence[str], height: int, **layout: object) -> go.Figure:
+    """A figure with one row per land, the first on top; ``height`` is that of a row in pixels."""
+    order = list(reversed(names))
+    figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
+    return framed(figure, 110 + height * max(len(names), 3), **layout)

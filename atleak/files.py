@@ -1,0 +1,114 @@
+"""Files written whole: whoever opens one finds what stood there before or all of what replaces it, never a part."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import stat
+import time
+from pathlib import Path
+
+from atleak.errors import OutputError, Place
+
+PRIVATE = 0o600  # what only its owner may read and write
+_NEW = 0o666  # less what the user's umask takes away
+_TRIES = 20  # of a replacement: on Windows a reader or a virus scanner holds a file for a moment
+_PAUSE = 0.05  # [s]
+
+
+def replace_file(target: str | Path, content: bytes, *, mode: int | None = None) -> None:
+    """Write a file beside its target and put it in the target's place; on any failure the earlier file stays.
+
+    A link stays a link: the file that it leads to is replaced. A device, a pipe, or the file that standard output goes
+    to cannot be replaced and is written to.
+
+    Parameters
+    ----------
+    target
+        where the file is to stand, in a folder that is there.
+    content
+        all of the file.
+    mode
+        permissions of the file; unless given, those of the file that it replaces, else those of any new file.
+
+    Raises
+    ------
+    OutputError
+        naming the target and why it cannot be written.
+    """
+    target = Path(target)
+    try:
+        earlier = _status(target)
+        stream = None if earlier is None else _standard_stream(earlier)
+        if stream is not None:
+            with os.fdopen(os.dup(stream), "wb") as output:
+                output.write(content)
+        elif earlier is None or stat.S_ISREG(earlier.st_mode):
+            _replace(Path(os.path.realpath(target)), earlier, content, mode)
+        else:
+            with target.open("wb") as device:  # a folder is refused here
+                device.write(content)
+    except BrokenPipeError:  # the reader went away: nothing of ours is at fault
+        raise
+    except OSError as error:
+        raise OutputError(f"cannot be written: {error.strerror}", place=Place(file=str(target))) from error
+
+
+def _status(path: Path) -> os.stat_result | None:
+    try:
+        return path.stat()
+    except FileNotFoundError:
+        return None
+
+
+def _standard_stream(found: os.stat_result) -> int | None:
+    """Standard output or error where it goes to this very file, as /dev/stdout does."""
+    for stream in (1, 2):
+        with contextlib.suppress(OSError):  # a stream that is closed
+            if os.path.samestat(found, os.fstat(stream)):
+                return stream
+    return None
+
+
+def _replace(target: Path, earlier: os.stat_result | None, content: bytes, mode: int | None) -> None:
+    if earlier is not None and not os.access(target, os.W_OK):
+        raise PermissionError(None, "it is write-protected")
+    wanted = stat.S_IMODE(earlier.st_mode) if mode is None and earlier is not None else mode
+    beside = target.with_name(f".atleak-{secrets.token_hex(8)}.part")
+    try:
+        _write_beside(beside, content, _NEW if wanted is None else wanted)
+        if earlier is not None and hasattr(os, "chown"):
+            with contextlib.suppress(OSError):  # another owner's file in a shared folder
+                os.chown(beside, earlier.st_uid, earlier.st_gid)
+        if wanted is not None:
+            beside.chmod(wanted)  # the umask does not count for a file that was there
+        _put_in_place(beside, target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise
+
+
+def _write_beside(beside: Path, content: bytes, mode: int) -> None:
+    try:
+        stream = open(beside, "xb", opener=lambda path, flags: os.open(path, flags, mode))  # noqa: SIM115
+    except PermissionError as error:
+        reason = f"{error.strerror}: nothing may be written in its folder, where a new file is made first"
+        raise PermissionError(error.errno, reason) from error
+    with stream:
+        stream.write(content)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def _put_in_place(beside: Path, target: Path) -> None:
+    for tries_left in reversed(range(_TRIES)):
+        try:
+            beside.replace(target)
+            return
+        except PermissionError as error:
+            if not tries_left:
+                reason = f"{error.strerror}: is it open in another program, Excel for instance?"
+                raise PermissionError(error.errno, reason) from error
+            time.sleep(_PAUSE)

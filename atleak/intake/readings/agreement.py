@@ -1,0 +1,274 @@
+"""What a sheet says twice: clearances and means beside the diameters, corrections, the controller at its head."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from statistics import fmean
+
+from atleak import catalogue
+from atleak.controller import Controller
+from atleak.errors import Message, ReadingsError
+from atleak.intake.readings.columns import Columns
+from atleak.intake.readings.headings import Header
+from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.values import Entry
+from atleak.intake.readings.words import (
+    CLEARANCES,
+    CORRECTED,
+    CORRECTIONS,
+    ERRORS,
+    NOT_MEASURED,
+    RADIAL,
+    is_blank,
+    letters,
+    number,
+    part_of,
+    plain,
+    text_of,
+)
+from atleak.intake.units import Unit, find_unit
+from atleak.readings import Reading
+
+_ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
+_SHOWN = 5  # rows that are told one by one
+_PAIRS = 400  # at most so many pairs of diameters are compared with a clearance
+_UNITS = ("mm", "µm", "inch")  # that a clearance without a unit may be in
+_CONTROLLER = re.compile(r"\bcontroller\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE)
+_ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
+
+
+def messages(
+    table: Table, columns: Columns, entries: Sequence[Entry], readings: Sequence[Reading]
+) -> Iterator[Message]:
+    """Clearances and means that contradict the diameters beside them, and corrections that were not applied."""
+    sheet, header = table.sheet, table.header
+    by_place = {reading.place: reading for reading in readings}
+    rows: dict[int, list[Reading]] = defaultdict(list)
+    lands: dict[tuple[str, str], list[Reading]] = defaultdict(list)
+    for entry in entries:
+        reading = by_place.get(entry.raw.place)
+        if reading is not None:
+            rows[entry.row].append(reading)
+            lands[reading.component, reading.plane].append(reading)
+    for index in range(sheet.width):
+        heading = header.text(index)
+        words = letters(heading)
+        if index in columns.read or not words:
+            continue
+        unit = _unit(heading)
+        if any(word in CLEARANCES for word in words) and not any(word in NOT_MEASURED for word in words):
+            radial = any(word in RADIAL for word in words)
+            yield from _told(sheet, index, heading, _clearances(sheet, index, rows, lands, unit, radial), "clearance")
+        elif _is_correction(words):
+            yield from _correction(sheet, header, index, rows, columns)
+        elif any(column.index == index and column.role == "mean" for column in header.columns):
+            yield from _told(sheet, index, heading, _means(sheet, index, heading, rows, lands, unit), "mean")
+    yield from _correction_above(sheet, header)
+
+
+Contradiction = tuple[int, str, str]  # row, what is stated, what follows from the diameters
+
+
+def _told(sheet: Sheet, index: int, heading: str, found: Iterator[Contradiction], what: str) -> Iterator[Message]:
+    contradictions = list(found)
+    for row, stated, computed in contradictions[:_SHOWN]:
+        yield Message(
+            "warning",
+            f"{what}_disagrees",
+            f"row {sheet.row_number(row)}: column {heading!r} says {stated}, and the diameters make {computed}: a "
+            "slip in one of them",
+            sheet.place(row, index, heading),
+        )
+    if len(contradictions) > _SHOWN:
+        more = len(contradictions) - _SHOWN
+        yield Message(
+            "warning",
+            f"{what}_disagrees",
+            f"{more} more row{'s' if more > 1 else ''} where column {heading!r} contradicts the diameters",
+            sheet.place(contradictions[_SHOWN][0], index, heading),
+        )
+
+
+def _unit(heading: str) -> Unit | None:
+    for found in re.finditer(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading):
+        unit = find_unit(found[1].strip(), "length")
+        if unit is not None:
+            return unit
+    words = plain(heading).replace("_", " ").replace(",", " ").split()
+    return find_unit(words[-1], "length") if words and words[-1] in {"mm", "um", "µm", "μm", "inch"} else None
+
+
+def _stated(sheet: Sheet, row: int, index: int) -> tuple[float, Unit | None] | None:
+    cell = sheet.cell(row, index)
+    if is_blank(cell):
+        return None
+    try:
+        return number(cell)
+    except ReadingsError:
+        return None
+
+
+def _clearances(
+    sheet: Sheet,
+    index: int,
+    rows: dict[int, list[Reading]],
+    lands: dict[tuple[str, str], list[Reading]],
+    unit: Unit | None,
+    radial: bool,
+) -> Iterator[Contradiction]:
+    for row, readings in rows.items():
+        stated = _stated(sheet, row, index)
+        if stated is None:
+            continue
+        beside = readings
+        if len({reading.part for reading in readings}) < 2:
+            beside = lands[readings[0].component, readings[0].plane]
+        known = _differences(beside)
+        if not known:
+            continue
+        value, written = stated
+        units = [found for found in (written or unit, *(() if written or unit else map(_length, _UNITS))) if found]
+        sizes = [difference * share for difference in known for share in ((0.5,) if radial else (1.0, 0.5))]
+        if any(abs(value * each.factor - size) <= _rounded(value, each) for each in units for size in sizes):
+            continue
+        shown = units[0]
+        difference = known[0] * (0.5 if radial else 1.0)
+        yield row, f"{value:g} {shown.name}", f"{shown.from_si(difference):.6g} {shown.name}"
+
+
+def _differences(readings: Sequence[Reading]) -> list[float]:
+    """D − d of the means first, then of single readings [m]; empty where one part is missing."""
+    spools, sleeves = ([found.diameter for found in readings if found.part == part] for part in ("spool", "sleeve"))
+    if not spools or not sleeves:
+        return []
+    found = [fmean(sleeves) - fmean(spools), min(sleeves) - max(spools), max(sleeves) - min(spools)]
+    if len(spools) * len(sleeves) <= _PAIRS:
+        found += [sleeve - spool for sleeve in sleeves for spool in spools]
+    return found
+
+
+def _length(name: str) -> Unit | None:
+    return find_unit(name, "length")
+
+
+def _rounded(value: float, unit: Unit) -> float:
+    """How far a stated number may be off by its own rounding and by that of the diameters [m]."""
+    decimals = len(f"{value:.6f}".rstrip("0").partition(".")[2])
+    return max(0.5 * 10.0**-decimals * unit.factor if decimals else 0.0, _ROUNDED) + 1e-9
+
+
+def _means(
+    sheet: Sheet,
+    index: int,
+    heading: str,
+    rows: dict[int, list[Reading]],
+    lands: dict[tuple[str, str], list[Reading]],
+    unit: Unit | None,
+) -> Iterator[Contradiction]:
+    parts = {part_of(word) for word in letters(heading) if len(word) > 2} - {None}
+    for row, readings in rows.items():
+        stated = _stated(sheet, row, index)
+        if stated is None:
+            continue
+        value, written = stated
+        found = written or unit or _length("mm")
+        wanted = [reading for reading in readings if len(parts) != 1 or reading.part in parts]
+        if not wanted or found is None:
+            continue
+        sets = [means for reading in wanted for means in _sets(reading, wanted, lands)]
+        if any(abs(value * found.factor - fmean(each)) <= _rounded(value, found) for each in sets):
+            continue
+        yield row, f"{value:.7g} {found.name}", f"{found.from_si(fmean(sets[0])):.7g} {found.name}"
+
+
+def _sets(
+    reading: Reading, beside: Sequence[Reading], lands: dict[tuple[str, str], list[Reading]]
+) -> Iterator[list[float]]:
+    """Diameters that a mean beside this reading may be of: of its row, direction, plane; the closest first."""
+    same = [found for found in lands[reading.component, reading.plane] if found.part == reading.part]
+    in_row = [found.diameter for found in beside if found.part == reading.part]
+    direction = [found.diameter for found in same if found.direction == reading.direction]
+    if len(in_row) > 1:
+        yield in_row
+    yield direction
+    yield [found.diameter for found in same]
+    yield in_row
+    yield [found.diameter for found in beside]
+
+
+# --- corrections ------------------------------------------------------------------------------------------------------
+
+
+def _is_correction(words: Sequence[str]) -> bool:
+    correction = any(word in CORRECTIONS for word in words)
+    return (
+        correction
+        and not any(word in CORRECTED for word in words)
+        and (any(word in ERRORS for word in words) or not {"gauge", "ring"} & set(words) or len(words) > 2)
+    )
+
+
+def _correction(sheet: Sheet, header: Header, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
+    read = [column.heading for group in columns.groups for column in group.values()]
+    if any(word in CORRECTED for heading in read for word in letters(heading)):
+        return
+    found = [(row, stated[0]) for row in rows if (stated := _stated(sheet, row, index)) is not None and stated[0]]
+    if found:
+        row, largest = max(found, key=lambda each: abs(each[1]))
+        heading = header.text(index)
+        yield Message(
+            "warning",
+            "correction_not_applied",
+            f"column {heading!r} is not zero in {len(found)} row{'s' if len(found) > 1 else ''} (up to {largest:g}, "
+            f"row {sheet.row_number(row)}): it was not applied to the diameters",
+            sheet.place(row, index, heading),
+        )
+
+
+def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
+    for row in range(max(header.first, 0)):
+        for index, cell in enumerate(sheet.rows[row]):
+            if not isinstance(cell, str) or not _is_correction(letters(re.sub(r"[\d.,+\-−]+", " ", cell))):
+                continue
+            amount = re.search(r"[+\-−]?\d+(?:[.,]\d+)?\s*(?:µm|um|μm|mm)\b", cell)
+            beside = sheet.cell(row, index + 1)
+            value = amount[0] if amount else "" if is_blank(beside) else text_of(beside)
+            if re.search(r"[1-9]", value):
+                yield Message(
+                    "warning",
+                    "correction_not_applied",
+                    f"above the table stands {' '.join(cell.split())[:80]!r}{'' if amount else f' {value[:20]}'}: "
+                    "it was not applied to the diameters",
+                    sheet.place(row, index),
+                )
+
+
+# --- the head of the sheet --------------------------------------------------------------------------------------------
+
+
+def other_controller(sheet: Sheet, header: Header, controller: Controller) -> ReadingsError | None:
+    """Whether the head of the sheet names another controller than the one it is read for."""
+    known = {plain(name) for name in catalogue.catalogue_files("controllers")}
+    mine = {plain(controller.id), plain(controller.name)}
+    for row in range(max(header.first, 0)):
+        for index, cell in enumerate(sheet.rows[row]):
+            if not isinstance(cell, str) or not letters(cell) or "controller" not in plain(cell):
+                continue
+            found = _CONTROLLER.search(cell)
+            named = found[1] if found else None
+            if found and named is None and not cell[found.end() :].strip(" .:"):
+                beside = text_of(sheet.cell(row, index + 1))
+                named = beside if _ID.fullmatch(beside) else None
+            if named is None or plain(named) in mine or (plain(named) not in known and "_" not in named):
+                continue
+            return ReadingsError(
+                f"the sheet was made for controller {named}, not for {controller.id}",
+                place=sheet.place(row, index),
+                value=" ".join(cell.split())[:80],
+                expected=f"that controller, chosen with --controller {named} (or the path of its file); or the line "
+                "taken out of the sheet",
+            )
+    return None

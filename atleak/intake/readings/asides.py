@@ -1,0 +1,287 @@
+"""Rows that hold numbers and no reading: means and sums, what their author crossed out, hid or called void."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean, median
+
+from atleak.errors import Message, ReadingsError
+from atleak.intake.readings.columns import Columns
+from atleak.intake.readings.names import Names
+from atleak.intake.readings.sheet import Cell, rows_named
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.values import Entry
+from atleak.intake.readings.words import (
+    COUNTS,
+    COUNTS_NOT,
+    Summary,
+    direction_of,
+    is_blank,
+    is_rejected,
+    letters,
+    number,
+    part_of,
+    repeat_of,
+    says_no,
+    says_specification,
+    says_yes,
+    summary_of,
+    text_of,
+)
+
+LEFT_ASIDE = (
+    "summaries_left_aside",
+    "rejected_left_aside",
+    "struck_left_aside",
+    "hidden_rows",
+    "specifications_left_aside",
+)  # codes of messages
+_HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
+_MARKS = {"x", "✓", "✔", "1"}
+_NAMES: dict[Summary, str] = {
+    "mean": "means",
+    "sum": "sums",
+    "largest": "largest values",
+    "smallest": "smallest values",
+    "spread": "spreads",
+    "count": "counts",
+}
+_COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
+    "mean": fmean,
+    "sum": sum,
+    "largest": max,
+    "smallest": min,
+}
+
+
+@dataclass(frozen=True)
+class SummaryRow:
+    """A row that sums others up, and whether its own labels or only a remark says so."""
+
+    row: int
+    kind: Summary
+
+    @property
+    def name(self) -> str:
+        """What one such number is called."""
+        return _NAMES[self.kind].removesuffix("s")
+
+
+class Asides:
+    """Which rows under the headings are left aside, and why."""
+
+    def __init__(self, table: Table, columns: Columns, names: Names) -> None:
+        self.sheet, self.header, self.columns, self.names = table.sheet, table.header, columns, names
+        self.summaries: list[SummaryRow] = []
+        self.struck: list[int] = []
+        self._rejected: dict[str, list[int]] = defaultdict(list)
+        self._specified: dict[str, list[int]] = defaultdict(list)
+        self._hidden: dict[str, list[int]] = defaultdict(list)
+        values = {column.index for group in columns.groups for column in group.values()}
+        keys = columns.keys
+        self._keys = [column.index for column in keys]
+        self._others = [index for index in range(self.sheet.width) if index not in values and index not in self._keys]
+        self._counts, self._counts_not = (
+            [index for index in self._others if _asks(self.header.text(index), words)] for words in (COUNTS, COUNTS_NOT)
+        )
+
+        # marks in some rows and nothing in others, and nowhere a "no": what is not marked does not count
+        self._marked = [
+            index
+            for index in self._counts
+            if all(says_yes(cell) and text_of(cell).lower() in _MARKS for cell in self._cells(index))
+            and self._cells(index)
+        ]
+
+    def _cells(self, index: int) -> list[Cell]:
+        rows = range(self.header.last + 1, len(self.sheet.rows))
+        return [cell for row in rows if not is_blank(cell := self.sheet.filled(row, index))]
+
+    def takes(self, row: int) -> bool:
+        """Whether a row that holds numbers is no reading."""
+        hidden = self.sheet.marks.hidden_rows.get(row)
+        if hidden is not None:
+            self._hidden[hidden].append(row)
+            if hidden == "by hand":
+                return True
+        rejected = self._rejection(row)
+        if rejected is not None:
+            self._rejected[rejected].append(row)
+            return True
+        if any(self._is_struck(row, index) for index in self._keys):
+            self.struck.append(row)
+            return True
+        kind = self._summary(row)
+        if kind is not None:
+            self.summaries.append(SummaryRow(row, kind))
+            return True
+        specified = self._specification(row)
+        if specified is not None:
+            self._specified[specified].append(row)
+        return specified is not None
+
+    def _specification(self, row: int) -> str | None:
+        """The word that says of a row that its number is what should be, beside rows of what is."""
+        for cell in self.sheet.rows[row]:
+            if isinstance(cell, str) and says_specification(cell) and self.names.component(cell) is None:
+                return cell
+        return None
+
+    def _is_struck(self, row: int, index: int) -> bool:
+        return bool(self.sheet.marks.struck) and self.sheet.is_struck(row, index)
+
+    def _rejection(self, row: int) -> str | None:
+        for index in self._counts:
+            cell = self.sheet.filled(row, index)
+            if not is_blank(cell) and says_no(cell):
+                return f"{self._heading(index)} says {text_of(cell)!r}"
+            if index in self._marked and is_blank(cell):
+                return f"{self._heading(index)} has no mark"
+        for index in self._counts_not:
+            cell = self.sheet.filled(row, index)
+            if not is_blank(cell) and says_yes(cell):
+                return f"{self._heading(index)} says {text_of(cell)!r}"
+        for index in self._others:
+            cell = self.sheet.cell(row, index)
+            if is_rejected(cell):
+                return f"a remark says {text_of(cell)!r}"
+        return None
+
+    def _heading(self, index: int) -> str:
+        return f"column {self.header.text(index)!r}"
+
+    def _summary(self, row: int) -> Summary | None:
+        columns, cell = self.columns, self.sheet.filled
+        for column in columns.keys:
+            label = cell(row, column.index)
+            if not isinstance(label, str) or is_blank(label):
+                continue
+            understood = (
+                self.names.component(label) is not None
+                if column in (columns.component, *columns.names)
+                else part_of(label) is not None
+                if column == columns.part
+                else direction_of(label) is not None
+                if column == columns.direction
+                else column == columns.repeat and repeat_of(label) is not None
+            )
+            kind = None if understood else summary_of(label, key=True)
+            if kind is not None:
+                return kind
+        return next((kind for index in self._others if (kind := summary_of(self.sheet.cell(row, index)))), None)
+
+    # --- what is said of them -----------------------------------------------------------------------------------------
+
+    def messages(self, entries: Sequence[Entry]) -> Iterator[Message]:
+        """What was left aside, and summaries that are not those of the readings above them."""
+        place = self.sheet.place()
+        by_kind: dict[Summary, list[int]] = defaultdict(list)
+        for found in self.summaries:
+            by_kind[found.kind].append(found.row)
+        for kind, rows in by_kind.items():
+            text = f"{_count(rows)} of {_NAMES[kind]} left aside ({rows_named(self.sheet, rows)})"
+            yield Message("info", "summaries_left_aside", text, place)
+        for word, rows in self._specified.items():
+            text = f"{_count(rows)} of {word!r} left aside, what should be ({rows_named(self.sheet, rows)})"
+            yield Message("info", "specifications_left_aside", text, place)
+        for reason, rows in self._rejected.items():
+            text = f"{_count(rows)} left aside, because {reason} ({rows_named(self.sheet, rows)})"
+            yield Message("warning", "rejected_left_aside", text, place)
+        if self.struck:
+            rows = sorted(set(self.struck))
+            text = f"{_count(rows)} with a crossed-out reading: it was left aside ({rows_named(self.sheet, rows)})"
+            yield Message("warning", "struck_left_aside", text, place)
+        for way, rows in self._hidden.items():
+            done = "left aside: show them, and they are read" if way == "by hand" else "read all the same"
+            text = f"{_count(rows)} with readings, hidden {way}: {done} ({rows_named(self.sheet, rows)})"
+            yield Message("warning" if way == "by hand" else "info", "hidden_rows", text, place)
+        for found in self.summaries:
+            yield from self._disagreement(found, entries)
+
+    def stands_alone(self, found: SummaryRow, entries: Sequence[Entry]) -> bool:
+        """Whether a row of means says what it is of, and no single readings of that stand on the sheet."""
+        labels = self._labels(found.row)
+        return (
+            found.kind in ("mean", "largest", "smallest")
+            and "component" in labels
+            and not any(_matches(entry, labels) for entry in entries)
+        )
+
+    def _labels(self, row: int) -> Mapping[str, object]:
+        """What the row's labels say as far as they are understood."""
+        columns, cell = self.columns, self.sheet.filled
+        said: dict[str, object] = {}
+        component = self.names.component(cell(row, columns.component.index)) if columns.component else None
+        if component is not None:
+            said["component"] = component
+            try:
+                if columns.plane is not None and not is_blank(cell(row, columns.plane.index)):
+                    said["plane"] = self.names.plane(component, cell(row, columns.plane.index))
+                elif columns.land is not None and not is_blank(cell(row, columns.land.index)):
+                    said["plane"] = self.names.land(component, cell(row, columns.land.index)).planes[0]
+            except ReadingsError:
+                pass
+        if columns.part is not None:
+            said["part"] = part_of(text_of(cell(row, columns.part.index)))
+        if columns.direction is not None:
+            said["direction"] = direction_of(cell(row, columns.direction.index))
+        return {name: value for name, value in said.items() if value is not None}
+
+    def _disagreement(self, found: SummaryRow, entries: Sequence[Entry]) -> Iterator[Message]:
+        compute = _COMPUTED.get(found.kind)
+        if compute is None:
+            return
+        before = max((other.row for other in self.summaries if other.row < found.row), default=-1)
+        labels = self._labels(found.row)
+        for group in self.columns.groups:
+            column = group.get("diameter")
+            if column is None or is_blank(self.sheet.cell(found.row, column.index)):
+                continue
+            try:
+                stated, _ = number(self.sheet.cell(found.row, column.index))
+            except ReadingsError:
+                continue
+            above = [entry for entry in entries if entry.row < found.row and entry.column == column.index]
+            same = [entry for entry in above if labels and _matches(entry, labels)]
+            sets = [same, [entry for entry in above if entry.row > before], above]
+            sizes = [[entry.raw.size for entry in each] for each in sets if each]
+            if not sizes or any(_agree(stated, compute(each)) for each in sizes):
+                continue
+            if found.kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
+                continue
+            rows = [entry.row for entry in next(each for each in sets if each)]
+            yield Message(
+                "warning",
+                "summary_disagrees",
+                f"{_said(found.kind)} {stated:.7g} stands in row {self.sheet.row_number(found.row)}, but that of "
+                f"{rows_named(self.sheet, rows)} is {compute(sizes[0]):.7g}: a slip in one of them",
+                self.sheet.place(found.row, column.index, self.header.text(column.index)),
+            )
+
+
+def _asks(heading: str, words: frozenset[str]) -> bool:
+    """Whether a heading is a question of whether the row counts: such a word, and little else."""
+    said = letters(heading)
+    return len(said) <= 4 and any(word in words for word in said)
+
+
+def _matches(entry: Entry, labels: Mapping[str, object]) -> bool:
+    return all(getattr(entry.key, name) == value for name, value in labels.items())
+
+
+def _agree(stated: float, computed: float) -> bool:
+    """Whether two numbers are one, rounded as the stated one is."""
+    decimals = len(f"{stated:.6f}".rstrip("0").partition(".")[2])
+    return abs(stated - computed) <= max(0.5 * 10.0**-decimals if decimals <= 3 else 0.0, _HALF_A_MICROMETRE) + 1e-9
+
+
+def _said(kind: Summary) -> str:
+    return {"mean": "the mean", "sum": "the sum", "largest": "the largest value", "smallest": "the smallest value"}[
+        kind
+    ]
+
+
+def _count(rows: Sequence[int]) -> str:
+    return f"{len(rows)} row{'s' if len(rows) > 1 else ''}"

@@ -1,0 +1,316 @@
+"""Whether readings of one station are repeats, or two states of the same valve body that must not be averaged."""
+
+from __future__ import annotations
+
+import datetime
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.readings.columns import Columns
+from atleak.intake.readings.headings import Header
+from atleak.intake.readings.sheet import Cell, Sheet, rows_named
+from atleak.intake.readings.tables import Table
+from atleak.intake.readings.values import Entry
+from atleak.intake.readings.words import PERSONS, STATES, is_blank, is_repeat_title, is_state, letters, plain, text_of
+from atleak.intake.units import find_unit
+
+_TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)
+_LISTED = 4  # values of a column that are named
+_FEWEST = 2  # rows that make a block
+
+Station = tuple[str, str, str, float | None, int | None]
+Splits = Mapping[Station, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
+
+
+@dataclass(frozen=True)
+class Break:
+    """A row between readings: a title, or the headings printed again."""
+
+    row: int
+    title: str  # "" for headings
+
+
+def question(entries: Sequence[Entry], breaks: Sequence[Break], table: Table, columns: Columns) -> ReadingsError | None:
+    """Which of two states is meant, where the same stations come in more than one and no column counts repeats."""
+    sheet, header = table.sheet, table.header
+    several = _several(entries)
+    if not several:
+        return None
+    place = sheet.place(max(header.last, 0))
+    for index, splits in _splitting(several, sheet, header, columns):
+        heading = header.text(index)
+        named = f"column {heading!r}" if heading else "a column without heading"
+        values = _values(splits)
+        station = next(iter(splits))
+        rows = sorted(row for found in splits[station].values() for row in found)
+        return ReadingsError(
+            f"{named} tells states apart that would be averaged as repeats: {_name(station)} stands in "
+            f"{rows_named(sheet, rows)}{_also(len(splits))}",
+            place=sheet.place(max(header.last, 0), index, heading),
+            value=", ".join(values[:_LISTED]) + (" …" if len(values) > _LISTED else ""),
+            expected=_which_rows(heading, values[0]) + "; or, if they are repeats, a column 'Repeat' with 1, 2 …",
+        )
+    return _blocks(entries, breaks, sheet, place)
+
+
+def _several(entries: Sequence[Entry]) -> dict[Station, list[int]]:
+    """Stations that stand in more than one row, and these rows."""
+    rows: dict[Station, dict[int, None]] = defaultdict(dict)
+    for entry in entries:
+        rows[_station(entry)][entry.row] = None
+    return {station: list(found) for station, found in rows.items() if len(found) > 1}
+
+
+def _station(entry: Entry) -> Station:
+    key = entry.key
+    return key.component, key.part, key.plane, key.direction, key.repeat
+
+
+def _name(station: Station) -> str:
+    component, part, plane, direction, repeat = station
+    angle = "" if direction is None else f", {direction:g}°"
+    return f"component {component}, {part}, plane {plane}{angle}" + ("" if repeat is None else f", repeat {repeat},")
+
+
+def _also(stations: int) -> str:
+    return f", and so do {stations - 1} more" if stations > 2 else ", and so does 1 more" if stations == 2 else ""
+
+
+def _which_rows(heading: str, value: str) -> str:
+    if not heading:
+        return "a heading over that column, and which of its rows to read, as in --where Inspection=May"
+    return f"which rows to read, as in --where {_quoted(f'{heading}={value}')}"
+
+
+def _quoted(text: str) -> str:
+    return f'"{text}"' if re.search(r"[^\w=.:/+-]", text) else text
+
+
+# --- columns ----------------------------------------------------------------------------------------------------------
+
+
+def _splitting(
+    several: Mapping[Station, Sequence[int]], sheet: Sheet, header: Header, columns: Columns
+) -> Iterator[tuple[int, Splits]]:
+    """Columns that nothing is read from and that tell the rows of one station apart; the surest first."""
+    found: list[tuple[int, int, Splits]] = []
+    for index in range(sheet.width):
+        if index in columns.read:
+            continue
+        heading = header.text(index)
+        words = set(letters(heading))
+        if words & PERSONS or (has_length(heading) and not words & STATES):
+            continue
+        splits: dict[Station, dict[str, list[int]]] = {}
+        for station, rows in several.items():
+            values: dict[str, list[int]] = defaultdict(list)
+            for row in rows:
+                cell = sheet.filled(row, index)
+                if not is_blank(cell):
+                    values[_day(cell)].append(row)
+            if len(values) > 1:
+                splits[station] = values
+        if not splits:
+            continue
+        if words & STATES:
+            found.append((0, index, splits))
+        elif all(
+            is_state(sheet.filled(row, index)) for each in splits.values() for rows in each.values() for row in rows
+        ):
+            found.append((1, index, splits))
+        elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits):
+            found.append((2, index, splits))
+    for _, index, splits in sorted(found, key=lambda each: each[:2]):
+        yield index, splits
+
+
+def _day(cell: Cell) -> str:
+    """A cell as a label; of a moment only the day, because repeats are taken minutes apart."""
+    if isinstance(cell, datetime.datetime):
+        return cell.date().isoformat()
+    return _TIME.sub("", text_of(cell))
+
+
+def _values(splits: Splits) -> list[str]:
+    return list(dict.fromkeys(value for found in splits.values() for value in found))
+
+
+def _same_everywhere(splits: Splits) -> bool:
+    """The same values at every station, and not a mere count of repeats."""
+    sets = {frozenset(map(plain, values)) for values in splits.values()}
+    if len(sets) > 1:
+        return False
+    values = _values(splits)
+    if all(is_repeat_title(value) for value in values):
+        return False
+    return sorted(value.strip(".) ") for value in values) != [str(number + 1) for number in range(len(values))]
+
+
+# --- blocks -----------------------------------------------------------------------------------------------------------
+
+
+def _blocks(entries: Sequence[Entry], breaks: Sequence[Break], sheet: Sheet, place: Place) -> ReadingsError | None:
+    """Stations that return under another title or under the headings printed again."""
+    last: dict[Station, int] = {}
+    waiting = list(breaks)
+    title, first = "", -1
+    apart: Break | None = None
+    before: list[Station] = []
+    row = -1
+    for entry in entries:
+        if entry.row != row:
+            passed = []
+            while waiting and waiting[0].row < entry.row:
+                passed.append(waiting.pop(0))
+            if passed:
+                title = next((each.title for each in reversed(passed) if each.title), "")
+                apart, first = passed[0], entry.row
+                before = [station for station, at in last.items() if at == row]
+            row = entry.row
+        station = _station(entry)
+        earlier = last.get(station)
+        if apart is not None and earlier is not None and earlier < first and not is_repeat_title(title):
+            if station in before and not title:  # repeats of one station, over the end of a page
+                before = [each for each in before if each != station]
+            else:
+                return ReadingsError(
+                    f"{_name(station)} stands in row {sheet.row_number(earlier)} and returns in row "
+                    f"{sheet.row_number(row)}, under "
+                    + (f"{title!r}" if title else "headings of its own")
+                    + ": two states would be averaged as repeats",
+                    place=sheet.place(row),
+                    value=title or None,
+                    expected="one state of the valve body: delete the other rows or hide them; or, if they are "
+                    "repeats, a column 'Repeat' with 1, 2 …",
+                )
+        last[station] = row
+    return None
+
+
+def messages(entries: Sequence[Entry], table: Table, columns: Columns) -> Iterator[Message]:
+    """Blocks that return with the same values; repeats that a column calls so and another one calls states."""
+    sheet, header = table.sheet, table.header
+    seen: dict[object, int] = {}
+    runs: list[list[tuple[int, int]]] = []
+    rows: dict[int, list[object]] = defaultdict(list)
+    for entry in entries:
+        rows[entry.row].append((_station(entry)[:4], entry.raw.size, entry.column))
+    order = list(rows)
+    for at, row in enumerate(order):
+        signature = tuple(rows[row])
+        earlier = seen.setdefault(signature, at)
+        if earlier == at:
+            continue
+        if runs and runs[-1][-1] == (earlier - 1, at - 1):
+            runs[-1].append((earlier, at))
+        else:
+            runs.append([(earlier, at)])
+    for run in runs:
+        stations = {entry[0] for earlier, _ in run for entry in rows[order[earlier]]}
+        if len(run) >= _FEWEST and len(stations) >= _FEWEST and run[0][1] > run[-1][0]:
+            again, first = ([order[pair[which]] for pair in run] for which in (1, 0))
+            yield Message(
+                "warning",
+                "block_repeated",
+                f"{rows_named(sheet, again)} hold the same readings in the same order as {rows_named(sheet, first)}: "
+                "pasted twice? They count as repeats",
+                sheet.place(again[0]),
+            )
+            break
+    if columns.repeat is None:
+        yield from _returning(entries, sheet)
+        return
+    without = [_station(entry)[:4] for entry in entries]
+    if len(set(without)) == len(without):
+        return
+    grouped: dict[Station, dict[int, None]] = defaultdict(dict)
+    for entry in entries:
+        grouped[*_station(entry)[:4], None][entry.row] = None
+    several = {station: list(found) for station, found in grouped.items() if len(found) > 1}
+    for index, splits in _splitting(several, sheet, header, columns):
+        if set(letters(header.text(index))) & STATES:
+            values = ", ".join(_values(splits)[:_LISTED])
+            yield Message(
+                "warning",
+                "repeats_of_several_states",
+                f"column {columns.repeat.heading!r} calls them repeats, so rows are averaged that column "
+                f"{header.text(index)!r} tells apart ({values})",
+                sheet.place(max(header.last, 0), index, header.text(index)),
+            )
+            return
+
+
+def _returning(entries: Sequence[Entry], sheet: Sheet) -> Iterator[Message]:
+    """Stations that come again after others, which nothing on the sheet calls repeats."""
+    last: dict[Station, int] = {}
+    order = {row: at for at, row in enumerate(dict.fromkeys(entry.row for entry in entries))}
+    back = []
+    for entry in entries:
+        station = _station(entry)
+        if station in last and order[entry.row] > order[last[station]] + 1:
+            back.append((last[station], entry.row, station))
+        last[station] = entry.row
+    if back:
+        earlier, row, station = back[0]
+        yield Message(
+            "info",
+            "rows_as_repeats",
+            f"{_name(station)} stands in row {sheet.row_number(earlier)} and again in row {sheet.row_number(row)}"
+            f"{_also(len({each[2] for each in back}))}: counted as repeats",
+            sheet.place(row),
+        )
+
+
+# --- what to read -----------------------------------------------------------------------------------------------------
+
+
+def rows_left_out(table: Table, where: Mapping[str, str]) -> frozenset[int]:
+    """Rows under the headings that ``where`` leaves out: headings of columns, and what must stand under them.
+
+    Raises
+    ------
+    ReadingsError
+        naming the headings, or the values of a column, where the one told is not among them.
+    """
+    sheet, header = table.sheet, table.header
+    out: set[int] = set()
+    texts = {index: " ".join(header.text(index).split()) for index in range(sheet.width) if header.text(index).strip()}
+    for heading, wanted in where.items():
+        index = next((each for each, text in texts.items() if plain(text) == plain(heading)), None)
+        if index is None:
+            raise ReadingsError(
+                f"no column is headed {heading!r}",
+                place=sheet.place(max(header.last, 0)),
+                value=heading,
+                expected="one of " + ", ".join(texts.values()),
+            )
+        rows = table.rows
+        labels = {row: sheet.filled(row, index) for row in rows}
+        if not any(_is(cell, wanted) for cell in labels.values()):
+            known = list(dict.fromkeys(_day(cell) for cell in labels.values() if not is_blank(cell)))
+            raise ReadingsError(
+                f"no row has {wanted!r} there",
+                place=sheet.place(max(header.last, 0), index, texts[index]),
+                value=wanted,
+                expected="one of " + ", ".join(known[:12]) + (" …" if len(known) > 12 else ""),
+            )
+        out.update(row for row, cell in labels.items() if not _is(cell, wanted))
+    return frozenset(out)
+
+
+def _is(cell: Cell, wanted: str) -> bool:
+    if is_blank(cell):
+        return False
+    said = {plain(text_of(cell)), plain(_day(cell))}
+    if isinstance(cell, datetime.date):
+        said |= {f"{cell:%d.%m.%Y}", f"{cell:%d/%m/%Y}", f"{cell:%m/%d/%Y}", str(cell)}
+    return plain(wanted) in said or plain(wanted).replace(",", ".") in said
+
+
+def has_length(heading: str) -> bool:
+    """Whether a heading names a unit of length that a diameter or a clearance may stand in."""
+    found = re.search(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading)
+    return found is not None and find_unit(found[1], "length") is not None and "km" not in found[1]

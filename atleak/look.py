@@ -1,0 +1,173 @@
+"""How things look, on every medium: one row per verdict, and the colours of lines and words.
+
+A verdict is told apart four times over: by its sign, its word, its shade and its hatch, so that a greyscale print or a
+colour-blind reader loses nothing. Its word in each language stands in `atleak/texts`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from atleak.verdicts import Band, Verdict
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A sign as a polygon in the square from −1 to 1, y downwards: no font is needed to draw it."""
+
+    points: tuple[Point, ...]
+    filled: bool = True
+
+
+def _circle(radius: float, corners: int = 32) -> tuple[Point, ...]:
+    turns = (2.0 * math.pi * number / corners for number in range(corners))
+    return tuple((round(radius * math.cos(turn), 4), round(radius * math.sin(turn), 4)) for turn in turns)
+
+
+_DISC = Shape(_circle(0.8))
+_RING = Shape(_circle(0.75), filled=False)
+_TRIANGLE = Shape(((0.0, -1.0), (1.0, 0.85), (-1.0, 0.85)))
+_SQUARE = Shape(((-0.8, -0.8), (0.8, -0.8), (0.8, 0.8), (-0.8, 0.8)))
+_CROSS = Shape(
+    (
+        (-1.0, -0.55), (-0.55, -1.0), (0.0, -0.45), (0.55, -1.0), (1.0, -0.55), (0.45, 0.0),
+        (1.0, 0.55), (0.55, 1.0), (0.0, 0.45), (-0.55, 1.0), (-1.0, 0.55), (-0.45, 0.0),
+    )
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one verdict looks. Colours are ``#RRGGBB``; every medium takes its shade of the same hue from here."""
+
+    sign: str  # one character, where words are text
+    shape: Shape  # the same, where it is drawn
+    screen: str  # bars, markers and table cells on the screen
+    on_screen: str  # words on that; "" where a table cell stays plain
+    fill: str  # a land in the drawings and bars on paper, which a greyscale print tells apart
+    line: str  # its outline, and the sign beside a word
+    on_fill: str  # the sign on the fill
+    tint: str  # ground behind words on paper and in the workbook
+    on_tint: str  # words on the tint
+    width: float  # of the outline in the drawings
+    dashes: str  # of the outline in the drawings, as SVG states them
+    style: str  # on a terminal, as rich states it
+    pattern: str  # over bars on the screen, as plotly states it
+    hatch: str  # over bars on paper, as matplotlib states it
+    marker: str  # on the screen, as plotly names it
+    box: Literal["success", "warning", "error", "info"]  # of the page's first sentence
+
+
+LOOKS: dict[Verdict, Look] = {
+    Verdict.NOT_MEASURED: Look(
+        sign="○", shape=_RING,
+        screen="#8793a0", on_screen="", fill="#FFFFFF", line="#7A858F", on_fill="#7A858F",
+        tint="#EEEEEE", on_tint="#555555", width=1.0, dashes="3 2.5",
+        style="", pattern=".", hatch="...", marker="circle-open", box="info",
+    ),
+    Verdict.OK: Look(
+        sign="●", shape=_DISC,
+        screen="#2f9e62", on_screen="", fill="#F3F8F3", line="#2E6B3A", on_fill="#2E6B3A",
+        tint="#E6F2E6", on_tint="#1E5B2A", width=1.0, dashes="",
+        style="", pattern="", hatch="", marker="circle", box="success",
+    ),
+    Verdict.WATCH: Look(
+        sign="▲", shape=_TRIANGLE,
+        screen="#e8a317", on_screen="#000000", fill="#F7D774", line="#6B4A00", on_fill="#4A3300",
+        tint="#FBEBB8", on_tint="#6B4A00", width=1.4, dashes="",
+        style="yellow", pattern="/", hatch="///", marker="triangle-up", box="warning",
+    ),
+    Verdict.REPLACE: Look(
+        sign="■", shape=_SQUARE,
+        screen="#d1383d", on_screen="#FFFFFF", fill="#E5736F", line="#7A1216", on_fill="#3D0608",
+        tint="#F8D3D0", on_tint="#7A1216", width=1.8, dashes="",
+        style="red", pattern="x", hatch="", marker="square", box="error",
+    ),
+    Verdict.CRITICAL: Look(
+        sign="✖", shape=_CROSS,
+        screen="#a3278f", on_screen="#FFFFFF", fill="#7A1F6E", line="#4A0B42", on_fill="#FFFFFF",
+        tint="#E7C8E2", on_tint="#5E1053", width=2.2, dashes="",
+        style="bold magenta", pattern="+", hatch="", marker="x", box="error",
+    ),
+}  # fmt: skip
+
+
+def look_of(level: Verdict | Band | str) -> Look:
+    """How a verdict looks; a band looks as the verdict it counts as.
+
+    Raises
+    ------
+    ValueError
+        for what is neither.
+    """
+    if isinstance(level, Band):
+        return LOOKS[level.verdict]
+    return LOOKS[Verdict(level)]
+
+
+@dataclass(frozen=True)
+class Inks:
+    """Colours of one medium for everything that is no verdict."""
+
+    ink: str  # words, outlines
+    soft: str  # words of less weight
+    rule: str  # rules and grids
+    leakage: str
+    pump: str
+    share: str
+    card: str = "#FFFFFF"  # ground of a drawing's cards
+    metal: str = "#D9DEE3"  # spools without a verdict
+
+
+PAPER = Inks(ink="#1B2733", soft="#5A6670", rule="#B8C2CB", leakage="#A3211B", pump="#1F4E79", share="#1B2733")
+SCREEN = Inks(ink="#16222b", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00")
+DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00",
+            card="#1B262E")  # fmt: skip
+SUSPECT = "#d1383d"  # samples of a log that are left out
+EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
+CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
+HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen
+FAINT_GRID = "rgba(128,128,128,0.25)"
+
+# How sure a verdict is: colour and marker on the screen. A conditional decision is open.
+DECISION_MARKS: dict[str, tuple[str, str]] = {
+    "pass": ("#2f9e62", "circle"),
+    "conditional_pass": ("#7aa621", "circle-open"),
+    "conditional_fail": ("#e07b00", "square-open"),
+    "fail": ("#d1383d", "square"),
+}
+
+# The workbook, besides its verdicts.
+INPUT = "#0000C0"  # numbers that may be changed
+HEADING = "#E8EDF2"
+DATA_BAR = "#9DB7D5"
+CHART_GRID = "#DDDDDD"
+
+# The measuring sheet to fill in.
+SHEET_COLOURS = {
+    "border": "#9AA5B1",
+    "given": "#F3F5F7",
+    "entry": "#FFF8DC",
+    "note": "#5C3D00",
+    "heading": "#1F3A5F",
+    "on_heading": "#FFFFFF",
+    "soft": "#52606D",
+    "alarm": "#C62828",
+}
+
+# Curves that are told apart by colour and dash: the variants of the source study, models of viscosity.
+CURVES = {
+    "blue": "#2f7ed8",
+    "green": "#2e9e6b",
+    "ochre": "#b8860b",
+    "red": "#d1495b",
+    "grey": "#7a7f87",
+    "teal": "#1a93a8",
+    "violet": "#8e6bbf",
+    "rust": "#c7621b",
+    "slate": "#5b7fdb",
+}

@@ -1,0 +1,183 @@
+"""The mark by which atleak knows the files that it made, so that it writes over no others.
+
+A file that bears it and was not changed since can be made again; a measuring sheet that somebody filled in cannot.
+What is looked at is bounded: no archive is unpacked and no foreign file is read whole.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import re
+import struct
+import zipfile
+import zlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import BinaryIO, Literal, get_args
+
+from atleak import __version__
+from atleak.errors import OutputError, Place
+
+Kind = Literal["record", "report workbook", "measuring sheet", "PDF", "job file", "table"]
+
+KEYWORD = f"atleak {__version__}"  # of a PDF
+PROPERTY = "atleak"  # of a workbook: what it is, and the seal of its parts
+_PART = "docProps/custom.xml"
+_UNSEALED = "0" * 64
+_SEALED = re.compile(rf'name="{PROPERTY}"><vt:lpwstr>([a-z ]+) ([0-9a-f]{{64}})</vt:lpwstr>')
+_PDF = re.compile(rb"<pdf:Keywords>atleak [^<]+</pdf:Keywords>")
+_MADE = re.compile(rb"<xmp:ModifyDate>([^<]+)</xmp:ModifyDate><xmp:CreateDate>\1</xmp:CreateDate>")
+_RECORD_LIMIT = 16 << 20  # bytes of JSON
+_TAIL = 1 << 20  # bytes at the end of a PDF: its metadata and table of contents
+_ENTRIES = 1000  # of an archive
+_DIRECTORY = 1 << 20  # bytes of an archive's table of contents
+_PROPERTIES = 1 << 16  # bytes of a workbook's own properties
+_NO_ARCHIVE = (  # what zipfile raises for an archive that is damaged
+    zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, struct.error,
+    NotImplementedError, RuntimeError, ValueError, EOFError, IndexError,
+)  # fmt: skip
+
+
+def unsealed(kind: Kind) -> str:
+    """What a workbook's property `PROPERTY` says before `sealed` has seen its parts."""
+    return f"{kind} {_UNSEALED}"
+
+
+def sealed(content: bytes) -> bytes:
+    """The workbook with a digest of all its other parts in the place that `unsealed` kept for it.
+
+    Any program that saves the workbook again writes at least one part otherwise, and the digest no longer fits.
+    """
+    target = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as new:
+        for part in old.infolist():
+            data = old.read(part)
+            if part.filename == _PART:
+                data = data.replace(_UNSEALED.encode(), _seal(old.infolist()).encode())
+            new.writestr(part, data)
+    return target.getvalue()
+
+
+def _seal(parts: Iterable[zipfile.ZipInfo]) -> str:
+    told = sorted(f"{part.filename}\0{part.file_size}\0{part.CRC}" for part in parts if part.filename != _PART)
+    return hashlib.sha256("\n".join(told).encode()).hexdigest()
+
+
+def check_targets(
+    inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str | None]], *, force: bool = False
+) -> None:
+    """Nothing is written over what is read, nor two things to one place, nor over what atleak did not make.
+
+    Parameters
+    ----------
+    inputs, targets
+        names of files as a user gave them, a target's with what is to be written there; ``-`` is standard output, None
+        a file that was not asked for.
+    force
+        whether files that atleak did not make, or that were changed since, may be written over.
+
+    Raises
+    ------
+    OutputError
+        naming the file and, where that helps, ``--force``. An empty file, a device and a file that is not there are no
+        obstacle.
+    """
+    taken = {Path(name).resolve() for name in inputs if name is not None}
+    foreign = []
+    for kind, target in targets:
+        if target is None:
+            continue
+        path = Path(target) if target == "-" else Path(target).resolve()
+        if path in taken:
+            where = "standard output" if target == "-" else target
+            raise OutputError("would be written over another file of this command", place=Place(file=where))
+        taken.add(path)
+        if target != "-" and not force and (reason := _obstacle(path, kind)):
+            wanted = "another name, or --force to write over it"
+            foreign.append(OutputError(reason, place=Place(file=target), expected=wanted))
+    if foreign:
+        raise OutputError(foreign[0].problem, place=foreign[0].place, expected=foreign[0].expected, others=foreign[1:])
+
+
+def _obstacle(path: Path, kind: Kind) -> str:
+    """Why a file that stands where another of this kind is to be written is not atleak's to replace, else ""."""
+    try:
+        if not path.is_file() or path.stat().st_size == 0 or _kind(path) == kind:
+            return ""
+    except OSError as error:
+        return f"is there already and cannot be looked at ({error.strerror})"
+    if kind == "table":
+        return "is there already, and a table bears no mark that atleak made it"
+    return f"is there already and is no {kind} that atleak made, or was changed since"
+
+
+def _kind(path: Path) -> Kind | None:
+    """What atleak made this file as; None where it did not, or the file was changed since."""
+    with path.open("rb") as stream:
+        start = stream.read(4)
+        size = stream.seek(0, io.SEEK_END)
+        if start == b"PK\x03\x04":
+            return _archive(stream, size)
+        if start == b"%PDF":
+            return _pdf(stream, size)
+        if start[:1] != b"{" and start[:1] != b"[":
+            return None
+        stream.seek(0)
+        return _record(stream.read(_RECORD_LIMIT + 1))
+
+
+def _record(content: bytes) -> Kind | None:
+    """A record names its format and atleak; in a list every entry has an id and names atleak."""
+    if len(content) > _RECORD_LIMIT:
+        return None
+    try:
+        found = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    first, known = (found[0], "id") if isinstance(found, list) and found else (found, "format")
+    return "record" if isinstance(first, dict) and known in first and isinstance(first.get("atleak"), str) else None
+
+
+def _pdf(stream: BinaryIO, size: int) -> Kind | None:
+    """A signature or a note is added behind the end of a PDF; a program that saves it anew dates it."""
+    stream.seek(max(size - _TAIL, 0))
+    tail = stream.read(_TAIL)
+    whole = tail.count(b"startxref") == 1 and tail.rstrip().endswith(b"%%EOF")
+    return "PDF" if whole and _PDF.search(tail) and _MADE.search(tail) else None
+
+
+def _archive(stream: BinaryIO, size: int) -> Kind | None:
+    if not _few_entries(stream, size):
+        return None
+    try:
+        with zipfile.ZipFile(stream) as bundle:
+            if (record := _beginning(bundle, "job.json", _RECORD_LIMIT + 1)) is not None:
+                return "job file" if _record(record) else None
+            said = _SEALED.search((_beginning(bundle, _PART, _PROPERTIES) or b"").decode("utf-8", "replace"))
+            if said is None or said[2] != _seal(bundle.infolist()):
+                return None
+            return next((kind for kind in get_args(Kind) if kind == said[1]), None)
+    except _NO_ARCHIVE:
+        return None
+
+
+def _beginning(bundle: zipfile.ZipFile, name: str, limit: int) -> bytes | None:
+    """The first bytes of an entry; None where there is none, or it is packed in a way that atleak does not pack."""
+    entry = bundle.NameToInfo.get(name)
+    if entry is None or entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        return None
+    with bundle.open(entry) as part:
+        return part.read(limit)
+
+
+def _few_entries(stream: BinaryIO, size: int) -> bool:
+    """Whether an archive's table of contents is short enough to be read, told from the archive's last bytes."""
+    stream.seek(max(size - (1 << 16) - 22, 0))
+    tail = stream.read()
+    at = tail.rfind(b"PK\5\6")
+    if at < 0 or len(tail) < at + 22 or tail[max(at - 20, 0) : at].startswith(b"PK\6\7"):  # the latter: ZIP64
+        return False
+    entries, length = struct.unpack_from("<HL", tail, at + 10)
+    return entries <= _ENTRIES and length <= _DIRECTORY

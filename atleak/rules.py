@@ -1,0 +1,137 @@
+"""Every rule that judges a land or a total, made once and judged once.
+
+A rule says which quantity is limited, at which condition, its value and the limits that apply. Everything after it
+(decisions, reports, pages) takes these objects as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from atleak.controller import OperatingPoint
+from atleak.limits import Level, LimitOrigin, Limits, RuleKind, Steps
+from atleak.projection import Projection
+from atleak.readings import LandClearance
+from atleak.verdicts import Band, Verdict
+
+Key = tuple[str, int]
+_OWN_LIMIT_SOURCE = "the controller's file"
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One limited quantity of one land or of the unit: ``value`` in SI or as a fraction, with its limits."""
+
+    kind: RuleKind
+    condition: OperatingPoint | None  # of a share; None where the rule holds everywhere
+    value: float
+    steps: Steps
+
+    @cached_property
+    def _judged(self) -> tuple[Level, float]:
+        return self.steps.judge(self.value, Band.GREEN if self.kind is RuleKind.TOTAL_SHARE else Verdict.OK)
+
+    @property
+    def level(self) -> Level:
+        """The level that the value has reached: a verdict for a land, a band for a total."""
+        return self._judged[0]
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the level counts as."""
+        return self.level.verdict if isinstance(self.level, Band) else self.level
+
+    @property
+    def limit(self) -> float:
+        """The limit that was reached, or the first one where none was; in the value's unit."""
+        return self._judged[1]
+
+    @property
+    def origin(self) -> LimitOrigin:
+        """Who stands behind the limit."""
+        return self.steps.origin
+
+    @property
+    def source(self) -> str:
+        """Where the limit was published, or why it was chosen."""
+        return self.steps.source
+
+    @property
+    def label(self) -> str:
+        """The quantity and its condition in plain words."""
+        return _LABELS[self.kind] + (f", {self.condition.label}" if self.condition else "")
+
+    @property
+    def id(self) -> str:
+        """The rule's name in records, with the unit of its value: ``share_hot_idle_percent``."""
+        at = () if self.condition is None else (self.condition.name,)
+        return "_".join((_IDS[self.kind], *at, self.kind.suffix))
+
+
+_LABELS = {
+    RuleKind.WEAR: "wear",
+    RuleKind.CLEARANCE: "radial clearance",
+    RuleKind.PAIR_SHARE: "share of pump flow",
+    RuleKind.TOTAL_SHARE: "total share of pump flow",
+}
+_IDS = {
+    RuleKind.WEAR: "wear",
+    RuleKind.CLEARANCE: "radial_clearance",
+    RuleKind.PAIR_SHARE: "share",
+    RuleKind.TOTAL_SHARE: "total_share",
+}
+
+
+@dataclass(frozen=True)
+class UnitRules:
+    """The rules of every measured land, and of the total at every condition."""
+
+    lands: Mapping[Key, tuple[Rule, ...]]
+    totals: tuple[Rule, ...]  # in the order of the conditions
+    limits: Limits  # the set that was applied
+
+    def of_land(self, key: Key) -> tuple[Rule, ...]:
+        """The rules of one land; none where it was not measured."""
+        return self.lands.get(key, ())
+
+
+def unit_rules(states: Sequence[LandClearance], projections: Sequence[Projection], limits: Limits) -> UnitRules:
+    """Make and judge every rule of a unit.
+
+    Parameters
+    ----------
+    states
+        the clearance of every land.
+    projections
+        leakage at every condition that is judged, the stated one first.
+    limits
+        the set that is applied.
+    """
+    lands = {state.land.key: _land_rules(state, projections, limits) for state in states if state.measured}
+    totals = tuple(Rule(RuleKind.TOTAL_SHARE, at.condition, at.share, limits.total_share) for at in projections)
+    return UnitRules(lands, totals, limits)
+
+
+def _land_rules(state: LandClearance, projections: Sequence[Projection], limits: Limits) -> tuple[Rule, ...]:
+    land, rules = state.land, []
+    if limits.wear is not None:
+        rules.append(Rule(RuleKind.WEAR, None, state.wear, limits.wear))
+    steps = clearance_limits(state, limits)
+    if steps is not None:
+        rules.append(Rule(RuleKind.CLEARANCE, None, state.radial_clearance, steps))
+    if limits.pair_share is not None:
+        rules += [
+            Rule(RuleKind.PAIR_SHARE, at.condition, at.share_of(at.leakage_of(land.key)), limits.pair_share)
+            for at in projections
+        ]
+    return tuple(rules)
+
+
+def clearance_limits(state: LandClearance, limits: Limits) -> Steps | None:
+    """The limits of a land's radial clearance [m]: its own from the controller's file, or else the set's."""
+    own = state.land.clearance_limit
+    if own is None:
+        return limits.clearance
+    return Steps(((Verdict.REPLACE, own),), LimitOrigin.WORKSHOP, _OWN_LIMIT_SOURCE)

@@ -1,0 +1,146 @@
+"""A number as people write it → the values it can mean, and whether it can be what was asked for.
+
+Nothing is known of the writer's country: comma and point each serve as decimal sign and between thousands. What can be
+read in two ways is said, never chosen between.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from dataclasses import dataclass
+
+_SIGNS = str.maketrans(
+    {
+        **dict.fromkeys("−–‐‑﹣－", "-"),
+        **dict.fromkeys("’‘ʼ′´`＇", "'"),
+        **dict.fromkeys("，٬", ","),
+        **dict.fromkeys("．٫", "."),
+        "＋": "+",
+    }
+)
+_DECIMAL = re.compile(r"[+-]? ?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d{1,3})?")
+_GROUPED = re.compile(
+    r"(?P<whole>[+-]? ?[1-9]\d{0,2}(?P<sign>[ '.,])\d{3}(?:(?P=sign)\d{3})*)(?:(?!(?P=sign))[.,](?P<rest>\d*))?"
+)
+
+
+@dataclass(frozen=True)
+class AskedNumber:
+    """A number that people are asked for: what is refused outside ``limits`` and doubted outside ``usual``."""
+
+    name: str
+    unit: str
+    example: float = 1.5
+    limits: tuple[float, float] = (-math.inf, math.inf)
+    usual: tuple[float, float] = (-math.inf, math.inf)
+
+
+@dataclass(frozen=True)
+class WrittenNumber:
+    """What was made of an entry: its value where it is taken, and what is to be said of it, in sentences."""
+
+    value: float | None
+    doubt: str = ""
+
+
+TEMPERATURE = AskedNumber("temperature", "°C", 95.5, (-60.0, 200.0), (-30.0, 150.0))
+ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), (400.0, 7_000.0))
+MILEAGE = AskedNumber("mileage", "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0))
+SHIFT = AskedNumber("shift", "s", 1.5, (-1e7, 1e7), (-86_400.0, 86_400.0))
+
+
+def possible_values(text: str) -> tuple[float, ...]:
+    """Every value that a written number can mean; none where it is no number.
+
+    Of two values the first takes the sign before the last three digits as decimal sign, the second as a thousands
+    separator.
+
+    >>> possible_values("850,5"), possible_values("1 234,5"), possible_values("1.234.567"), possible_values("95 °C")
+    ((850.5,), (1234.5,), (1234567.0,), ())
+    >>> possible_values("123.456"), possible_values("0.456"), possible_values("123.4560")
+    ((123.456, 123456.0), (0.456,), (123.456,))
+    """
+    plain = "".join(map(_plain_sign, text.translate(_SIGNS))).strip()
+    found = []
+    if _DECIMAL.fullmatch(plain):
+        found.append(float(plain.replace(",", ".").replace(" ", "")))
+    if grouped := _GROUPED.fullmatch(plain):
+        whole = re.sub("[ '.,]", "", grouped["whole"])
+        found.append(float(f"{whole}.{grouped['rest'] or ''}"))
+    return tuple(value for value in found if math.isfinite(value))
+
+
+def decimal_number(text: str) -> float | None:
+    """The number where a single comma or point can only be the decimal sign, as in a diameter; None for no number.
+
+    >>> decimal_number("12,034"), decimal_number("1.234,5"), decimal_number("twelve")
+    (12.034, 1234.5, None)
+    """
+    return next(iter(possible_values(text)), None)
+
+
+def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
+    """An entry as the number that was asked for, in its unit; the unit itself may stand behind it.
+
+    >>> read_number("850,5", ENGINE_SPEED)
+    WrittenNumber(value=850.5, doubt='')
+    >>> read_number("123.456", MILEAGE).doubt
+    "'123.456' can be read in two ways: write 123456 for 123456 km, or 123.4560 for 123.456 km."
+    >>> read_number("8505", ENGINE_SPEED).doubt
+    '8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm.'
+    """
+    bare = text.strip().removesuffix(asked.unit).strip()
+    values = possible_values(bare)
+    if not values:
+        unit = f" in {asked.unit}" if asked.unit else ""
+        example = written(asked.example, asked)
+        return WrittenNumber(
+            None, f"{text.strip()!r} is not a number: write the {asked.name}{unit}, such as {example}."
+        )
+    possible = [value for value in values if _within(value, asked.limits)]
+    if not possible:
+        said = f"{_with_unit(bare, asked)} is not taken: the {asked.name} must be {_range(asked.limits, asked)}."
+        return WrittenNumber(None, said)
+    if len(possible) > 1:
+        fraction, whole = (written(value, asked) for value in possible)
+        meant = [_with_unit(f"{value:.15g}", asked) for value in possible]
+        said = f"{bare!r} can be read in two ways: write {whole} for {meant[1]}, or {fraction} for {meant[0]}."
+        return WrittenNumber(None, said)
+    (value,) = possible
+    if _within(value, asked.usual):
+        return WrittenNumber(value)
+    taken = f"{_with_unit(f'{value:.15g}', asked)} is taken, but unusual"
+    return WrittenNumber(value, f"{taken}: most {asked.name}s are {_range(asked.usual, asked)}.")
+
+
+def written(value: float, asked: AskedNumber) -> str:
+    """A number as it can be written and is read back without a doubt.
+
+    >>> written(80.0, TEMPERATURE), written(92.715, TEMPERATURE), written(123.456, MILEAGE)
+    ('80', '92.715', '123.4560')
+    """
+    text = repr(float(value)).removesuffix(".0")
+    both = [found for found in possible_values(text) if _within(found, asked.limits)]
+    return f"{text}0" if len(both) > 1 else text
+
+
+def _within(value: float, ends: tuple[float, float]) -> bool:
+    return ends[0] <= value <= ends[1]
+
+
+def _range(ends: tuple[float, float], asked: AskedNumber) -> str:
+    return _with_unit(f"from {ends[0]:.15g} to {ends[1]:.15g}", asked)
+
+
+def _with_unit(text: str, asked: AskedNumber) -> str:
+    return f"{text} {asked.unit}".strip().replace("-", "−")
+
+
+def _plain_sign(sign: str) -> str:
+    """One sign as plain ASCII: digits of any script, blanks of any width; direction marks are no signs."""
+    category = unicodedata.category(sign)
+    if category == "Nd":
+        return str(unicodedata.decimal(sign))
+    return " " if category == "Zs" else "" if category == "Cf" else sign

@@ -1,0 +1,52 @@
+"""What people type into: numbers as they write them, and folds that stay as they were left.
+
+Which element is which never depends on what is being typed: the place of a doubt is always there.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import streamlit as st
+
+from atleak.written_numbers import AskedNumber, WrittenNumber, read_number, written
+from pages.shared import show
+
+
+def number(label: str, asked: AskedNumber, start: float | None, *, key: str, optional: bool = False) -> float | None:
+    """A number's field with what is to be said of it beneath; the last value that could be taken.
+
+    What a job file holds is the start, and is taken even where it is out of the usual range.
+    """
+    first = "" if start is None else written(start, asked)
+    text = st.text_input(f"{label} [{asked.unit}]", first, key=key, persist_state="session").strip()
+    place = st.container()
+    taken = st.session_state.setdefault("taken-numbers", {})
+    entry = _entry(text, asked, first, start, optional)
+    if entry.value is not None or (optional and not text):
+        taken[key] = entry.value
+        if entry.doubt:
+            place.warning(show.plain(entry.doubt))
+        return entry.value
+    last = taken.setdefault(key, start)
+    used = f"No {asked.name} is used" if last is None else f"{written(last, asked)} {asked.unit} stays in use"
+    place.error(show.plain(f"{entry.doubt} {used}."))
+    return last
+
+
+def _entry(text: str, asked: AskedNumber, first: str, start: float | None, optional: bool) -> WrittenNumber:
+    if text == first and start is not None:
+        found = read_number(text, asked)
+        return WrittenNumber(start, "" if found.value is None else found.doubt)
+    if text:
+        return read_number(text, asked)
+    return WrittenNumber(None, "" if optional else "Nothing is written here.")
+
+
+def fold(label: str, *, key: str, opened: bool = False) -> Any:
+    """A fold that stays as the user left it, here and after another page."""
+    kept = st.session_state.setdefault("folds", {})
+    st.session_state.setdefault(key, kept.get(key, opened))
+    place = st.expander(label, key=key, on_change="rerun")
+    kept[key] = place.open
+    return place

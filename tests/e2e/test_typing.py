@@ -1,0 +1,250 @@
+"""What is typed lands where it was typed, and means what was written."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from PIL import Image
+from playwright.sync_api import Locator, Page, expect
+
+SOON = 15_000  # [ms]
+VEHICLE = {
+    "Make": "Mercedes",
+    "Model": "W210",
+    "Year": "1999",
+    "Engine": "3.0 TD",
+    "Registration": "KR 12345",
+    "VIN": "WDB2100371A123456",
+}
+
+
+def settled(page: Page) -> None:
+    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for(timeout=SOON)
+
+
+def to(page: Page, name: str) -> None:
+    page.get_by_role("link", name=name).click(delay=80)  # [ms], a hand's: Streamlit misses a click that takes no time
+    expect(page.get_by_role("heading", name=name, level=1)).to_be_visible(timeout=SOON)
+    settled(page)
+
+
+def form(page: Page) -> Locator:
+    """The fold with job, vehicle and customer."""
+    return page.get_by_test_id("stExpander").filter(has_text="Job, vehicle and customer")
+
+
+def field(page: Page, label: str) -> Locator:
+    """A field of the form; of the two registrations the vehicle's."""
+    return form(page).get_by_role("textbox", name=label, exact=True).last
+
+
+def record(page: Page) -> dict:
+    with page.expect_download(timeout=30_000) as waiting:
+        page.get_by_role("button", name="Job record").click()
+    return json.loads(Path(waiting.value.path()).read_text(encoding="utf-8"))
+
+
+def opened(fold: Locator) -> bool:
+    return fold.locator("details").get_attribute("open") is not None
+
+
+def condition(page: Page) -> Locator:
+    """The panel's fold of the stated condition, open."""
+    fold = page.get_by_test_id("stSidebar").get_by_test_id("stExpander").filter(has_text="Stated condition")
+    if not opened(fold):
+        fold.locator("summary").click()
+    return fold
+
+
+def write(fold: Locator, label: str, text: str) -> None:
+    box = fold.get_by_label(label)
+    box.fill(text)
+    box.press("Enter")
+
+
+@pytest.mark.parametrize("delay", [60, 100])
+def test_a_vehicle_typed_with_tab_stands_in_its_fields(page: Page, delay: int) -> None:
+    to(page, "Report")
+    field(page, "Make").click()
+    for value in VEHICLE.values():
+        page.keyboard.type(value, delay=delay)
+        page.keyboard.press("Tab")
+    settled(page)
+    assert {label: field(page, label).input_value() for label in VEHICLE} == VEHICLE
+    assert opened(form(page))
+    assert record(page) == {"vehicle": {label.lower(): value for label, value in VEHICLE.items()}}
+
+
+def test_a_vehicle_typed_in_another_order_is_printed_where_it_belongs(page: Page) -> None:
+    import pypdfium2
+
+    to(page, "Report")
+    order = ["VIN", "Engine", "Make", "Registration", "Year", "Model"]
+    for label in order:
+        field(page, label).click()
+        page.keyboard.type(VEHICLE[label], delay=60)
+    field(page, "Job number").click()
+    page.keyboard.type("A-17", delay=60)
+    page.get_by_role("textbox", name="Notes").click()
+    settled(page)
+    assert {label: field(page, label).input_value() for label in VEHICLE} == VEHICLE
+    with page.expect_download(timeout=60_000) as waiting:
+        page.get_by_role("button", name="PDF").click()
+    first = pypdfium2.PdfDocument(Path(waiting.value.path()).read_bytes())[0].get_textpage().get_text_range()
+    for label in ("Make", "VIN"):
+        assert re.search(rf"{re.escape(VEHICLE[label])}", first)
+    assert "Complaint" not in first
+    assert "Fault codes" not in first
+
+
+def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
+    to(page, "Report")
+    field(page, "Make").click()
+    page.keyboard.type("Mercedes", delay=60)
+    page.keyboard.press("Tab")
+    page.keyboard.type("W210", delay=60)
+    to(page, "Readings")  # straight from the field
+    to(page, "Report")
+    assert field(page, "Make").input_value() == "Mercedes"
+    assert field(page, "Model").input_value() == "W210"
+    assert record(page) == {"vehicle": {"make": "Mercedes", "model": "W210"}}
+
+
+def test_folds_stay_as_the_user_left_them(page: Page) -> None:
+    to(page, "Report")
+    found = page.get_by_test_id("stExpander").filter(has_text="As found")
+    assert opened(form(page))
+    assert not opened(found)
+    found.locator("summary").click()
+    form(page).locator("summary").click()
+    settled(page)
+    box = found.get_by_role("textbox", name="Complaint")
+    box.click()
+    page.keyboard.type("late shift", delay=60)
+    page.keyboard.press("Tab")
+    page.keyboard.type("P0730", delay=60)
+    page.keyboard.press("Tab")
+    settled(page)
+    assert opened(found)
+    assert not opened(form(page))
+    write(condition(page), "Temperature [°C]", "190")  # what is refused now stands above the form
+    expect(page.get_by_text("These choices cannot be computed")).to_be_visible(timeout=SOON)
+    settled(page)
+    assert opened(found)
+    assert not opened(form(page))
+    to(page, "Readings")
+    to(page, "Report")
+    assert opened(found)
+    assert not opened(form(page))
+    assert box.input_value() == "late shift"
+    assert record(page) == {"complaint": "late shift", "fault_codes": ["P0730"]}
+
+
+def test_a_new_photo_can_be_captioned_at_once(page: Page) -> None:
+    target = io.BytesIO()
+    Image.new("RGB", (40, 30)).save(target, "PNG")
+    to(page, "Report")
+    fold = page.get_by_test_id("stExpander").filter(has_text="Logo and photos")
+    fold.locator("summary").click()
+    inputs = fold.get_by_test_id("stFileUploader").filter(has_text="Photos").locator("input[type=file]")
+    inputs.set_input_files([{"name": "a.png", "mimeType": "image/png", "buffer": target.getvalue()}])
+    caption = fold.get_by_role("textbox", name="Caption")
+    expect(caption).to_be_visible(timeout=SOON)
+    caption.click()
+    page.keyboard.type("bore 25, scored", delay=60)
+    page.keyboard.press("Tab")
+    settled(page)
+    assert caption.input_value() == "bore 25, scored"
+    assert record(page)["photos"] == [{"file": "photos/a.png", "caption": "bore 25, scored"}]
+
+
+def share(page: Page) -> str:
+    """The stated condition's total share, as the verdict's sentence says it."""
+    return page.get_by_test_id("stMain").get_by_test_id("stAlert").first.inner_text()
+
+
+def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
+    fold = condition(page)
+    write(fold, "Engine speed [rpm]", "850.5")
+    expect(page.get_by_text(re.compile(r"850 rpm|851 rpm")).first).to_be_visible(timeout=SOON)
+    settled(page)
+    with_point = share(page)
+    write(fold, "Engine speed [rpm]", "2000")
+    expect(page.get_by_test_id("stMain").get_by_test_id("stAlert").first).not_to_have_text(with_point, timeout=SOON)
+    write(fold, "Engine speed [rpm]", "850,5")
+    settled(page)
+    expect(page.get_by_test_id("stMain").get_by_test_id("stAlert").first).to_have_text(
+        re.compile(re.escape(with_point.split("\n")[0][:60])), timeout=SOON
+    )
+    settled(page)
+    assert share(page) == with_point
+    assert fold.get_by_label("Engine speed [rpm]").input_value() == "850,5"
+    assert fold.get_by_test_id("stAlert").count() == 0
+
+
+@pytest.mark.parametrize(
+    ("label", "text", "said"),
+    [
+        ("Mileage [km]", "123.456", "write 123456 for 123456 km, or 123.4560 for 123.456 km. No mileage is used."),
+        ("Mileage [km]", "−5", "must be from 0 to 9999999 km"),
+        (
+            "Temperature [°C]",
+            "955",
+            "must be from −60 to 200 °C. 80 °C stays in use.",
+        ),
+        ("Temperature [°C]", "abc", "'abc' is not a number"),
+        ("Temperature [°C]", "", "80 °C stays in use"),
+        ("Engine speed [rpm]", "8505", "8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm"),
+    ],
+)
+def test_a_doubt_stands_beneath_its_field_and_is_there_after_another_page(
+    page: Page, label: str, text: str, said: str
+) -> None:
+    before = share(page)
+    fold = condition(page)
+    write(fold, label, text)
+    doubt = fold.get_by_test_id("stAlert")
+    expect(doubt).to_contain_text(said, timeout=SOON)
+    settled(page)
+    box = fold.get_by_label(label)
+    assert box.input_value() == text
+    assert (share(page) == before) == ("is taken" not in said)
+    below, beside = doubt.bounding_box(), box.bounding_box()
+    assert 0.0 <= below["y"] - (beside["y"] + beside["height"]) < 40.0
+    to(page, "Readings")
+    to(page, "Diagnosis")
+    assert fold.get_by_label(label).input_value() == text
+    expect(doubt).to_contain_text(said)
+    assert page.get_by_test_id("stException").count() == 0
+
+
+@pytest.mark.parametrize(("text", "shown"), [("95,5", "95.5 °C"), ("9,55e1", "95.5 °C"), ("−5", "-5 °C")])
+def test_a_temperature_is_taken_as_it_was_written(page: Page, text: str, shown: str) -> None:
+    fold = condition(page)
+    write(fold, "Temperature [°C]", text)
+    expect(page.get_by_text(re.compile(rf"gear 2, {re.escape(shown)}")).first).to_be_visible(timeout=SOON)
+    settled(page)
+    assert fold.get_by_test_id("stAlert").count() == 0
+
+
+def test_a_fraction_written_into_a_table_stays_what_it_was(page: Page) -> None:
+    to(page, "Report")
+    fold = page.get_by_test_id("stExpander").filter(has_text="Repair decisions")
+    fold.locator("summary").click()
+    table = fold.get_by_test_id("stDataFrame").first
+    table.wait_for(timeout=SOON)
+    table.scroll_into_view_if_needed()
+    settled(page)
+    box = table.bounding_box()
+    page.mouse.click(box["x"] + 0.45 * box["width"], box["y"] + 50.0)
+    page.keyboard.type("23,4")
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(1000)  # a table sends what was typed after a moment
+    settled(page)
+    assert "23,4" in record(page)["repair_decisions"][0].values()

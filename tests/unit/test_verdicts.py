@@ -1,0 +1,137 @@
+"""A verdict's level is added in `verdicts.py`, in `look.py` and in the language files, and every renderer shows it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from atleak.look import LOOKS
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
+from atleak.wording import languages, wording
+
+ADDED_LEVEL = '    WATCH = "watch"\n    SOON = "soon"\n'
+ADDED_LOOK = """    Verdict.SOON: Look(
+        sign="◆", shape=Shape(((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))),
+        screen="#e06a17", on_screen="#000000", fill="#EFA05A", line="#6B2E00", on_fill="#4A2000",
+        tint="#FBDCBF", on_tint="#6B2E00", width=1.6, dashes="",
+        style="bright_yellow", pattern="|", hatch="...", marker="diamond", box="warning",
+    ),
+    Verdict.REPLACE: Look("""
+
+# Runs in a copy of the package that knows the new level, and prints what it could not find.
+WALK = """
+import io, sys
+from pathlib import Path
+
+import openpyxl, pypdfium2
+from streamlit.testing.v1 import AppTest
+
+import atleak
+from atleak.figures import diagnosis as figures
+from atleak.report.pdf import write_pdf
+from atleak.report.record import diagnosis_record
+from atleak.report.text import print_diagnosis
+from atleak.report.xlsx import write_workbook
+
+root, own = Path(sys.argv[1]), Path(sys.argv[2])
+assert Path(atleak.__file__).is_relative_to(root), "the walk runs in the copy"
+controller = atleak.load_controller("four_speed_2023")
+sheet = root / "sample_data" / "measuring_sheet_four_speed.xlsx"
+found = atleak.diagnose(
+    controller, atleak.load_fluid("hipol_atf_iid"), atleak.load_limits(own),
+    readings=atleak.read_readings(sheet, controller),
+)
+soon = [land for land in found.lands if land.verdict == "soon"]
+assert soon, "no land has the new level"
+keys = {land.key for land in soon}
+assert keys <= {land.key for land in found.flagged}
+assert keys <= {step.land.key for step in found.repair_plan}
+record = diagnosis_record(found)
+assert "soon" in {land["verdict"] for land in record["lands"]}
+out = sys.stdout
+sys.stdout = io.StringIO()
+print_diagnosis(found)
+said, sys.stdout = sys.stdout.getvalue(), out
+assert "◆ repair soon" in said, "terminal"
+pdf = pypdfium2.PdfDocument(write_pdf(found))
+assert "repair soon" in "".join(page.get_textpage().get_text_range() for page in pdf), "PDF"
+for language in ("de", "pl"):
+    assert write_pdf(found, language=language).startswith(b"%PDF"), language
+book = openpyxl.load_workbook(io.BytesIO(write_workbook(found)), data_only=True)
+for name in ("Summary", "Lands", "Rules"):
+    cells = {cell.value for row in book[name].iter_rows() for cell in row}
+    assert "◆ repair soon" in cells, name
+assert "◆ repair soon" in {trace.name for trace in figures.leakage_ranking(found).data}, "ranking"
+assert "◆ repair soon" in {trace.name for trace in figures.wear(found).data}, "wear"
+main = root / "walk" / "main.py"
+main.parent.mkdir()
+main.write_text(f"import runpy\\nrunpy.run_path({str(root / 'app.py')!r})\\n", encoding="utf-8")
+sys.path.insert(0, str(root))
+app = AppTest.from_file(str(main), default_timeout=120).run()
+next(box for box in app.sidebar.selectbox if box.label == "Limits").select("own file (TOML) …").run()
+upload = next(box for box in app.sidebar.file_uploader if "limits" in box.label)
+upload.upload("own.toml", own.read_bytes(), "text/plain").run()
+assert not app.exception, "page"
+assert "◆ repair soon" in {text.strip() for text in app.dataframe[0].value["Verdict"]}, "table"
+assert "◆ repair soon" in "".join(text.value for text in (*app.error, *app.warning)), "sentence"
+for page in sorted((root / "pages").glob("[0-9]_*.py")):
+    app.switch_page(str(page)).run()
+    assert not app.exception, page.name
+print("walked")
+"""
+
+
+def test_a_level_is_added_in_three_places_and_every_renderer_shows_it(root: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    for name in ("atleak", "pages", "sample_data"):
+        shutil.copytree(root / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(root / "app.py", copy)
+    for path, old, new in (
+        ("verdicts.py", '    WATCH = "watch"\n', ADDED_LEVEL),
+        ("look.py", "    Verdict.REPLACE: Look(", ADDED_LOOK),
+        *(
+            (f"texts/{name}.toml", f"[{table}]\n", f'[{table}]\nsoon = "{words}"\n')
+            for name in languages()
+            for table, words in (("verdicts", "repair soon"), ("sentences", "Soon: {flagged} of {measured}, {total}."))
+        ),
+    ):
+        file = copy / "atleak" / path
+        text = file.read_text(encoding="utf-8")
+        assert text.count(old) == 1, path
+        file.write_text(text.replace(old, new), encoding="utf-8")
+    own = tmp_path / "own.toml"
+    limits = (root / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
+    own.write_text(limits.replace("replace = 50.0", "soon = 15.0\nreplace = 50.0"), encoding="utf-8")
+    walk = tmp_path / "walk.py"
+    walk.write_text(WALK, encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": str(copy), "XDG_CONFIG_HOME": str(tmp_path), "APPDATA": str(tmp_path)}
+    walked = subprocess.run(
+        [sys.executable, str(walk), str(copy), str(own)],
+        capture_output=True, encoding="utf-8", env=environment, cwd=tmp_path, check=False,
+    )  # fmt: skip
+    assert walked.stdout.strip().endswith("walked"), walked.stderr[-4000:]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_level_has_a_look_and_a_word(language: str) -> None:
+    assert list(LOOKS) == list(VERDICTS)
+    say = wording(language)
+    assert all(say.level(level) for level in (*VERDICTS, *BANDS))
+    signs = [look.sign for look in LOOKS.values()]
+    assert len(set(signs)) == len(signs)
+
+
+def test_order_of_severity() -> None:
+    assert [verdict.value for verdict in sorted(VERDICTS, key=lambda verdict: verdict.rank)] == [
+        "not_measured", "ok", "watch", "replace", "critical",
+    ]  # fmt: skip
+    assert FLAGGED == (Verdict.WATCH, Verdict.REPLACE, Verdict.CRITICAL)
+    assert [verdict for verdict in VERDICTS if verdict.calls_for_repair] == [Verdict.REPLACE, Verdict.CRITICAL]
+    assert [band.verdict for band in BANDS] == [Verdict.OK, *FLAGGED]
+    assert Band.AMBER.verdict.flagged
