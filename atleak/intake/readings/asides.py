@@ -25,12 +25,19 @@ from atleak.intake.readings.words import (
     part_of,
     repeat_of,
     says_no,
+    says_specification,
     says_yes,
     summary_of,
     text_of,
 )
 
-LEFT_ASIDE = ("summaries_left_aside", "rejected_left_aside", "struck_left_aside", "hidden_rows")  # codes of messages
+LEFT_ASIDE = (
+    "summaries_left_aside",
+    "rejected_left_aside",
+    "struck_left_aside",
+    "hidden_rows",
+    "specifications_left_aside",
+)  # codes of messages
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
 _MARKS = {"x", "✓", "✔", "1"}
 _NAMES: dict[Summary, str] = {
@@ -70,6 +77,7 @@ class Asides:
         self.summaries: list[SummaryRow] = []
         self.struck: list[int] = []
         self._rejected: dict[str, list[int]] = defaultdict(list)
+        self._specified: dict[str, list[int]] = defaultdict(list)
         self._hidden: dict[str, list[int]] = defaultdict(list)
         values = {column.index for group in columns.groups for column in group.values()}
         keys = columns.keys
@@ -108,7 +116,18 @@ class Asides:
         kind = self._summary(row)
         if kind is not None:
             self.summaries.append(SummaryRow(row, kind))
-        return kind is not None
+            return True
+        specified = self._specification(row)
+        if specified is not None:
+            self._specified[specified].append(row)
+        return specified is not None
+
+    def _specification(self, row: int) -> str | None:
+        """The word that says of a row that its number is what should be, beside rows of what is."""
+        for cell in self.sheet.rows[row]:
+            if isinstance(cell, str) and says_specification(cell) and self.names.component(cell) is None:
+                return cell
+        return None
 
     def _is_struck(self, row: int, index: int) -> bool:
         return bool(self.sheet.marks.struck) and self.sheet.is_struck(row, index)
@@ -164,6 +183,9 @@ class Asides:
         for kind, rows in by_kind.items():
             text = f"{_count(rows)} of {_NAMES[kind]} left aside ({rows_named(self.sheet, rows)})"
             yield Message("info", "summaries_left_aside", text, place)
+        for word, rows in self._specified.items():
+            text = f"{_count(rows)} of {word!r} left aside, what should be ({rows_named(self.sheet, rows)})"
+            yield Message("info", "specifications_left_aside", text, place)
         for reason, rows in self._rejected.items():
             text = f"{_count(rows)} left aside, because {reason} ({rows_named(self.sheet, rows)})"
             yield Message("warning", "rejected_left_aside", text, place)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from atleak.intake.readings.words import QUANTITIES, direction_of, part_of, vocabulary
 
-_COUNTED = vocabulary("repeat", "reading")
+_COUNTED = vocabulary("repeat", "reading", "found")
 _SIZE = vocabulary("diameter", "coordinate")
 _DIAMETER = vocabulary("diameter")
 _NUMBER = vocabulary("number")

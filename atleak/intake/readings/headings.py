@@ -129,6 +129,11 @@ class Header:
         return tuple(column for column in self.columns if column.holds_value)
 
     @property
+    def roles(self) -> set[Role]:
+        """What the headings name, of all that makes a reading."""
+        return {column.role for column in self.columns}.difference(_SAYS_NOTHING)
+
+    @property
     def complete(self) -> bool:
         """Whether readings can be read from under it at all."""
         return bool(self.of("component")) and bool(self.values)
@@ -136,7 +141,7 @@ class Header:
     @property
     def score(self) -> float:
         """How much this looks like the headings of a measuring sheet."""
-        named = {column.role for column in self.columns}.difference(_SAYS_NOTHING)
+        named = self.roles
         distinct = {(column.role, column.coordinate, column.group) for column in self.values}
         doubled = len(self.values) - len(distinct)
         return (
@@ -185,28 +190,48 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
     """The headings of every table of a sheet, from top to bottom. ``is_component`` knows the cells of readings."""
     candidates = []
     for first in range(len(sheet.rows)):
-        if _may_hold_headings(sheet, first) and not _holds_data(sheet, first, is_component):
-            for header in _headers_at(sheet, first):
-                if header.last > first and _holds_data(sheet, header.last, is_component):
-                    break
-                if header.starts_table:
-                    candidates.append(header)
+        if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
+            continue
+        decimals = _holds_decimals(sheet, first)
+        if decimals and sum(isinstance(cell, str) and read_heading(cell) is not None for cell in sheet.rows[first]) < 3:
+            continue
+        for header in _headers_at(sheet, first):
+            last = header.last
+            if last > first and (
+                decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)
+            ):
+                break
+            # a number beside headings that leave no doubt
+            if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
+                candidates.append(header)
     found: list[Header] = []
-    for header in sorted(candidates, key=lambda each: (-round(each.score, 9), each.first)):
+    for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(sheet, each), 9), each.first)):
         if all(header.last < other.first or header.first > other.last for other in found):
             found.append(header)
     return sorted(found, key=lambda each: each.first)
 
 
-def _holds_data(sheet: Sheet, row: int, is_component: Callable[[str], bool]) -> bool:
-    """Whether a row holds a number with decimals or names a component: headings do neither."""
-    for cell in sheet.rows[row]:
-        if isinstance(cell, str):
-            if cell and (_has_decimals(cell) or is_component(cell)):
-                return True
-        elif isinstance(cell, float) and not cell.is_integer():
-            return True
-    return False
+def _depth_bonus(sheet: Sheet, header: Header) -> float:
+    """More for headings under headings: "nominal" and "actual" under "diameter" are no table of their own."""
+    return sum(
+        0.02
+        for row in range(header.first + 1, header.last + 1)
+        if any(
+            isinstance(cell, str) and (column := read_heading(cell)) is not None and column.holds_size
+            for cell in sheet.rows[row]
+        )
+    )
+
+
+def _names_component(sheet: Sheet, row: int, is_component: Callable[[str], bool]) -> bool:
+    return any(isinstance(cell, str) and cell and is_component(cell) for cell in sheet.rows[row])
+
+
+def _holds_decimals(sheet: Sheet, row: int) -> bool:
+    return any(
+        _has_decimals(cell) if isinstance(cell, str) else isinstance(cell, float) and not cell.is_integer()
+        for cell in sheet.rows[row]
+    )
 
 
 @lru_cache(maxsize=16384)
@@ -297,8 +322,8 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
     simple: list[tuple[bool, Role]] = [
         (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
         (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
-        (bool(words & _QUANTITY), "quantity"),
-        (bool(words & _SPECIFICATION) and (sized or not key), "specification"),
+        (bool(words & _QUANTITY) and not words & _SPECIFICATION, "quantity"),
+        (bool(words & _SPECIFICATION) and (sized or not key or bool(words & _QUANTITY)), "specification"),
         (bool(words & _REMARK), "remark"),
         (bool(words & _DIRECTION), "direction"),
         (bool(words & _PLANE), "plane"),
@@ -351,6 +376,7 @@ def _part(words: set[str], text: str) -> Part | None:
     return parts.pop() if len(parts) == 1 else None
 
 
+@lru_cache(maxsize=4096)
 def split_unit(text: str) -> tuple[str, Unit | None]:
     for found in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
         inner = re.sub(r"^\s*in\s+(?=\S)", "", found[1])

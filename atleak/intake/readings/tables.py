@@ -289,13 +289,15 @@ def _sections(table: Table, names: Names) -> Iterator[Table]:
         text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
         next_said = _said(table, [(f"the line {text!r}", text)], names)
         if next_said.said_by == table.said_by:
-            continue
+            # what an unknown line begins is not what the line before it said
+            next_said = replace(table, part=None, component=None, said_by="")
+        else:
+            next_said = replace(
+                next_said,
+                said_by=" and ".join(dict.fromkeys(text for text in (next_said.said_by, said.said_by) if text)),
+                part=next_said.part or said.part,
+                component=next_said.component or said.component,
+            )
         yield replace(said, sheet=replace(sheet, rows=sheet.rows[:row]), header=begin)
-        begin = replace(table.header, first=row, last=row)
-        said = replace(
-            next_said,
-            said_by=" and ".join(dict.fromkeys(text for text in (next_said.said_by, said.said_by) if text)),
-            part=next_said.part or said.part,
-            component=next_said.component or said.component,
-        )
+        begin, said = replace(table.header, first=row, last=row), next_said
     yield replace(said, header=begin)

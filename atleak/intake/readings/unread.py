@@ -46,7 +46,6 @@ class Account:
         self._sizes = Sizes(self.names.controller)
         stated = [unit for name in self.units if (unit := find_unit(name, "length")) is not None]
         self._units = tuple(dict.fromkeys((*stated, MM, INCH)))
-        self._small = tuple(unit for unit in self._units if unit.factor < MM.factor)
 
     def enter(self, rows: Rows) -> None:
         """Accounts for a table that was read, and judges the columns that were not."""
@@ -123,17 +122,16 @@ class Account:
     # --- one table ------------------------------------------------------------------------------------------------
 
     def _headings(self, table: Table) -> None:
-        header = table.header
-        for row in range(max(header.first, 0), header.last + 1):
-            self._done[table.sheet.name].update((row, column) for column in table.columns)
+        for row in range(max(table.header.first, 0), table.header.last + 1):
+            texts = [column for column in table.columns if number_of(text_of(table.sheet.cell(row, column))) is None]
+            self._done[table.sheet.name].update((row, column) for column in texts)
 
     def _is_figure(self, rows: Rows, index: int) -> bool:
         """Whether a column holds specifications, means or raw readings by its heading; it is left aside."""
         table, role = rows.table, _role(rows.table, index)
         if role not in ("specification", "mean", "raw"):
             return False
-        sizes = [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
-        self._leave_column(table, index, sizes or self._near(rows, index), role)
+        self._leave_column(table, index, self._sizes_under(table, index) or self._near(rows, index), role)
         return True
 
     def _is_quantity(self, rows: Rows, index: int) -> bool:
@@ -141,8 +139,11 @@ class Account:
         table = rows.table
         if _role(table, index) != "quantity" or (_units(table, index) and self._is_diameter(rows, index)):
             return False
-        self._leave_column(table, index, self._near(rows, index) if self._is_diameter(rows, index) else [], "quantity")
+        self._leave_column(table, index, self._sizes_under(table, index), "quantity")
         return True
+
+    def _sizes_under(self, table: Table, index: int) -> list[tuple[int, int]]:
+        return [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
 
     def _is_rival(self, rows: Rows, index: int) -> bool:
         """Whether a column that was not read could be the measurement as well; not one of remarks or of counts."""
@@ -243,7 +244,9 @@ class Account:
 
     def _looks_read(self, sheet: Sheet, row: int) -> bool:
         """Whether a row outside of every table says what a diameter is of."""
-        texts = [text_of(cell) for cell in sheet.rows[row] if not is_blank(cell)]
+        done = self._done[sheet.name]
+        cells = [cell for column, cell in enumerate(sheet.rows[row]) if (row, column) not in done]
+        texts = [text_of(cell) for cell in cells if not is_blank(cell)]
         return any(self.names.is_named(text) or part_of(text) is not None for text in texts)
 
     def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:

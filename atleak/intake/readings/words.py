@@ -100,6 +100,7 @@ def _vocabularies() -> dict[str, dict[str, list[str]]]:
     return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
 
 
+@lru_cache(maxsize=64)
 def vocabulary(*meanings: str) -> Vocabulary:
     """The words of headings and titles for one or several meanings of ``vocabulary.toml``.
 
@@ -108,6 +109,18 @@ def vocabulary(*meanings: str) -> Vocabulary:
     """
     by_language = (_vocabularies()[meaning] for meaning in meanings)
     return Vocabulary(word for languages in by_language for words in languages.values() for word in words)
+
+
+@lru_cache(maxsize=4096)
+def says_specification(text: str) -> bool:
+    """Whether a cell says, and says nothing else, that its row is what a diameter should be.
+
+    >>> says_specification("Nominal"), says_specification("Soll-Ø"), says_specification("nominal, but worn")
+    (True, True, False)
+    """
+    words = set(re.findall(r"[^\W\d_]+", plain(text)))
+    specified = words & vocabulary("specification")
+    return bool(specified) and not words - specified - words & vocabulary("diameter", "reading")
 
 
 def is_blank(cell: Cell) -> bool:
@@ -326,7 +339,8 @@ _SUMMARY_SIGNS = {"ø", "⌀", "∅", "x̄", "x̅", "x̿", "x-bar", "x bar", "x 
 _BESIDE_A_SUMMARY = _folded(
     "of from the above over all for per by row rows value values reading readings measurement measurements repeat "
     "repeats number numbers grand overall calculated arithmetic arithmetical standard deviation n "
-    "aus der die das von dem den wert werte messung messungen wiederholungen arithmetisch arithmetischer uber alle oben "
+    "aus der die das von dem den wert werte messung messungen wiederholungen arithmetisch arithmetischer "
+    "uber alle oben "
     "z ze dla od do wartosc wartosci pomiar pomiaru pomiarow arytmetyczna koncowa calkowita wszystkich powyzej "
     "standardowe wierszy de la le les des general generale mesures и из значение измерений"
 )
@@ -432,7 +446,8 @@ def is_state(cell: Cell) -> bool:
 
 
 _REPEATS = _folded(
-    "repeat repetition replicate measurement reading measuring run trial pass series wiederholung messung durchgang reihe "
+    "repeat repetition replicate measurement reading measuring run trial pass series wiederholung "
+    "messung durchgang reihe "
     "messreihe powtorzenie pomiar seria repetition mesure medicion no nr st nd rd th повтор измерение"
 )
 
@@ -468,14 +483,17 @@ CLEARANCES = _folded(
     "clearance clearances spiel laufspiel einbauspiel kolbenspiel schieberspiel luz luzu jeu gioco holgura зазор"
 )
 NOT_MEASURED = _folded(  # a clearance of this kind is not that of the diameters beside it
-    "mounting nominal new limit max min maximum minimum allowed permissible specified specification spec drawing target "
+    "mounting nominal new limit max min maximum minimum allowed permissible specified specification spec "
+    "drawing target "
     "tolerance design uncertainty einbau einbauspiel soll sollspiel nenn nennspiel neu neuzustand zulassig zulassiges "
-    "grenze zeichnung toleranz montazowy montazowa nominalny nominalna nowy dopuszczalny zadany rysunku wear verschleiss "
+    "grenze zeichnung toleranz montazowy montazowa nominalny nominalna nowy dopuszczalny zadany rysunku "
+    "wear verschleiss "
     "zuzycie ratio"
 )
 RADIAL = _folded("radial radiale radiales radialspiel promieniowy promieniowa cr")
 CORRECTIONS = _folded(
-    "correction corrections offset korrektur korrekturwert korrektion poprawka poprawki korekta korekcja bias ringfehler "
+    "correction corrections offset korrektur korrekturwert korrektion poprawka poprawki korekta korekcja "
+    "bias ringfehler "
     "einstellringfehler gauge ring"
 )
 ERRORS = _folded("error deviation fehler abweichung blad odchylka")

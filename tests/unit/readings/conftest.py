@@ -117,6 +117,38 @@ def make_text() -> Callable[..., bytes]:
     return text
 
 
+@pytest.fixture(scope="session")
+def example() -> Controller:
+    return load_controller("minimal_example")
+
+
+def _typed(cell: str) -> str | float | None:
+    """As a spreadsheet program takes what is typed: a number where it can be one."""
+    try:
+        return float(cell.replace(",", ".")) if cell else None
+    except ValueError:
+        return cell
+
+
+@pytest.fixture
+def filled_in() -> Callable[..., bytes]:
+    """A sheet written with semicolons as a text file, or as a workbook; several by name as a workbook."""
+
+    def build(sheets: str | dict[str, str], form: str) -> bytes:
+        if form == "text":
+            assert isinstance(sheets, str)
+            return sheets.encode()
+        book = openpyxl.Workbook()
+        book.remove(book.active)
+        for title, lines in ({"Readings": sheets} if isinstance(sheets, str) else sheets).items():
+            sheet = book.create_sheet(title)
+            for line in lines.split("\n"):
+                sheet.append([_typed(cell) for cell in line.split(";")])
+        return saved(book)
+
+    return build
+
+
 @pytest.fixture
 def tidy() -> Callable[..., list[Row]]:
     """Headings and both parts of component 6, land 1, two directions, two repeats, all as they should be.

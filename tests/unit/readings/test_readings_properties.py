@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given, settings
@@ -160,3 +161,87 @@ def read_or_refuse(data, controller):
         return read_readings(data, controller), None
     except ReadingsError as refusal:
         return None, refusal
+
+
+# --- no diameter is lost ------------------------------------------------------------------------------------------
+
+SPECIFICATIONS = ("Nominal [mm]", "Soll-Ø", "Ø wg rysunku [mm]", "Target", "Max", "Diamètre théorique", "Номинал")
+ANYTHING = (*SPECIFICATIONS, "Mean", "Remark", "Result [mm]", "Actual", "A", "", "Old [mm]", "Temperature", "Land", "x")
+NEAR = st.builds(lambda pair, off: f"{pair[2] + off / 1000:.3f}", st.sampled_from(PAIRS), st.integers(-90, 90))
+TITLES = st.sampled_from(("", "Limits", "Drawing values", "Calibration", "Pistons", "Summary", "Page 2"))
+KEY_HEADINGS = st.lists(st.sampled_from(("component", "part", "plane", "Ring", "No.")), max_size=3, unique=True)
+KEY_CELLS = {"component": "6", "part": "spool", "plane": "1", "Ring": "A3", "No.": "2"}
+
+
+@st.composite
+def further_tables(draw):
+    """Lines of a table with numbers of the size of a diameter in it, with or without title, headings and keys."""
+    keys, headings = draw(KEY_HEADINGS), draw(st.lists(st.sampled_from(ANYTHING), min_size=1, max_size=3))
+    count = draw(st.integers(1, 3))
+    lines = [[title] for title in [draw(TITLES)] if title]
+    if draw(st.booleans()):
+        lines.append([*keys, *headings])
+    lines += [[*(KEY_CELLS[key] for key in keys), *(draw(NEAR) for _ in headings)] for _ in range(count)]
+    return [*draw(st.sampled_from([[[]], []])), *lines, []]
+
+
+def numbers_on(lines):
+    return sum(bool(re.fullmatch(r"\d+\.\d{3}", cell)) for line in lines for cell in line)
+
+
+def numbers_named(found):
+    """How many numbers the messages name, of those that are left aside or were not read."""
+    texts = [message.text for message in found.messages if message.code.endswith(("_aside", "not_read"))]
+    more = sum(int(count) for text in texts for count in re.findall(r" and (\d+) more", text))
+    return more + sum(len(re.findall(r"\(row \d+\)", text)) for text in texts)
+
+
+def original(rows):
+    return {(*row[:3], float(row[3]), row[4]): row[5] for row in rows}
+
+
+def microns(found):
+    return {key: round(diameter * 1e6) for key, diameter in diameters(found).items()}
+
+
+@settings(max_examples=300, deadline=None)
+@given(rows=sheets(), extra=further_tables(), where=st.sampled_from(["above", "below", "beside"]))
+def test_no_number_of_another_table_is_lost(controller, rows, extra, where):
+    lines = [line.split(";") for line in as_text(rows).decode().splitlines()]
+    if where == "beside":
+        blank = [""] * len(lines[0])
+        longest = max(len(lines), len(extra))
+        beside = zip(lines + [blank] * (longest - len(lines)), extra + [[]] * (longest - len(extra)), strict=True)
+        lines = [[*left, "", *right] for left, right in beside]
+    else:
+        lines = [*extra, *lines] if where == "above" else [*lines, [], *extra]
+    found, refusal = read_or_refuse("\n".join(";".join(line) for line in lines).encode(), controller)
+    if refusal is None:
+        assert numbers_on(lines) == len(found.readings) + numbers_named(found)
+        assert original(rows).items() <= microns(found).items()
+
+
+@settings(max_examples=300, deadline=None)
+@given(data=st.data(), rows=sheets(), heading=st.sampled_from(ANYTHING), filled=st.integers(1, 100))
+def test_no_number_of_another_column_is_lost(controller, data, rows, heading, filled):
+    lines = [line.split(";") for line in as_text(rows).decode().splitlines()]
+    at = data.draw(st.integers(0, len(lines[0])))
+    lines[0].insert(at, heading)
+    for index, line in enumerate(lines[1:]):
+        line.insert(at, data.draw(NEAR) if index * filled % 100 < filled else "")
+    found, refusal = read_or_refuse("\n".join(";".join(line) for line in lines).encode(), controller)
+    if refusal is None:
+        assert numbers_on(lines) == len(found.readings) + numbers_named(found)
+        assert microns(found) == original(rows)
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.data(), rows=sheets(), heading=st.sampled_from(SPECIFICATIONS))
+def test_a_specification_is_never_the_measurement(controller, data, rows, heading):
+    lines = [line.split(";") for line in as_text(rows, heading="Actual [mm]").decode().splitlines()]
+    at = data.draw(st.integers(0, len(lines[0])))
+    for line, cell in zip(lines, [heading, *(f"{round(row[5], -2) / 1000:.3f}" for row in rows)], strict=True):
+        line.insert(at, cell)
+    found = read_readings("\n".join(";".join(line) for line in lines).encode(), controller)
+    assert microns(found) == original(rows)
+    assert any(heading in message.text for message in found.messages if message.code == "column_aside")
