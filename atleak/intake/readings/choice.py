@@ -144,7 +144,7 @@ def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
     if not header.values:
         missing.append("diameter, or coordinate x1 and coordinate x2")
     return ReadingsError(
-        f"no heading for {' nor for '.join(missing) or 'what was measured'}",
+        f"no heading for {' nor for '.join(missing)}" if missing else "this row holds headings and readings as well",
         place=sheet.place(header.last),
         value=", ".join(repr(column.name) for column in header.columns),
         expected=EXPECTED,
