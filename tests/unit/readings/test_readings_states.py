@@ -316,3 +316,16 @@ def test_stations_that_merely_return_are_told(controller):
     assert said(found, "rows_as_repeats")[0].endswith(
         "stands in row 2 and again in row 4, and so does 1 more: counted as repeats"
     )
+
+
+def test_rows_are_chosen_in_the_table_that_has_the_column(controller):
+    data = sheet(
+        ("Inspection", *HEADINGS["en"]),
+        "May;accumulator;1;piston;17.998",
+        "November;accumulator;1;piston;17.996",
+        "",
+        "Valve;Land;Part;Diameter [mm]",
+        "accumulator;1;bore;18.041",
+    )
+    found = read_readings(data, controller, where={"Inspection": "May"})
+    assert [reading[4] for reading in sizes(found)] == [17.998, 18.041]
