@@ -105,7 +105,7 @@ def test_rows_of_one_inspection(run: Run, tmp_path: Path) -> None:
     assert "--where Inspection=May" in err
     job = tmp_path / "job.zip"
     record = record_of(
-        run, "diagnose", sheet, "--controller", "minimal_example", "--where", "Inspection=May", "--job-file", job
+        run, sheet, "--controller", "minimal_example", "--where", "Inspection=May", "--job-file", job
     )
     found = {land["component"]: land for land in record["lands"]}["accumulator"]
     assert found["radial_clearance_um"] == pytest.approx(21.5, abs=1e-6)
