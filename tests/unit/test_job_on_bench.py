@@ -102,6 +102,44 @@ def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
     return AppTest.from_file(str(main), default_timeout=60).run()
 
 
+SEVERAL = (
+    b"Inspection;Valve;Land;Part;Diameter [mm]\n"
+    b"May;accumulator;1;piston;17.998\nMay;accumulator;1;bore;18.041\n"
+    b"November;accumulator;1;piston;17.996\nNovember;accumulator;1;bore;18.050\n"
+)
+
+
+def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_with_the_job(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT))
+    script = tmp_path / "form.py"
+    script.write_text(
+        "from pages.shared import sheet_form\nfrom pages.shared.bench import Bench, File\n"
+        "from pages.shared.state import session\nnow = session()\n"
+        "if now.bench.sample:\n"
+        f"    now.bench = Bench(sheet=File('two.csv', {SEVERAL!r}), controller='minimal_example')\n"
+        "sheet_form.form(now.bench.sheet, now.bench)\n",
+        encoding="utf-8",
+    )
+    form = AppTest.from_file(str(script), default_timeout=60).run()
+    by_label = {found.label: found for found in form.text_input}
+    by_label["Only rows where column"].set_value("Inspection")
+    by_label["says"].set_value("November")
+    form.button[0].click().run()
+    assert not form.exception
+    from pages.shared.bench import diagnosis_of, job_on_bench
+    from pages.shared.job_form import sources
+
+    bench = form.session_state["atleak"].bench
+    assert bench.sheet_where == (("Inspection", "November"),)
+    found = diagnosis_of(bench)
+    assert [reading.place.row for reading in found.readings.readings] == [4, 5]
+    again = job_on_bench(read_job_file(write_job_file(found, **sources(bench))))
+    assert again.sheet_where == bench.sheet_where
+    assert again.with_file("sheet", None).sheet_where == ()
+
+
 def open_job(app: AppTest, content: bytes, name: str = "job.zip") -> AppTest:
     place = next(found for found in app.sidebar.file_uploader if found.label == "Job file")
     return place.set_value((name, content, "application/zip")).run()
