@@ -444,17 +444,17 @@ def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
     uploader(app, slot).set_value(None).run()
     assert "was not taken" not in texts(app)
     assert app.dataframe[0].value.equals(before)
-    assert app.session_state["atleak"].good.log.name == "drive.csv"
+    assert app.session_state["atleak"].good.road_test.name == "drive.csv"
 
 
 def test_a_sheet_taken_away_long_ago_does_not_come_back(app: AppTest, sample_readings: Path) -> None:
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
     uploader(app, "Measuring sheet").set_value(None).run()
-    at, fitted = app.session_state["atleak"].away["sheet"]
-    app.session_state["atleak"].away["sheet"] = at - 3600.0, fitted
+    at, fitted = app.session_state["atleak"].away["readings"]
+    app.session_state["atleak"].away["readings"] = at - 3600.0, fitted
     uploader(app, "Measuring sheet").set_value(bad_file("Measuring sheet")).run()
     assert "The job is as it was" in texts(app)
-    assert app.session_state["atleak"].good.sheet is None
+    assert app.session_state["atleak"].good.readings is None
 
 
 def press(app: AppTest, label: str) -> AppTest:
