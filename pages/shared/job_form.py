@@ -8,9 +8,9 @@ import pandas as pd
 import streamlit as st
 from pydantic import ValidationError
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
-from atleak.job import Decision, Grade, Job
+from atleak.job.record import Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
 from pages.shared import fields, show
 
@@ -97,7 +97,7 @@ def _as_found(record: Job) -> dict[str, Any]:
 def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     pairs = st.column_config.SelectboxColumn("component", options=["", *controller.components])
     land = st.column_config.SelectboxColumn("land", options=[None, *range(1, 10)])
-    decision = st.column_config.SelectboxColumn("decision", options=[None, *get_args(Decision)])
+    decision = st.column_config.SelectboxColumn("decision", options=[None, *get_args(RepairState)])
     parts = st.column_config.SelectboxColumn("part", options=["", "spool", "piston", "sleeve"])
     dates = {name: st.column_config.DateColumn(name, format="YYYY-MM-DD") for name in ("date", "calibrated")}
     shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
