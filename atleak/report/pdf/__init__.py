@@ -151,7 +151,7 @@ def _charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, .
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
             for at in series.instants.values()
         ]
-        bands = [(name, limit * PERCENT) for name, limit in diagnosis.limits.total_share.levels]
+        bands = [(band, limit * PERCENT) for band, limit in diagnosis.limits.bands]
         found["road"] = road_chart(series, marks, bands, say)
     return found
 

@@ -29,7 +29,7 @@ from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 _INPUT = {"font_color": INPUT}
-_RANKED = [verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED]
+_RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
 _FIRST_LEVEL = 5  # column of the sheet of rules in which the first level's limit stands
 _VERDICT = _FIRST_LEVEL + len(FLAGGED)  # and of the verdict, behind the limits
 
@@ -153,10 +153,10 @@ class LiveSheets:
                 f"{_number(reference[1] * G_CM3)}+{slope}*({at('T')}-{_number(reference[0])})",
             )
         elif model == "regression":
-            (nu, exponent), (rho, slope) = STUDY_VISCOSITY, STUDY_DENSITY
+            (nu, exponent), (rho, per_kelvin) = STUDY_VISCOSITY, STUDY_DENSITY
             texts = (
                 f"{_number(nu)}*EXP({exponent}*{at('T')})",
-                f"{slope * G_CM3}*{at('T')}+{_number(rho * G_CM3)}",
+                f"{per_kelvin * G_CM3}*{at('T')}+{_number(rho * G_CM3)}",
             )
         yield "kinematic viscosity ν", "mm²/s", "nu", texts[0], viscosity, "nu"
         yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"
