@@ -30,14 +30,13 @@ from atleak.written_numbers import (
 )
 
 if TYPE_CHECKING:
+    from atleak.controller import Controller
     from atleak.diagnosis import Diagnosis
     from atleak.job import Job
+    from atleak.job_case import Case
     from atleak.marks import Kind
     from atleak.road_test import RoadTest
 
-DEFAULT_CONTROLLER = "four_speed_2023"
-DEFAULT_FLUID = "hipol_atf_iid"
-DEFAULT_LIMITS = "project_default"
 _BROKEN_PIPE = 141  # as a shell reports a program whose reader went away
 
 
@@ -90,8 +89,9 @@ def _diagnose(options: argparse.Namespace) -> int:
         job = load_job(options.job)
         if options.mileage is None:
             options.mileage = job.vehicle.mileage_km
-    diagnosis = _diagnosis(options)
-    written = _write_reports(diagnosis, job, options)
+    case = _case(options)
+    diagnosis = case.diagnose()
+    written = _write_reports(diagnosis, job, case, options)
     if options.json != "-":
         from atleak.report.text import print_diagnosis
 
@@ -101,46 +101,39 @@ def _diagnose(options: argparse.Namespace) -> int:
     return 1 if past else 0
 
 
-def _diagnosis(options: argparse.Namespace) -> Diagnosis:
+def _controller(options: argparse.Namespace) -> Controller:
     from atleak.controller import load_controller
-    from atleak.diagnosis import diagnose
-    from atleak.fluid import load_fluid
-    from atleak.instruments import DEFAULT_SLEEVE_INSTRUMENT, DEFAULT_SPOOL_INSTRUMENT, load_instruments
-    from atleak.intake.readings import read_readings
-    from atleak.limits import load_limits
-    from atleak.profile import find_profile
-    from atleak.projection import stated_condition
-    from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
+    from atleak.job_case import Case
 
-    controller = load_controller(options.controller)
-    return diagnose(
-        controller,
-        load_fluid(options.fluid),
-        load_limits(options.limits),
-        readings=read_readings(Path(options.readings), controller, **_reading_choices(options)),
-        road_test=None if options.road_test is None else _road_test(options),
-        profile=find_profile(options.profile, dict(options.set)),
-        condition=stated_condition(
-            controller,
-            temperature=options.temperature,
-            engine_speed=None if options.rpm is None else options.rpm / 60.0,
-            gear=options.gear,
-        ),
+    return load_controller(Case.controller if options.controller is None else options.controller)
+
+
+def _case(options: argparse.Namespace) -> Case:
+    """The files and choices that the command line names."""
+    from atleak.job_case import SLOTS, Case, SourceFile
+
+    return Case(
+        readings=SourceFile.at(options.readings),
+        road_test=None if options.road_test is None else SourceFile.at(options.road_test),
+        **{name: chosen for name in SLOTS if (chosen := getattr(options, name)) is not None},
+        profile=options.profile,
+        options=tuple(options.set),
+        temperature=options.temperature,
+        engine_speed=None if options.rpm is None else options.rpm / 60.0,
+        gear=options.gear,
         mileage=options.mileage,
-        instruments=load_instruments(
-            options.spool_instrument or DEFAULT_SPOOL_INSTRUMENT, options.sleeve_instrument or DEFAULT_SLEEVE_INSTRUMENT
-        ),
-        assumptions=DEFAULTS.with_settings(dict(options.assume)),
-        guard_factor=GUARD_FACTOR if options.guard is None else options.guard,
+        sheet_name=options.sheet,
+        sheet_unit=options.sheet_unit,
+        sheet_where=tuple(options.where),
+        columns=tuple(options.map),
+        units=tuple(options.unit),
+        constants=tuple(options.constant),
+        assumptions=tuple(options.assume),
+        guard_factor=options.guard,
     )
 
 
-def _reading_choices(options: argparse.Namespace) -> dict[str, Any]:
-    """What the command line says of the measuring sheet."""
-    return {"sheet": options.sheet, "unit": options.sheet_unit, "where": dict(options.where)}
-
-
-def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Namespace) -> list[str]:
+def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: argparse.Namespace) -> list[str]:
     """The files asked for; their names."""
     written = []
     if options.xlsx is not None:
@@ -154,32 +147,17 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, options: argparse.Name
         content = write_pdf(diagnosis, job, language=options.language, paper=options.paper, sections=sections)
         written += _write(options.pdf, content)
     if options.job_file is not None:
+        from atleak.job_case import Reader, with_log_choices
         from atleak.job_file import write_job_file
 
-        content = write_job_file(
-            diagnosis,
-            job,
-            readings=Path(options.readings).read_bytes(),
-            road_test=None if options.road_test is None else Path(options.road_test).read_bytes(),
-            reading_choices=_reading_choices(options),
-            road_test_choices=None if options.road_test is None else _columns(options),
-        )
+        settled = case if case.road_test is None else with_log_choices(case, Reader().log(case))
+        content = write_job_file(diagnosis, job, settled)
         written += _write(options.job_file, content)
     if options.json is not None:  # last: nothing stands on standard output when another file fails
         from atleak.report.record import diagnosis_record, to_json
 
         written += _write(options.json, to_json(diagnosis_record(diagnosis)).encode())
     return written
-
-
-def _columns(options: argparse.Namespace) -> dict[str, Any]:
-    """How the log's columns were told, now or earlier, so that the job reads the same elsewhere."""
-    from atleak.intake.road_test import default_path, understand
-    from atleak.job_file import road_test_choices
-
-    told = _told(options)
-    log = understand(Path(options.road_test), **told, remembered=default_path())
-    return road_test_choices(log, **told, remembered=default_path())
 
 
 def _report(options: argparse.Namespace) -> int:
@@ -232,13 +210,12 @@ def _check_targets(
 
 
 def _variants(options: argparse.Namespace) -> int:
-    from atleak.controller import load_controller
     from atleak.report.text import print_variants
     from atleak.variants import run_variants, sample_log
 
     _check_targets(options, (options.road_test, options.controller), [("record", options.json)])
     options.road_test = options.road_test or sample_log()
-    controller, road_test = load_controller(options.controller), _road_test(options)
+    controller, road_test = _controller(options), _road_test(options)
     results = run_variants(controller, road_test)
     if options.json is not None:
         from atleak.report.record import to_json
@@ -283,13 +260,12 @@ def _import_log(options: argparse.Namespace) -> int:
 
 
 def _template(options: argparse.Namespace) -> int:
-    from atleak.controller import load_controller
     from atleak.report.template import write_template
 
     if Path(options.output).suffix.lower() != ".xlsx":
         raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
     _check_targets(options, [options.controller], [("measuring sheet", options.output)])
-    _say(_write(options.output, write_template(load_controller(options.controller))))
+    _say(_write(options.output, write_template(_controller(options))))
     return 0
 
 
@@ -426,8 +402,8 @@ def _parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
     _add_columns(diagnose)
     _add_controller(diagnose)
-    diagnose.add_argument("--fluid", metavar="ID|FILE", default=DEFAULT_FLUID)
-    diagnose.add_argument("--limits", metavar="ID|FILE", default=DEFAULT_LIMITS)
+    diagnose.add_argument("--fluid", metavar="ID|FILE")
+    diagnose.add_argument("--limits", metavar="ID|FILE")
     diagnose.add_argument("--profile", choices=["workshop", "paper"], default="workshop")
     diagnose.add_argument(
         "--set",
@@ -522,7 +498,7 @@ def _adder(commands: Any) -> Callable[[str, Callable[..., int], str], argparse.A
 
 
 def _add_controller(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--controller", metavar="ID|FILE", default=DEFAULT_CONTROLLER)
+    parser.add_argument("--controller", metavar="ID|FILE", help="the study's four-speed controller unless given")
 
 
 def _add_force(parser: argparse.ArgumentParser) -> None:

@@ -63,6 +63,27 @@ class Instruments:
         return self.spool if part == "spool" else self.sleeve
 
     @property
+    def checked(self) -> Instruments:
+        """These instruments, each able to reach its part.
+
+        Raises
+        ------
+        InputError
+            an instrument that cannot: a micrometer in a bore.
+        """
+        parts: tuple[Part, ...] = ("spool", "sleeve")
+        for part in parts:
+            instrument = self.of(part)
+            if part not in instrument.measures:
+                able = ", ".join(other.id for other in instruments() if part in other.measures)
+                raise InputError(
+                    f"{instrument.name} does not measure a {part}",
+                    value=instrument.id,
+                    expected=f"one of {able}, or a file of the workshop's own",
+                )
+        return self
+
+    @property
     def err_alike(self) -> bool:
         """Whether both parts share one common error, which then drops out of D − d."""
         return self.spool == self.sleeve and self.spool.alike_inside_and_outside
@@ -111,17 +132,7 @@ def load_instruments(
     InputError
         an instrument that cannot reach that part: a micrometer in a bore.
     """
-    chosen = Instruments(load_instrument(spool), load_instrument(sleeve))
-    for part in ("spool", "sleeve"):
-        instrument = chosen.of(part)
-        if part not in instrument.measures:
-            able = ", ".join(found.id for found in instruments() if part in found.measures)
-            raise InputError(
-                f"{instrument.name} does not measure a {part}",
-                value=instrument.id,
-                expected=f"one of {able}, or a file of the workshop's own",
-            )
-    return chosen
+    return Instruments(load_instrument(spool), load_instrument(sleeve)).checked
 
 
 class InstrumentFile(Entry):

@@ -140,6 +140,7 @@ class Case:
     mileage: float | None = None  # [km]
     sheet_name: str | None = None  # of the workbook, where several hold readings
     sheet_unit: str | None = None  # of the diameters, where the sheet does not say
+    sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user chose it
     units: tuple[tuple[str, str], ...] = ()  # quantity → unit
     constants: tuple[tuple[str, float], ...] = ()  # quantity → value in SI of a channel that the log lacks
@@ -172,7 +173,7 @@ class Case:
     @property
     def sheet_choices(self) -> dict[str, Any]:
         """How the measuring sheet is read, as `read_readings` takes it."""
-        return {"sheet": self.sheet_name, "unit": self.sheet_unit}
+        return {"sheet": self.sheet_name, "unit": self.sheet_unit, "where": dict(self.sheet_where)}
 
     @property
     def log_choices(self) -> dict[str, Any]:
@@ -282,24 +283,28 @@ class Reader:
         return understand(log.given, name=log.name, remembered=remembered, **case.log_choices)
 
 
-def settled_log_choices(case: Case, log: Understood) -> dict[str, Any]:
-    """How a log's columns were chosen, now or earlier, so that the job reads the same on another computer.
+def with_log_choices(case: Case, log: Understood) -> Case:
+    """The job with its log's columns as they were chosen, now or earlier, so that it reads the same elsewhere.
 
     Parameters
     ----------
     case
-        the job: what was chosen with it goes before what is remembered.
+        what was chosen with it goes before what is remembered.
     log
         as its log was understood: what is remembered counts only where it was consulted.
     """
     consulted = any(message.code == "remembered" for message in log.messages)
     earlier = recall(default_path(), log.signature) if consulted and case.remember else None
-    chosen = case.log_choices
-    if earlier is not None:
-        taken = {words(column) for column in chosen["mapping"].values()}
-        kept = {name: column for name, column in earlier.mapping.items() if words(column) not in taken}
-        chosen = {**chosen, "mapping": {**kept, **chosen["mapping"]}, "units": {**earlier.units, **chosen["units"]}}
-    return {name: value for name, value in chosen.items() if value or name != "constants"}
+    if earlier is None:
+        return replace(case, remember=False)
+    taken = {words(column) for _, column in case.columns}
+    columns = {name: column for name, column in earlier.mapping.items() if words(column) not in taken}
+    return replace(
+        case,
+        columns=pairs_of({**columns, **dict(case.columns)}),
+        units=pairs_of({**earlier.units, **dict(case.units)}),
+        remember=False,
+    )
 
 
 def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:

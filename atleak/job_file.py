@@ -2,44 +2,36 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
-import tempfile
 import tomllib
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field, replace
-from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, Literal, TypeVar
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from atleak import __version__
-from atleak.controller import OperatingPoint, load_controller
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.catalogue import Origin
+from atleak.controller import OperatingPoint
+from atleak.diagnosis import Diagnosis
 from atleak.errors import InputError, Place, nearest_name
-from atleak.fluid import load_fluid
-from atleak.instruments import Instruments, load_instruments
-from atleak.intake.readings import read_readings
-from atleak.intake.road_test import Understood, read_road_test, recall
-from atleak.intake.road_test.names import words
 from atleak.job import Job, picture_name
-from atleak.limits import load_limits
+from atleak.job_case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
 from atleak.profile import find_profile
 from atleak.report.record import diagnosis_record
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 
 FORMAT = 1
-CATALOGUE = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument")
+_OWN_FILES = ("readings", "road_test")
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
 _ENTRIES = 1000
 _STAMP = (1980, 1, 1, 0, 0, 0)  # of every file in the zip: the same job gives the same bytes
 _LISTED = 8  # faults of a record that are named
-
-Loaded = TypeVar("Loaded")
 
 
 # --- the record alone
@@ -104,27 +96,12 @@ def _picture_beside(record: Path, name: str) -> bytes:
 
 
 @dataclass(frozen=True)
-class SourceFile:
-    """A file as it was given."""
-
-    name: str
-    content: bytes = field(repr=False)
-
-    @property
-    def sha256(self) -> str:
-        return hashlib.sha256(self.content).hexdigest()
-
-
-@dataclass(frozen=True)
 class JobFile:
-    """A job with its files and choices; `diagnose` computes it anew."""
+    """A job as its zip held it: the record, the case to diagnose anew, and the result as it was written."""
 
     job: Job
-    readings: SourceFile | None
-    road_test: SourceFile | None
-    catalogue: Mapping[str, SourceFile]  # by the names of `CATALOGUE`
-    choices: Choices
-    result: dict[str, Any]  # as it was written: the record of the diagnosis
+    case: Case
+    result: dict[str, Any]
 
     def diagnose(self) -> Diagnosis:
         """The diagnosis of this job by the atleak that reads it.
@@ -134,128 +111,30 @@ class JobFile:
         AtleakError
             a file that cannot be used.
         """
-        choices = self.choices
-        controller = load_source(load_controller, self.catalogue["controller"])
-        fluid, limits = (
-            load_source(load_fluid, self.catalogue["fluid"]),
-            load_source(load_limits, self.catalogue["limits"]),
-        )
-        tools = [self.catalogue[name] for name in CATALOGUE[3:] if name in self.catalogue]
-        instruments = load_source(load_instruments, *tools) if len(tools) == 2 else None
-        readings = road_test = None
-        if self.readings is not None:
-            found = self.readings
-            readings = read_readings(found.content, controller, name=found.name, **choices.readings.model_dump())
-        if self.road_test is not None:
-            found = self.road_test
-            road_test = read_road_test(found.content, name=found.name, **choices.road_test)
-        return diagnose(
-            controller,
-            fluid,
-            limits,
-            readings=readings,
-            road_test=road_test,
-            profile=find_profile(choices.profile, {name: str(value) for name, value in choices.options.items()}),
-            condition=OperatingPoint(**choices.condition.model_dump()),
-            mileage=choices.mileage,
-            instruments=instruments,
-            assumptions=DEFAULTS.with_settings(choices.assumptions),
-            guard_factor=GUARD_FACTOR if choices.guard_factor is None else choices.guard_factor,
-        )
+        return self.case.diagnose()
 
 
-def road_test_choices(
-    log: Understood,
-    mapping: Mapping[str, str],
-    units: Mapping[str, str],
-    *,
-    remembered: Path,
-    constants: Mapping[str, float] | None = None,
-) -> dict[str, Any]:
-    """How a log's columns were settled, now or earlier: what `write_job_file` takes, and `read_road_test` after it.
-
-    Parameters
-    ----------
-    log
-        as `atleak.intake.road_test.understand` understood it: earlier answers count only where it took them.
-    mapping, units, constants
-        as given with the log: they go before what was settled earlier.
-    remembered
-        the file in which earlier answers are kept.
-    """
-    consulted = any(message.code == "remembered" for message in log.messages)
-    earlier = recall(remembered, log.signature) if consulted else None
-    taken = {words(column) for column in mapping.values()}
-    columns = {} if earlier is None else {name: one for name, one in earlier.mapping.items() if words(one) not in taken}
-    found: dict[str, Any] = {
-        "mapping": {**columns, **mapping},
-        "units": {**({} if earlier is None else earlier.units), **units},
-    }
-    return found | ({"constants": dict(constants)} if constants else {})
-
-
-def load_source(load: Callable[..., Loaded], *sources: SourceFile) -> Loaded:
-    """What a loader of the catalogue makes of files that are at hand as bytes.
-
-    A name that a user gave is only shown, in messages and records; no file of that name is written.
-
-    Raises
-    ------
-    InputError
-        as ``load``, naming the file as the user does.
-    """
-    with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
-        paths = [Path(folder) / f"own{number}.toml" for number, _ in enumerate(sources)]
-        names = {path.name: source.name for path, source in zip(paths, sources, strict=True)}
-        for path, source in zip(paths, sources, strict=True):
-            path.write_bytes(source.content)
-        try:
-            return _named(load(*paths), names)
-        except InputError as error:
-            for fault in (*error.others, error):
-                fault.place = replace(fault.place, file=names.get(fault.place.file or "", fault.place.file))
-                fault.args = (str(fault),)
-            raise
-
-
-def _named(found: Any, names: Mapping[str, str]) -> Any:
-    if isinstance(found, Instruments):
-        return Instruments(_named(found.spool, names), _named(found.sleeve, names))
-    return replace(found, origin=replace(found.origin, path=Path(names[found.origin.file])))
-
-
-def write_job_file(
-    diagnosis: Diagnosis,
-    job: Job | None = None,
-    *,
-    readings: bytes | None = None,
-    road_test: bytes | None = None,
-    reading_choices: Mapping[str, Any] | None = None,
-    road_test_choices: Mapping[str, Any] | None = None,
-    catalogue: Mapping[str, bytes] | None = None,
-) -> bytes:
+def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case = Case()) -> bytes:  # noqa: B008 - frozen
     """The zip's bytes: job record, measuring sheet, log, pictures, catalogue files and result.
 
     Parameters
     ----------
-    readings, road_test
-        the bytes that the diagnosis was read from; required where it has them.
-    reading_choices
-        ``sheet``, ``unit`` and ``where`` as given to `read_readings`.
-    road_test_choices
-        ``mapping``, ``units`` and ``constants`` as given to `read_road_test`.
-    catalogue
-        bytes of controller, fluid, limits or instrument files that are no longer where they were loaded from.
+    diagnosis
+        the result.
+    job
+        what the workshop wrote down.
+    case
+        the files and choices that the result follows from, the log's columns as `with_log_choices` settles them.
 
     Raises
     ------
     InputError
-        bytes that are missing, or not those that the diagnosis rests on.
+        files that are missing, or not those that the diagnosis rests on.
     """
     job = job or Job()
-    found = _catalogue_files(diagnosis, catalogue or {})
-    sheet = _source(readings, diagnosis.readings, "the measuring sheet")
-    log = _source(road_test, diagnosis.road.road_test if diagnosis.road else None, "the road-test log")
+    entries = _catalogue_files(diagnosis, case)
+    sheet = _source(case.readings, diagnosis.readings, "the measuring sheet")
+    log = _source(case.road_test, diagnosis.road.road_test if diagnosis.road else None, "the road-test log")
     sure = diagnosis.uncertainty
     choices = Choices(
         format=FORMAT,
@@ -263,13 +142,15 @@ def write_job_file(
         job=job,
         profile=diagnosis.profile.name,
         options=diagnosis.profile.options,
-        condition=Condition(**asdict(diagnosis.projection.condition)),
+        condition=Condition(**settings_of(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
-        readings=ReadingChoices(**(reading_choices or {}) if sheet else {}),
-        road_test=dict(road_test_choices or {}) if log else {},
+        readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
+        road_test={name: value for name, value in case.log_choices.items() if value or name != "constants"}
+        if log
+        else {},
         assumptions=sure.assumptions.settings if sure else {},
         guard_factor=sure.guard_factor if sure else None,
-        files=_names(sheet, log, found),
+        files=_names(sheet, log, entries),
     )
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as bundle:
@@ -278,7 +159,7 @@ def write_job_file(
         for name, source in (("readings", sheet), ("road_test", log)):
             if source is not None:
                 _add(bundle, name, source.content)
-        for name, source in found.items():
+        for name, source in entries.items():
             _add(bundle, f"catalogue/{name}.toml", source.content)
         for name, content in sorted(job.pictures.items()):
             _add(bundle, f"pictures/{name}", content)
@@ -327,24 +208,17 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     result = _json(entries.get("result.json", b"{}"), f"{name}: result.json")
     sources = {}
     for slot, called in choices.files.items():
-        entry = f"catalogue/{slot}.toml" if slot in CATALOGUE else slot
+        entry = f"catalogue/{slot}.toml" if slot in SLOTS else slot
         if entry not in entries:
             raise InputError(f"holds no {entry}, which its record names", place=Place(file=name))
         sources[slot] = SourceFile(called, entries[entry])
-    missing = [slot for slot in CATALOGUE[:3] if slot not in sources]
+    missing = [name for name, slot in SLOTS.items() if slot.required and name not in sources]
     if missing:
         raise InputError(f"names no {missing[0]}", place=Place(file=name), expected="a complete job file")
     pictures = {
-        entry.removeprefix("pictures/"): found for entry, found in entries.items() if entry.startswith("pictures/")
+        entry.removeprefix("pictures/"): content for entry, content in entries.items() if entry.startswith("pictures/")
     }
-    return JobFile(
-        job=choices.job.with_pictures(pictures),
-        readings=sources.get("readings"),
-        road_test=sources.get("road_test"),
-        catalogue={slot: found for slot, found in sources.items() if slot in CATALOGUE},
-        choices=choices,
-        result=result,
-    )
+    return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result)
 
 
 # --- what stands in job.json
@@ -354,9 +228,11 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-def _plain_name(name: str) -> str:
-    """A file's name without any folder: for messages, never for a path."""
-    return PurePosixPath(name.replace("\\", "/")).name or "file"
+def _known_slot(name: str) -> str:
+    """One of the files that a job can hold."""
+    if name not in (*_OWN_FILES, *SLOTS):
+        raise ValueError(f"one of {', '.join((*_OWN_FILES, *SLOTS))}")
+    return name
 
 
 class Condition(_Strict):
@@ -394,10 +270,27 @@ class Choices(_Strict):
     road_test: dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None] = {}
     assumptions: dict[str, float] = {}
     guard_factor: float | None = None
-    files: dict[
-        Literal["readings", "road_test", "controller", "fluid", "limits", "spool_instrument", "sleeve_instrument"],
-        Annotated[str, AfterValidator(_plain_name)],
-    ] = {}
+    files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
+
+    def case(self, sources: Mapping[str, SourceFile]) -> Case:
+        """The case that these choices and files make up; nothing that a computer remembers is consulted."""
+        profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
+        return Case(
+            **sources,
+            profile=profile.name,
+            options=differing_options(profile),
+            point=OperatingPoint(**self.condition.model_dump()),
+            mileage=self.mileage,
+            sheet_name=self.readings.sheet,
+            sheet_unit=self.readings.unit,
+            sheet_where=pairs_of(self.readings.where),
+            columns=pairs_of(self.road_test.get("mapping")),
+            units=pairs_of(self.road_test.get("units")),
+            constants=pairs_of(self.road_test.get("constants")),
+            remember=False,
+            assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
+            guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
+        )
 
 
 # --- in and out of the zip
@@ -435,7 +328,7 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
 def _known_entry(name: str) -> bool:
     if name in ("job.json", "result.json", "readings", "road_test"):
         return True
-    if name in {f"catalogue/{slot}.toml" for slot in CATALOGUE}:
+    if name in {f"catalogue/{slot}.toml" for slot in SLOTS}:
         return True
     if not name.startswith("pictures/"):
         return False
@@ -446,54 +339,44 @@ def _known_entry(name: str) -> bool:
         return False
 
 
-def _catalogue_files(diagnosis: Diagnosis, given: Mapping[str, bytes]) -> dict[str, SourceFile]:
+def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
+    """What of the catalogue the diagnosis rests on, each file still as it was when it was loaded."""
     sure = diagnosis.uncertainty
-    origins = {
-        "controller": diagnosis.controller.origin,
-        "fluid": diagnosis.fluid.origin,
-        "limits": diagnosis.limits.origin,
-        **(
-            {
-                "spool_instrument": sure.instruments.spool.origin,
-                "sleeve_instrument": sure.instruments.sleeve.origin,
-            }
-            if sure
-            else {}
-        ),
-    }
-    found = {}
-    for slot, origin in origins.items():
+    used: dict[str, Any] = {name: getattr(diagnosis, name) for name, slot in SLOTS.items() if slot.required}
+    if sure is not None:
+        used |= {"spool_instrument": sure.instruments.spool, "sleeve_instrument": sure.instruments.sleeve}
+    files = {}
+    for name, entry in used.items():
+        origin, choice = entry.origin, getattr(case, name)
         if origin is None:
             continue  # an instrument made in Python: the catalogue's defaults are taken instead
-        content = given.get(slot)
-        if content is None:
-            try:
-                content = origin.path.read_bytes()
-            except OSError as error:
-                raise InputError(
-                    f"the file of the {slot.replace('_', ' ')} is no longer there", value=origin.file
-                ) from error
-        source = SourceFile(origin.file, content)
+        source = SourceFile(origin.file, choice.content if isinstance(choice, SourceFile) else _still(name, origin))
         if source.sha256 != origin.sha256:
-            raise InputError(
-                f"the file of the {slot.replace('_', ' ')} has changed since it was loaded", value=origin.file
-            )
-        found[slot] = source
-    return found
+            what = f"the file of the {name.replace('_', ' ')}"
+            raise InputError(f"{what} has changed since it was loaded", value=origin.file)
+        files[name] = source
+    return files
 
 
-def _source(content: bytes | None, used: Any, called: str) -> SourceFile | None:
+def _still(name: str, origin: Origin) -> bytes:
+    try:
+        return origin.path.read_bytes()
+    except OSError as error:
+        what = f"the file of the {name.replace('_', ' ')}"
+        raise InputError(f"{what} is no longer there", value=origin.file) from error
+
+
+def _source(source: SourceFile | None, used: Any, called: str) -> SourceFile | None:
     if used is None:
         return None
-    if content is None:
+    if source is None:
         raise InputError(f"{called} is missing", value=used.file, expected="the bytes the diagnosis was read from")
-    source = SourceFile(used.file, content)
     if source.sha256 != used.sha256:
         raise InputError(f"{called} is not the one the diagnosis was read from", value=used.file)
-    return source
+    return SourceFile(used.file, source.content)
 
 
-def _names(sheet: SourceFile | None, log: SourceFile | None, catalogue: Mapping[str, SourceFile]) -> Any:
+def _names(sheet: SourceFile | None, log: SourceFile | None, catalogue: Mapping[str, SourceFile]) -> dict[str, str]:
     sources = {"readings": sheet, "road_test": log, **catalogue}
     return {slot: source.name for slot, source in sources.items() if source is not None}
 

@@ -142,7 +142,7 @@ class PumpFlow:
     """
 
     pump: Pump
-    with_slip: bool
+    with_slip: bool  # only of a pump with a slip coefficient
 
     @property
     def per_revolution(self) -> Any:
@@ -153,9 +153,8 @@ class PumpFlow:
         """Give the flow that slips back [m³/s] at any speed; zero where the efficiency is a constant."""
         if not self.with_slip:
             return 0.0
-        return pump_equations.slip_flow(
-            self.pump.displacement, self.pump.slip_coefficient, main_pressure, dynamic_viscosity
-        )
+        coefficient: Any = self.pump.slip_coefficient  # there is one: see `with_slip`
+        return pump_equations.slip_flow(self.pump.displacement, coefficient, main_pressure, dynamic_viscosity)
 
     def capacity(self, engine_speed: Any, main_pressure: Any, dynamic_viscosity: Any) -> Any:
         """Give what it delivers [m³/s] at an engine speed [1/s]; never below zero."""

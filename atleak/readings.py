@@ -118,7 +118,7 @@ class LandClearance:
 
     @property
     def wear(self) -> float:
-        """(c_r − c_m)/c_m as a fraction, eq. (1); zero for a land that was not measured."""
+        """(c_r − c_m)/c_m as a fraction, eq. (1)."""
         return clearance_equations.wear(self.radial_clearance, self.land.mounting_clearance)
 
     @property

@@ -251,7 +251,7 @@ def _compute_chunk(
         flow[:] = total
     for gaps, samples in one_by_one:
         flows, negative = _group_by_group(model, gaps, log.part(samples), viscosity[samples], powers[:, samples])
-        whole = sum(flows.values())
+        whole: Any = sum(flows.values())
         missing = np.isnan(whole) if np.isnan(whole.sum()) else None
         total[samples] = whole
         for name, flow in sections.items():

@@ -9,7 +9,7 @@ from atleak.report.record import diagnosis_record, to_json
 from atleak.report.xlsx import write_workbook
 from pages.shared import panel, show, words
 
-bench, diagnosis = panel.shown()
+case, diagnosis = panel.shown()
 record = diagnosis_record(diagnosis)
 st.title("Diagnosis")
 show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
@@ -45,7 +45,7 @@ with st.expander(f"All {len(diagnosis.lands)} lands"):
 
 st.subheader("Take it along")
 with st.container(horizontal=True):
-    name = f"diagnosis_{Path(bench.sheet.name).stem if bench.sheet else diagnosis.controller.id}"
+    name = f"diagnosis_{Path(case.readings.name).stem if case.readings else diagnosis.controller.id}"
     st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
     st.download_button("Excel workbook", lambda: write_workbook(diagnosis), f"{name}.xlsx", on_click="ignore")
 show.basis(diagnosis, record)

@@ -7,11 +7,11 @@ from atleak.report.clearances import clearance_rows
 from atleak.report.template import write_template
 from pages.shared import panel, sheet_form, show, words
 
-bench, diagnosis = panel.shown()
+case, diagnosis = panel.shown()
 controller, readings = diagnosis.controller, diagnosis.readings
 st.title("Readings")
 if readings is None:
-    st.info("No measuring sheet on the bench: every land is at its mounting clearance.")
+    st.info("No measuring sheet in the job: every land is at its mounting clearance.")
 else:
     where = f", sheet {readings.sheet}" if readings.sheet else ""
     unit = f"{readings.unit} (assumed from the nominal diameters)" if readings.unit_assumed else readings.unit
@@ -24,9 +24,9 @@ st.download_button(
     on_click="ignore",
     help=f"An Excel workbook with every land of {controller.name}, and how to measure.",
 )
-file = sheet_form.pending(bench)
+file = sheet_form.pending(case)
 if file is not None:
-    sheet_form.form(file, bench)
+    sheet_form.form(file, case)
 show.sheet_messages(diagnosis)
 
 only = st.segmented_control("Lands", ["all", "flagged", "not fully measured"], default="all")

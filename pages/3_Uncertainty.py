@@ -8,11 +8,11 @@ from atleak.figures.diagnosis import total_share
 from atleak.uncertainty.table import budget_rows
 from pages.shared import panel, show, words
 
-bench, diagnosis = panel.shown()
+case, diagnosis = panel.shown()
 st.title("Uncertainty")
 unit = diagnosis.uncertainty
 if unit is None:
-    st.info("No measuring sheet on the bench: nothing was measured, so nothing can be said of its uncertainty.")
+    st.info("No measuring sheet in the job: nothing was measured, so nothing can be said of its uncertainty.")
     st.stop()
 spool, sleeve = unit.instruments.spool, unit.instruments.sleeve
 st.markdown(

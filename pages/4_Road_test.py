@@ -11,11 +11,11 @@ from atleak.intake.road_test import tidy_csv
 from atleak.report.window import event_rows, window_rows
 from pages.shared import log_form, panel, show
 
-bench, diagnosis = panel.shown()
+case, diagnosis = panel.shown()
 st.title("Road test")
-file, found = log_form.pending(bench)
+file, found = log_form.pending(case)
 if found is None:
-    st.info("No road-test log on the bench. Upload one in the panel at the side.")
+    st.info("No road-test log in the job. Upload one in the panel at the side.")
     st.stop()
 test = found.road_test
 facts = [found.format, found.encoding, f"decimal sign {found.decimal}" if found.decimal else None]
@@ -25,7 +25,7 @@ if test is not None:
 st.markdown(f"**{show.plain(found.file)}**: {show.plain(', '.join(fact for fact in facts if fact))}")
 if found.problem is not None:
     st.error(show.plain(found.problem))
-log_form.form(file, found, bench)
+log_form.form(file, found, case)
 if test is None:
     st.stop()
 
@@ -55,7 +55,7 @@ st.caption(
 )
 
 road = None
-if file == bench.log and diagnosis.road is not None:
+if file == case.road_test and diagnosis.road is not None:
     try:
         road = diagnosis.road if ends is None else diagnosis.over(part)
         st.subheader("Leakage over it")

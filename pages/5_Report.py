@@ -10,12 +10,13 @@ from atleak.report.record import diagnosis_record, to_json
 from atleak.report.xlsx import write_workbook
 from atleak.wording import languages, wording
 from pages.shared import job_form, panel, show
+from pages.shared.cases import settled
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
 RECORD = "What is filled in above, for the next time or for the command line."
 PAPERS = {"a4": "A4", "letter": "Letter"}
 
-bench, diagnosis = panel.shown()
+case, diagnosis = panel.shown()
 st.title("Report")
 st.write("Everything here is optional; the report leaves out what is not filled in.")
 record = job_form.draw(diagnosis.controller)
@@ -37,7 +38,7 @@ downloads = {
     "Excel workbook": ("xlsx", lambda: write_workbook(diagnosis, record, paper=paper), "With live formulas."),
     "JSON": ("json", lambda: to_json(diagnosis_record(diagnosis)), "Every number, for other programs."),
     "Job record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True), RECORD),
-    "Job file": ("zip", lambda: write_job_file(diagnosis, record, **job_form.sources(bench)), ALL),
+    "Job file": ("zip", lambda: write_job_file(diagnosis, record, settled(case)), ALL),
 }
 with st.container(horizontal=True):
     for label, (suffix, content, tip) in downloads.items():

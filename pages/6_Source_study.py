@@ -10,18 +10,18 @@ from atleak.report.variants import variants_record
 from atleak.variants import charts, tables
 from atleak.variants.article import compare_points
 from pages.shared import panel, show
-from pages.shared.bench import result_key
+from pages.shared.cases import result_key
 from pages.shared.study import CITED, computed, table
 
 STUDY, JOB = "the study's controller and test", "this job's controller and log"
 
-bench, diagnosis = panel.shown()
+case, diagnosis = panel.shown()
 st.title("The source study, reproduced")
 st.markdown(f"{CITED}. Its eight variants W1 to W8 run through the same engine as every job, in the `paper` profile.")
-own = diagnosis.road is not None and not bench.sample
+own = diagnosis.road is not None and not case.sample
 what = st.radio("Run them on", [STUDY, JOB], horizontal=True) if own else STUDY
 try:
-    job = (result_key(bench), diagnosis.controller, diagnosis.road.road_test) if what == JOB else ("study", None, None)
+    job = (result_key(case), diagnosis.controller, diagnosis.road.road_test) if what == JOB else ("study", None, None)
     controller, road_test, results, options, curves = computed(*job)
 except AtleakError as error:
     st.error(show.error_line(error))

@@ -5,16 +5,16 @@ import streamlit as st
 from atleak import catalogue
 from atleak.report import catalogue_rows as rows
 from pages.shared import panel, show
-from pages.shared.bench import catalogue_object
+from pages.shared.cases import catalogue_entry
 
-bench, diagnosis = panel.shown()
+case, diagnosis = panel.shown()
 st.title("Catalogue")
 st.write("Everything shipped names its source. A workshop's own TOML file is taken by the choices at the side.")
 
 
 def entries(kind: str) -> dict:
-    """The shipped entries of a kind and the one on the bench, by name."""
-    found = [catalogue_object(kind, name) for name in catalogue.catalogue_files(rows.FOLDERS[kind])]
+    """The shipped entries of a kind and the one in the job, by name."""
+    found = [catalogue_entry(kind, name) for name in catalogue.catalogue_files(rows.FOLDERS[kind])]
     own = getattr(diagnosis, kind)
     return {entry.name: entry for entry in ([] if own in found else [own]) + found}
 

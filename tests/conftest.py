@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import os
-from collections.abc import Generator
+import zipfile
+from collections.abc import Callable, Generator
 from pathlib import Path
 
 import pytest
@@ -81,3 +83,41 @@ def hipol() -> Fluid:
 @pytest.fixture(scope="session")
 def limits() -> Limits:
     return load_limits("project_default")
+
+
+_XLSX = {
+    "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    '<Default Extension="xml" ContentType="application/xml"/></Types>',
+    "_rels/.rels": '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship '
+    'Id="rId1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/officeDocument" '
+    'Target="xl/workbook.xml"/></Relationships>',
+    "xl/workbook.xml": '<workbook xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main" xmlns:r="http://'
+    'schemas.openxmlformats.org/officeDocument/2006/relationships"><sheets><sheet name="Sheet" sheetId="1" '
+    'r:id="rId1"/></sheets></workbook>',
+    "xl/_rels/workbook.xml.rels": '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+    '<Relationship Id="rId1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet" '
+    'Target="worksheets/sheet1.xml"/></Relationships>',
+}
+
+
+@pytest.fixture(scope="session")
+def bare_workbook() -> Callable[..., bytes]:
+    """An xlsx of one sheet, given as the XML that stands in it; ``parts`` replaces or adds parts of the workbook."""
+
+    def build(inside: str | bytes, parts: dict[str, str] | None = None) -> bytes:
+        stream = io.BytesIO()
+        with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, text in (_XLSX | (parts or {})).items():
+                archive.writestr(name, text)
+            inside = inside.encode() if isinstance(inside, str) else inside
+            start = b'<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main">'
+            archive.writestr("xl/worksheets/sheet1.xml", start + inside + b"</worksheet>")
+        return stream.getvalue()
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def stray_workbook(bare_workbook: Callable[..., bytes]) -> bytes:
+    """An xlsx of which one cell stands in the last corner, its place between single quotes."""
+    return bare_workbook("<sheetData><row r='1'><c r='A1'><v>1</v></c><c r='XFD1048576'><v>1</v></c></row></sheetData>")

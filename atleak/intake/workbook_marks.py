@@ -14,8 +14,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 from xml.etree import ElementTree
 
-from atleak.intake.workbook_cells import column_index
-
 Hiding = Literal["by hand", "by a filter", "in a folded outline"]
 
 PART_LIMIT = 300_000_000  # bytes of one unpacked part; a measuring sheet is a thousandth of it
@@ -61,6 +59,18 @@ def marks(data: bytes) -> dict[str, Marks]:
         if "content.xml" in names:
             return _ods(_part(archive, "content.xml"))
     return {}
+
+
+def column_index(letters: str) -> int:
+    """A column's letters as a number from 0.
+
+    >>> column_index("A"), column_index("AB")
+    (0, 27)
+    """
+    index = 0
+    for letter in letters:
+        index = index * 26 + ord(letter) - 64
+    return index - 1
 
 
 def _part(archive: zipfile.ZipFile, name: str) -> bytes:

@@ -1,1 +1,1 @@
-"""What the pages share: the job on the bench, the panel that changes it, and how results are shown."""
+"""What the pages share: the job that is shown, the panel that changes it, and how results are shown."""

@@ -13,7 +13,6 @@ from atleak.errors import InputError
 from atleak.job import Decision, Grade, Job
 from atleak.report.pdf.pictures import printable_picture
 from pages.shared import fields, show
-from pages.shared.bench import Bench, File, log_choices, sheet_choices
 
 _TEXTS = {
     "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
@@ -27,7 +26,7 @@ KEPT = {"persist_state": "session"}  # what was typed is still in its field afte
 
 
 def job() -> Job:
-    """The record of the job on the bench."""
+    """The record of the job that is shown."""
     return st.session_state.setdefault("job", Job())
 
 
@@ -35,19 +34,6 @@ def put_job(record: Job) -> None:
     """Another record in place of this one, with fresh widgets."""
     st.session_state["job"] = record
     st.session_state["job-generation"] = _generation() + 1
-
-
-def sources(bench: Bench) -> dict[str, Any]:
-    """What of the bench goes into a job file: the files' bytes and how the log's columns were settled."""
-    slots = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument")
-    own = {slot: getattr(bench, slot) for slot in slots}
-    return {
-        "readings": bench.sheet.data if bench.sheet else None,
-        "road_test": bench.log.data if bench.log else None,
-        "reading_choices": sheet_choices(bench),
-        "road_test_choices": log_choices(bench),
-        "catalogue": {slot: choice.data for slot, choice in own.items() if isinstance(choice, File)},
-    }
 
 
 def draw(controller: Controller) -> Job:

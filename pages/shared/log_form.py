@@ -12,26 +12,27 @@ from atleak.intake.road_test import Understood, describe
 from atleak.intake.road_test.describe import workshop_unit
 from atleak.intake.road_test.memory import Settled
 from atleak.intake.units import unit_names
+from atleak.job_case import SourceFile
 from atleak.report.window import event_label
 from atleak.road_test import QUANTITIES, RoadTest
 from atleak.written_numbers import SHIFT
 from pages.shared import fields, show
-from pages.shared.bench import Bench, File, log_of, remember_columns, remembered_columns, understood
+from pages.shared.cases import Kept, PageCase, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session
 
 ASK = "choose …"
 NONE = "not in this log"
 
 
-def pending(bench: Bench) -> tuple[File | None, Understood | None]:
-    """The log to talk about: the one refused for an open question, else the one on the bench."""
-    refused = session().refused.get("log")
+def pending(case: PageCase) -> tuple[SourceFile | None, Understood | None]:
+    """The log to talk about: the one refused for an open question, else that of the job."""
+    refused = session().refused.get("road_test")
     if refused is not None and refused.file is not None:
         try:
             return refused.file, understood(refused.file)
         except AtleakError:
             pass  # no log at all: nothing to ask about it
-    return (None, None) if bench.log is None else (bench.log, log_of(bench))
+    return (None, None) if case.road_test is None else (case.road_test, Kept().log(case))
 
 
 def scales(test: RoadTest) -> dict[str, tuple[str, Any]]:
@@ -59,16 +60,16 @@ def column_rows(found: Understood) -> list[dict[str, Any]]:
     ]
 
 
-def form(file: File, found: Understood, bench: Bench) -> None:
+def form(file: SourceFile, found: Understood, case: PageCase) -> None:
     """Columns and units to choose, where the file leaves them open or the user knows better."""
     asked = {one.quantity: one for one in found.ambiguous}
     for one in found.ambiguous:
         st.warning(f"**{QUANTITIES[one.quantity].label}:** {show.plain(one.why)}. Which column is it?")
-    earlier = (remembered_columns(file) if file != bench.log or bench.memory else None) or Settled()
+    earlier = (remembered_columns(file) if file != case.road_test or case.remember else None) or Settled()
     settled, assumed = dict(earlier.mapping), dict(earlier.units)
-    if file == bench.log:
-        settled |= dict(bench.columns)
-        assumed |= dict(bench.units)
+    if file == case.road_test:
+        settled |= dict(case.columns)
+        assumed |= dict(case.units)
     if session().unkept[0] == file.sha256:
         st.warning(f"These columns are used, but could not be remembered: {show.plain(session().unkept[1])}.")
     with st.expander("Columns and units", expanded=bool(asked)), st.form("columns", border=False):
@@ -93,7 +94,7 @@ def form(file: File, found: Understood, bench: Bench) -> None:
         if st.form_submit_button("Use and remember for logs with this header"):
             why = remember_columns(file, columns, units)
             session().unkept = (file.sha256, why) if why else ("", "")
-            put_file("log", file)
+            put_file("road_test", file)
             choose(columns=tuple(columns.items()), units=tuple(units.items()))
             st.rerun()
 
@@ -104,7 +105,7 @@ def overlay() -> tuple[RoadTest, float] | None:
     with fields.fold("Lay another log over it: before and after a repair", key=f"over-fold-{now.generation}"):
         own = st.file_uploader("Other road-test log", key=f"over-{now.generation}")
         if own is not None:
-            now.over = File(own.name, own.getvalue())
+            now.over = SourceFile(own.name, own.getvalue())
         if now.over is None:
             return None
         st.caption(f"Dashed: **{show.plain(now.over.name)}**")

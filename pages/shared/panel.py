@@ -13,30 +13,25 @@ from atleak.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError
 from atleak.intake.units import unit
+from atleak.job_case import SLOTS, SourceFile
 from atleak.profile import PROFILES, Profile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from pages.shared import fields, show
-from pages.shared.bench import Bench, File, catalogue_object, controller_of, diagnosis_of
+from pages.shared.cases import PageCase, catalogue_entry, controller_of, diagnosis_of
 from pages.shared.state import choose, new_job, open_job, put_file, session, settle, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
-WHERE = {"sheet": "Readings", "log": "Road test"}
+WHERE = {"readings": "Readings", "road_test": "Road test"}
 FILES = {
-    "sheet": (
+    "readings": (
         "Measuring sheet",
         "Spool and sleeve diameters: xlsx, xls, ods or csv. Told by its content, not its name.",
     ),
-    "log": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
+    "road_test": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
 }
+RPM = unit("rpm", "rotational_speed")
 NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
-KINDS = {
-    "controller": ("Controller", "controllers"),
-    "fluid": ("Fluid", "fluids"),
-    "limits": ("Limits", "limits"),
-    "spool_instrument": ("Spools measured with", "instruments"),
-    "sleeve_instrument": ("Sleeves measured with", "instruments"),
-}
 OPTIONS = {
     "diameter": "Diameter in the gap law",
     "viscosity": "Viscosity",
@@ -64,8 +59,8 @@ def draw() -> None:
     st.html(NARROW_MARGINS)
     with st.sidebar:
         places = {slot: _uploader(slot) for slot in FILES}
-        sample = session().bench.sample
-        cleared = "Takes what is on the bench and in the job record away."
+        sample = session().case.sample
+        cleared = "Takes what is in the job and in the job record away."
         st.button("New, empty job", on_click=new_job, width="stretch", help=cleared)
         st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
         _job_file()
@@ -85,14 +80,14 @@ def draw() -> None:
         _notices()
 
 
-def shown() -> tuple[Bench, Diagnosis]:
+def shown() -> tuple[PageCase, Diagnosis]:
     """The job that is shown and its diagnosis."""
     if "framed" not in st.session_state:
         # a fresh server that is asked for a page's own address first runs that page without app.py around it
         st.session_state["wanted"] = glob.escape(str(st.context.url or "?").rsplit("/", 1)[-1])
         st.switch_page("app.py")
-    bench = session().good
-    return bench, diagnosis_of(bench)
+    case = session().good
+    return case, diagnosis_of(case)
 
 
 def _key(name: str) -> str:
@@ -105,7 +100,7 @@ def _uploader(slot: str) -> Any:
 
     def changed() -> None:
         found = st.session_state[key]
-        put_file(slot, None if found is None else File(found.name, found.getvalue()))
+        put_file(slot, None if found is None else SourceFile(found.name, found.getvalue()))
 
     st.file_uploader(label, key=key, help=tip, on_change=changed)
     return st.container()
@@ -127,9 +122,9 @@ def _job_file() -> None:
         st.file_uploader(
             "Job file", ["zip"], key=key, help="As the page Report or the command line writes it.", on_change=changed
         )
-        st.caption("Sheet, log, job record and every choice come from it, in place of what is on the bench.")
-    place, bench = st.container(), session().bench
-    kept = {"guard factor": bench.guard_factor, "assumptions": bench.assumptions, "values for the log": bench.constants}
+        st.caption("Sheet, log, job record and every choice come from it, in place of what is in the job.")
+    place, case = st.container(), session().case
+    kept = {"guard factor": case.guard_factor, "assumptions": case.assumptions, "values for the log": case.constants}
     if any(kept.values()):
         place.caption(f"Taken from the job file: {', '.join(name for name, value in kept.items() if value)}.")
 
@@ -140,10 +135,10 @@ def _status(slot: str, result: Diagnosis) -> None:
     if refused is not None:
         st.error(f"**Not taken.** {show.error_line(refused.error)}")
     if file is None:
-        st.caption("None yet: every land is at its mounting clearance." if slot == "sheet" else "None yet.")
+        st.caption("None yet: every land is at its mounting clearance." if slot == "readings" else "None yet.")
         return
     origin = "sample: " if now.good.sample else "still " if refused is not None else ""
-    if slot == "sheet":
+    if slot == "readings":
         about = f"{result.measured} of {len(result.lands)} lands measured"
     else:
         test = result.road.road_test
@@ -152,48 +147,52 @@ def _status(slot: str, result: Diagnosis) -> None:
 
 
 def _choice(kind: str) -> None:
-    label, folder = KINDS[kind]
-    current = getattr(session().bench, kind)
+    label, folder = SLOTS[kind].label, SLOTS[kind].folder
+    current = getattr(session().case, kind)
     ids = list(catalogue.catalogue_files(folder))
     if kind.endswith("instrument"):
-        ids = [name for name in ids if kind.split("_")[0] in catalogue_object(kind, name).measures]
+        ids = [name for name in ids if kind.split("_")[0] in catalogue_entry(kind, name).measures]
     options = [*dict.fromkeys([*ids, *([current] if isinstance(current, str) else [])]), OWN]
     picked = st.selectbox(
         label,
         options,
         index=options.index(current if isinstance(current, str) else OWN),
         key=_key(kind),
-        format_func=lambda found: found if found == OWN else catalogue_object(kind, found).name,
+        format_func=lambda found: found if found == OWN else catalogue_entry(kind, found).name,
     )
     if picked != OWN:
         choose(**{kind: picked})
         return
-    if isinstance(current, File):
+    if isinstance(current, SourceFile):
         st.caption(f"**{show.plain(current.name)}**")
     own = st.file_uploader(f"Your own file: {label.lower()}", key=_key(f"own-{kind}"))
     if own is not None:
-        choose(**{kind: File(own.name, own.getvalue())})
+        choose(**{kind: SourceFile(own.name, own.getvalue())})
 
 
 def _condition() -> None:
     now = session()
     controller = _controller()
-    start = now.start if now.start.controller == now.bench.controller else Bench()
+    start = now.start if now.start.controller == now.case.controller else PageCase()
     point = start.point or controller.operating_points[0]
     with st.expander("Stated condition and mileage"):
         owner = f"{_key('at')}-{controller.sha256}"
         gears = list(dict.fromkeys([*controller.gears, point.gear]))
-        rpm = round(unit("rpm", "rotational_speed").from_si(point.engine_speed), 6)
-        first = [point.temperature if start.temperature is None else start.temperature]
-        first += [rpm if start.rpm is None else start.rpm, point.gear if start.gear is None else start.gear]
-        temperature = fields.number("Temperature", TEMPERATURE, first[0], key=f"{owner}-t")
-        speed = fields.number("Engine speed", ENGINE_SPEED, first[1], key=f"{owner}-n")
-        gear = st.selectbox("Gear", gears, gears.index(first[2]), key=f"{owner}-g")
+        temperature, speed, first_gear = (
+            getattr(point, name) if getattr(start, name) is None else getattr(start, name)
+            for name in ("temperature", "engine_speed", "gear")
+        )
+        temperature = fields.number("Temperature", TEMPERATURE, temperature, key=f"{owner}-t")
+        rpm = round(RPM.from_si(speed), 6)
+        typed = fields.number("Engine speed", ENGINE_SPEED, rpm, key=f"{owner}-n")
+        gear = st.selectbox("Gear", gears, gears.index(first_gear), key=f"{owner}-g")
         mileage = fields.number("Mileage", MILEAGE, now.start.mileage, key=_key("mileage"), optional=True)
         st.caption(f"Pressures as {show.plain(point.label)}: {show.plain(point.source)}")
+    if typed is not None and typed != rpm:
+        speed = RPM.to_si(typed)
     choose(
         temperature=None if temperature == point.temperature else temperature,
-        rpm=None if speed == rpm else speed,
+        engine_speed=None if speed == point.engine_speed else speed,
         gear=None if gear == point.gear else gear,
         mileage=mileage,
     )
@@ -202,7 +201,7 @@ def _condition() -> None:
 def _controller() -> Controller:
     """The controller as chosen, or while that is refused, the one that is shown."""
     try:
-        return controller_of(session().bench)
+        return controller_of(session().case)
     except AtleakError:
         return controller_of(session().good)
 

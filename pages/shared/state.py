@@ -11,15 +11,12 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, ReadingsError, RoadTestError
 from atleak.job import Job
+from atleak.job_case import SLOTS, SourceFile
 from atleak.job_file import read_job_file
-from pages.shared.bench import Bench, File, diagnosis_of, job_on_bench, sample_job
+from pages.shared.cases import FITTED, PageCase, diagnosis_of, opened_case, sample_case
 
-FILES = ("sheet", "log")
-FITTED = {
-    "sheet": ("sheet", "sheet_name", "sheet_unit", "sheet_where"),
-    "log": ("log", "columns", "units", "constants", "memory"),
-}
-KEPT = ("controller", "fluid", "limits", "spool_instrument", "sleeve_instrument", "profile", "options")
+FILES = tuple(FITTED)
+KEPT = (*SLOTS, "profile", "options")  # what stays for a new, empty job
 REPLACING = 60.0  # [s] between a file taken away and the one that takes its place, as an uploader replaces one
 
 
@@ -29,37 +26,37 @@ class Refusal:
 
     name: str
     error: AtleakError
-    file: File | None = None
+    file: SourceFile | None = None
 
 
 @dataclass
 class Session:
     """One user's state; ``good`` is what is shown."""
 
-    bench: Bench
-    good: Bench
+    case: PageCase
+    good: PageCase
     refused: dict[str, Refusal]
-    before: Bench | None = None  # the job before a file was put on it, to go back to
+    before: PageCase | None = None  # the job before a file was put on it, to go back to
     away: dict[str, tuple[float, dict[str, Any]]] = field(
         default_factory=dict
-    )  # when, and what was taken off the bench
+    )  # when, and what was taken out of the job
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # looked at, by the log's SHA-256
-    over: File | None = None  # a log laid over the job's
+    over: SourceFile | None = None  # a log laid over the job's
     offset: float = 0.0  # [s] by which it is shifted
     unkept: tuple[str, str] = ("", "")  # SHA-256 of a log whose columns could not be remembered, and why
-    start: Bench = field(default_factory=Bench)  # what the panel's widgets start from
+    start: PageCase = field(default_factory=PageCase)  # what the panel's widgets start from
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
 
 
 def session() -> Session:
     """This user's session; a fresh one starts with the sample job."""
     if "atleak" not in st.session_state:
-        bench = sample_job()
-        st.session_state["atleak"] = Session(bench, bench, {})
+        case = sample_case()
+        st.session_state["atleak"] = Session(case, case, {})
     return st.session_state["atleak"]
 
 
-def put_file(slot: str, file: File | None) -> None:
+def put_file(slot: str, file: SourceFile | None) -> None:
     """A file was chosen or taken away.
 
     An uploader whose file is replaced takes the old one away first. The job to go back to holds that file again, should
@@ -68,40 +65,40 @@ def put_file(slot: str, file: File | None) -> None:
     now = session()
     refused = now.refused.pop(slot, None)
     if file is None and refused is not None:
-        return  # the refused file was taken away: the one before it is still on the bench
+        return  # the refused file was taken away: the one before it is still in the job
     at, fitted = now.away.pop(slot, (0.0, {}))
-    now.before = now.bench
-    if file is None and not now.bench.sample:
-        now.away[slot] = time.monotonic(), {name: getattr(now.bench, name) for name in FITTED[slot]}
+    now.before = now.case
+    if file is None and not now.case.sample:
+        now.away[slot] = time.monotonic(), {name: getattr(now.case, name) for name in (slot, *FITTED[slot])}
     elif file is not None and fitted and time.monotonic() - at < REPLACING:
-        now.before = replace(now.bench, **fitted)
-    now.bench = now.bench.with_file(slot, file)
+        now.before = replace(now.case, **fitted)
+    now.case = now.case.with_file(slot, file)
 
 
 def choose(**changes: Any) -> None:
     """Other choices; another controller than the sample's drops the sample's files, which fit only that."""
     now = session()
-    if changes.get("controller", now.bench.controller) != now.bench.controller:
-        changes |= {"point": None, "temperature": None, "rpm": None, "gear": None}
+    if changes.get("controller", now.case.controller) != now.case.controller:
+        changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None}
         now.away.clear()
-        if now.bench.sample:
-            changes |= {"sheet": None, "log": None, "sample": False}
-    now.bench = replace(now.bench, **changes)
+        if now.case.sample:
+            changes |= {"readings": None, "road_test": None, "sample": False}
+    now.case = replace(now.case, **changes)
 
 
 def take_sample() -> None:
     """Back to the sample job, with fresh widgets and an empty job record."""
     now = session()
-    bench = sample_job()
-    st.session_state["atleak"] = Session(bench, bench, {}, generation=now.generation + 1)
+    case = sample_case()
+    st.session_state["atleak"] = Session(case, case, {}, generation=now.generation + 1)
     _empty_record()
 
 
 def new_job() -> None:
-    """An empty bench and job record; the controller, the instruments and the engine's options stay."""
+    """An empty job; the controller, the instruments and the engine's options stay."""
     now = session()
-    bench = Bench(**{name: getattr(now.good, name) for name in KEPT})
-    st.session_state["atleak"] = Session(bench, bench, {}, start=bench, generation=now.generation + 1)
+    case = PageCase(**{name: getattr(now.good, name) for name in KEPT})
+    st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
     _empty_record()
 
 
@@ -112,16 +109,16 @@ def _empty_record() -> None:
 
 
 def open_job(name: str, content: bytes) -> Job | None:
-    """A job file in place of the job on the bench, with fresh widgets; its record, or None where it was refused."""
+    """A job file in place of the job that is shown, with fresh widgets; its record, or None where it was refused."""
     now = session()
     try:
         found = read_job_file(content, name=name)
-        bench = job_on_bench(found)
-        diagnosis_of(bench)
+        case = opened_case(found.case)
+        diagnosis_of(case)
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return None
-    st.session_state["atleak"] = Session(bench, bench, {}, start=bench, generation=now.generation + 1)
+    st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
     return found.job
 
 
@@ -131,28 +128,28 @@ def settle() -> Diagnosis:
     for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job"))):
         now.refused.pop(slot, None)
     try:
-        result = diagnosis_of(now.bench)
+        result = diagnosis_of(now.case)
     except AtleakError as error:
         slot = _at_fault(now, error)
         if slot in FILES and now.before is not None:
-            file = getattr(now.bench, slot)
+            file = getattr(now.case, slot)
             now.refused[slot] = Refusal(file.name, error, file)
-            now.bench, now.before = now.before, None
+            now.case, now.before = now.before, None
             return settle()
         now.refused[slot] = Refusal("", error)
         return diagnosis_of(now.good)
-    now.good, now.before = now.bench, None
+    now.good, now.before = now.case, None
     return result
 
 
 def _at_fault(now: Session, error: AtleakError) -> str:
     changed = [
-        slot for slot in FILES if now.before is not None and getattr(now.bench, slot) != getattr(now.before, slot)
+        slot for slot in FILES if now.before is not None and getattr(now.case, slot) != getattr(now.before, slot)
     ]
     if isinstance(error, ReadingsError):
-        return "sheet" if "sheet" in changed else "settings"
+        return "readings" if "readings" in changed else "settings"
     if isinstance(error, RoadTestError):
-        return "log" if "log" in changed else "settings"
+        return "road_test" if "road_test" in changed else "settings"
     if isinstance(error, CatalogueError):
         return "catalogue"
     return changed[0] if changed else "settings"

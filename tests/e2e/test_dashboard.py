@@ -141,6 +141,22 @@ def test_a_log_that_is_none_is_refused(page: Page) -> None:
     expect(message).to_contain_text("photo.csv was not taken", timeout=SOON)
 
 
+@pytest.mark.parametrize("label", [SHEET, LOG])
+def test_a_file_that_ends_its_reader_ends_nothing_else(
+    browser, page: Page, server: str, sample_readings: Path, stray_workbook: bytes, label: str
+) -> None:
+    upload(page, label, "hostile.xlsx", stray_workbook)
+    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
+    expect(message).to_contain_text("hostile.xlsx was not taken", timeout=SOON)
+    expect(message).to_contain_text("delete the stray cells", timeout=SOON)
+    other = browser.new_page()
+    other.goto(server)
+    other.get_by_text("Sample job: representative data").wait_for(timeout=30_000)
+    upload(other, SHEET, "mine.xlsx", sample_readings.read_bytes())
+    status(other, "mine.xlsx")
+    other.close()
+
+
 def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")

@@ -17,6 +17,7 @@ from atleak import __version__, cli
 from atleak.catalogue import catalogue_files
 from atleak.controller import Controller
 from atleak.intake.readings import read_readings
+from atleak.job_file import read_job_file
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -87,6 +88,30 @@ def test_json_and_workbook_are_written_to_files_and_named(run: Run, sample_readi
     assert len(openpyxl.load_workbook(as_book, read_only=True).sheetnames) >= 1
     assert "written:" in out
     assert "out.xlsx" in "".join(out.split())
+
+
+def test_rows_of_one_inspection(run: Run, tmp_path: Path) -> None:
+    sheet = tmp_path / "two.csv"
+    rows = [
+        ("May", "piston", 17.998),
+        ("May", "bore", 18.041),
+        ("November", "piston", 17.996),
+        ("November", "bore", 18.05),
+    ]
+    lines = [f"{when};accumulator;1;{part};{size}" for when, part, size in rows]
+    sheet.write_text("\n".join(["Inspection;Valve;Land;Part;Diameter [mm]", *lines]), encoding="utf-8")
+    status, out, err = run("diagnose", sheet, "--controller", "minimal_example")
+    assert (status, out) == (2, "")
+    assert "--where Inspection=May" in err
+    job = tmp_path / "job.zip"
+    record = record_of(run, sheet, "--controller", "minimal_example", "--where", "Inspection=May", "--job-file", job)
+    found = {land["component"]: land for land in record["lands"]}["accumulator"]
+    assert found["radial_clearance_um"] == pytest.approx(21.5, abs=1e-6)
+    again = read_job_file(job)
+    assert again.choices.readings.where == {"Inspection": "May"}
+    assert [reading.diameter for reading in again.diagnose().readings.readings] == pytest.approx(
+        [17.998e-3, 18.041e-3], abs=1e-12
+    )
 
 
 def test_without_a_flagged_land_it_says_so(run: Run, tmp_path: Path) -> None:
@@ -180,10 +205,10 @@ def test_a_workbook_of_another_kind_names_what_it_lacks(run: Run, tmp_path: Path
     assert "invoice.xlsx" in err
 
 
-def test_a_sheet_of_another_controller_names_rows_and_what_was_expected(run: Run, sample_readings: Path) -> None:
+def test_a_sheet_of_another_controller_says_so(run: Run, sample_readings: Path) -> None:
     status, _, err = run("diagnose", sample_readings, "--controller", "minimal_example")
     assert status == 2
-    for word in (sample_readings.name, "row 8", "clutch A damper", "pressure_regulator"):
+    for word in (sample_readings.name, "row 2", "made for controller four_speed_2023", "--controller four_speed_2023"):
         assert word in err
 
 
@@ -605,7 +630,7 @@ def test_columns_settled_earlier_travel_with_the_job(run: Run, sample_readings: 
     assert run("diagnose", sample_readings, "--road-test", log, "--job-file", bundle)[0] == 0
     from atleak.job_file import read_job_file
 
-    assert read_job_file(bundle).choices.road_test["mapping"]["main_pressure"] == "p_g two [bar]"
+    assert dict(read_job_file(bundle).case.columns)["main_pressure"] == "p_g two [bar]"
 
 
 def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:

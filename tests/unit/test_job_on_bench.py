@@ -18,7 +18,8 @@ from atleak.instruments import load_instruments
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import default_path, read_road_test, remember, understand
 from atleak.job import Job
-from atleak.job_file import SourceFile, load_source, read_job_file, write_job_file
+from atleak.job_case import Case, SourceFile, load_source, pairs_of
+from atleak.job_file import read_job_file, write_job_file
 from atleak.limits import load_limits
 from atleak.profile import PROFILES
 from atleak.projection import stated_condition
@@ -78,11 +79,16 @@ def packed(diagnosis: Diagnosis, sheet: bytes, own_limits: bytes) -> bytes:
     return write_job_file(
         diagnosis,
         Job(number="A-17", notes="seen"),
-        readings=sheet,
-        road_test=LOG,
-        reading_choices=SHEET,
-        road_test_choices=TOLD,
-        catalogue={"limits": own_limits},
+        Case(
+            readings=SourceFile("two.xlsx", sheet),
+            road_test=SourceFile("drive.csv", LOG),
+            limits=SourceFile("our limits.toml", own_limits),
+            sheet_name=SHEET.get("sheet"),
+            sheet_unit=SHEET.get("unit"),
+            columns=pairs_of(TOLD.get("mapping")),
+            units=pairs_of(TOLD.get("units")),
+            constants=pairs_of(TOLD.get("constants")),
+        ),
     )
 
 
@@ -96,19 +102,56 @@ def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
     return AppTest.from_file(str(main), default_timeout=60).run()
 
 
+SEVERAL = (
+    b"Inspection;Valve;Land;Part;Diameter [mm]\n"
+    b"May;accumulator;1;piston;17.998\nMay;accumulator;1;bore;18.041\n"
+    b"November;accumulator;1;piston;17.996\nNovember;accumulator;1;bore;18.050\n"
+)
+
+
+def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_with_the_job(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT))
+    script = tmp_path / "form.py"
+    script.write_text(
+        "from atleak.job_case import SourceFile\nfrom pages.shared import sheet_form\n"
+        "from pages.shared.cases import PageCase\nfrom pages.shared.state import session\nnow = session()\n"
+        "if now.case.sample:\n"
+        f"    now.case = PageCase(readings=SourceFile('two.csv', {SEVERAL!r}), controller='minimal_example')\n"
+        "sheet_form.form(now.case.readings, now.case)\n",
+        encoding="utf-8",
+    )
+    form = AppTest.from_file(str(script), default_timeout=60).run()
+    by_label = {found.label: found for found in form.text_input}
+    by_label["Only rows where column"].set_value("Inspection")
+    by_label["says"].set_value("November")
+    form.button[0].click().run()
+    assert not form.exception
+    from pages.shared.cases import diagnosis_of, opened_case, settled
+
+    case = form.session_state["atleak"].case
+    assert case.sheet_where == (("Inspection", "November"),)
+    found = diagnosis_of(case)
+    assert [reading.place.row for reading in found.readings.readings] == [4, 5]
+    again = opened_case(read_job_file(write_job_file(found, case=settled(case))).case)
+    assert again.sheet_where == case.sheet_where
+    assert again.with_file("readings", None).sheet_where == ()
+
+
 def open_job(app: AppTest, content: bytes, name: str = "job.zip") -> AppTest:
     place = next(found for found in app.sidebar.file_uploader if found.label == "Job file")
     return place.set_value((name, content, "application/zip")).run()
 
 
 def shown(app: AppTest) -> dict:
-    from pages.shared.bench import diagnosis_of
+    from pages.shared.cases import diagnosis_of
 
     return diagnosis_record(diagnosis_of(app.session_state["atleak"].good))
 
 
 def field(app: AppTest, label: str):
-    kinds = (*app.sidebar.selectbox, *app.sidebar.number_input, *app.sidebar.slider, *app.sidebar.toggle)
+    kinds = (*app.sidebar.selectbox, *app.sidebar.text_input, *app.sidebar.slider, *app.sidebar.toggle)
     return next(found for found in kinds if found.label == label)
 
 
@@ -137,12 +180,12 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
         "Diameter in the gap law": "mean",
         "Subtract entry loss": True,
         "Eccentricity e/c": 0.33,
-        "Temperature [°C]": 92.715,
+        "Temperature [°C]": "92.715",
         "Gear": 1,
-        "Mileage [km]": 106_315.0,
+        "Mileage [km]": "106315",
     }
     assert {label: field(app, label).value for label in found} == found
-    assert field(app, "Engine speed [rpm]").value == pytest.approx(1234.5, rel=1e-12, abs=0.0)
+    assert field(app, "Engine speed [rpm]").value == "1234.5"
     said = "\n".join(found.value for found in app.sidebar.caption).replace("\\", "")
     for text in ("two.xlsx", "drive.csv", "our limits.toml", "guard factor, assumptions, values for the log"):
         assert text in said
@@ -150,24 +193,24 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
 
 
 def test_a_job_file_written_again_holds_the_same_choices(app: AppTest, content: bytes) -> None:
-    from pages.shared import bench, job_form
+    from pages.shared.cases import diagnosis_of, settled
 
     open_job(app, content)
     good = app.session_state["atleak"].good
-    again = write_job_file(bench.diagnosis_of(good), app.session_state["job"], **job_form.sources(good))
-    assert read_job_file(again).choices == read_job_file(content).choices
+    again = write_job_file(diagnosis_of(good), app.session_state["job"], settled(good))
+    assert read_job_file(again).case == read_job_file(content).case
 
 
 def test_a_change_after_opening_reaches_the_result(app: AppTest, content: bytes) -> None:
     open_job(app, content)
     before = shown(app)
-    field(app, "Temperature [°C]").set_value(60.0).run()
+    field(app, "Temperature [°C]").set_value("60").run()
     after = shown(app)
     assert after["projection"]["leakage_dm3_min"] < before["projection"]["leakage_dm3_min"]
     field(app, "Controller").select("minimal_example").run()
     assert not app.exception
     own = load_controller("minimal_example").operating_points[0]
-    assert field(app, "Temperature [°C]").value == own.temperature
+    assert field(app, "Temperature [°C]").value == f"{own.temperature:g}"
 
 
 def test_a_condition_that_the_panel_cannot_state_is_kept(
@@ -207,4 +250,4 @@ def test_a_sheet_of_ones_own_takes_the_place_of_the_jobs(app: AppTest, content: 
     place.upload("mine.xlsx", sample_readings.read_bytes(), "application/octet-stream").run()
     assert not app.exception
     good = app.session_state["atleak"].good
-    assert (good.sheet.name, good.sheet_name, good.log.name) == ("mine.xlsx", "", "drive.csv")
+    assert (good.readings.name, good.sheet_name, good.road_test.name) == ("mine.xlsx", None, "drive.csv")

@@ -13,6 +13,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.diagnosis import Diagnosis
 from atleak.drawing import controller_svg, on_dark, spool_svg
 from atleak.figures.diagnosis import leakage_ranking
+from atleak.job_case import SourceFile
 from atleak.look import PAPER
 from atleak.report.template import write_template
 
@@ -352,12 +353,12 @@ def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch
     monkeypatch.syspath_prepend(str(ROOT))
     for name in ("XDG_CONFIG_HOME", "APPDATA"):
         monkeypatch.setenv(name, str(tmp_path))
-    from pages.shared import bench, job_form
+    from pages.shared import cases
 
-    log = bench.File("two.csv", TWO_PRESSURES.encode())
-    bench.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
-    choices = job_form.sources(bench.Bench(log=log))["road_test_choices"]
-    assert choices == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}}
+    log = SourceFile("two.csv", TWO_PRESSURES.encode())
+    cases.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
+    chosen = cases.settled(cases.PageCase(road_test=log)).log_choices
+    assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}}
 
 
 def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
@@ -443,17 +444,17 @@ def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
     uploader(app, slot).set_value(None).run()
     assert "was not taken" not in texts(app)
     assert app.dataframe[0].value.equals(before)
-    assert app.session_state["atleak"].good.log.name == "drive.csv"
+    assert app.session_state["atleak"].good.road_test.name == "drive.csv"
 
 
 def test_a_sheet_taken_away_long_ago_does_not_come_back(app: AppTest, sample_readings: Path) -> None:
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
     uploader(app, "Measuring sheet").set_value(None).run()
-    at, fitted = app.session_state["atleak"].away["sheet"]
-    app.session_state["atleak"].away["sheet"] = at - 3600.0, fitted
+    at, fitted = app.session_state["atleak"].away["readings"]
+    app.session_state["atleak"].away["readings"] = at - 3600.0, fitted
     uploader(app, "Measuring sheet").set_value(bad_file("Measuring sheet")).run()
     assert "The job is as it was" in texts(app)
-    assert app.session_state["atleak"].good.sheet is None
+    assert app.session_state["atleak"].good.readings is None
 
 
 def press(app: AppTest, label: str) -> AppTest:
@@ -473,10 +474,10 @@ def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, la
     assert next(found for found in app.text_input if found.label == "Technician").value == ""
     assert app.session_state["job"].empty
     assert number(app, "Mileage [km]").value == ""
-    bench = app.session_state["atleak"].good
-    assert bench.sample == (label != "New, empty job")
-    if not bench.sample:
-        assert (bench.sheet, bench.log, bench.fluid) == (None, None, "mobil_atf_220")
+    case = app.session_state["atleak"].good
+    assert case.sample == (label != "New, empty job")
+    if not case.sample:
+        assert (case.readings, case.road_test, case.fluid) == (None, None, "mobil_atf_220")
 
 
 def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: AppTest) -> None:

@@ -73,6 +73,18 @@ def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
     assert app.session_state["job"].repair_decisions == job.repair_decisions
 
 
+def test_no_column_to_type_into_drops_a_decimal_comma(app: AppTest) -> None:
+    """A column of numbers takes a pasted ``23,4`` for 234; one of text or choices keeps it."""
+    kinds = {
+        f"{title}: {name}": column["type_config"]["type"]
+        for title, table in zip(("decisions", "scratches", "instruments"), app.dataframe, strict=True)
+        for name, column in json.loads(table.proto.columns).items()
+        if not column.get("hidden")
+    }
+    assert set(kinds.values()) == {"text", "selectbox", "date"}
+    assert kinds["decisions: work"] == kinds["scratches: description"] == kinds["instruments: serial"] == "text"
+
+
 def test_a_record_fills_the_form(app: AppTest) -> None:
     record = {"number": "9", "vehicle": {"vin": "W1"}, "notes": "seen"}
     uploader = next(found for found in app.file_uploader if found.label == "Job record")

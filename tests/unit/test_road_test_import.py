@@ -228,16 +228,11 @@ def test_workbook_with_text_numbers_and_times() -> None:
     assert test.values("engine_speed")[0] * 60 == pytest.approx(800.5, rel=1e-9, abs=0.0)
 
 
-def test_zip_that_is_no_workbook_and_a_bomb() -> None:
+def test_zip_that_is_no_workbook() -> None:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("log.csv", "Time,RPM\n1,2\n")
     with pytest.raises(RoadTestError, match="ZIP archive"):
-        understand(stream.getvalue())
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("xl/worksheets/sheet1.xml", bytes(300_000_000))
-    with pytest.raises(RoadTestError, match="unfolds"):
         understand(stream.getvalue())
 
 

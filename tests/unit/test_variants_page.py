@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from atleak.job_case import SourceFile
+
 testing = pytest.importorskip("streamlit.testing.v1")
 
 
@@ -33,11 +35,11 @@ def test_study_is_shown_beside_its_printed_tables(page) -> None:
 
 
 def test_a_job_of_ones_own_runs_through_the_same_variants(page, root: Path) -> None:
-    from pages.shared.bench import Bench, File
+    from pages.shared.cases import PageCase
     from pages.shared.state import Session
 
     log = root / "sample_data" / "minimum_acceleration_test.csv"
-    job = Bench(log=File("mine.csv", log.read_bytes()), controller="minimal_example")
+    job = PageCase(road_test=SourceFile("mine.csv", log.read_bytes()), controller="minimal_example")
     page.session_state["atleak"] = Session(job, job, {})
     page.run()
     assert not page.exception

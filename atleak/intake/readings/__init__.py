@@ -24,6 +24,7 @@ from atleak.intake.readings.names import Names
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
 from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.states import require_known
 from atleak.intake.readings.tables import Table
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
@@ -80,6 +81,7 @@ def read_readings(
     names = Names(controller)
     sheets = read_sheets(data, file, _score)
     chosen = choose(sheets, file, names, sheet)
+    require_known(chosen.tables, where or {})
     read = [read_rows(table, names, told, where) for table in chosen.tables]
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]

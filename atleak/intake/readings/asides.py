@@ -17,6 +17,7 @@ from atleak.intake.readings.words import (
     COUNTS,
     COUNTS_NOT,
     Summary,
+    Vocabulary,
     direction_of,
     is_blank,
     is_rejected,
@@ -270,7 +271,7 @@ class Asides:
             )
 
 
-def _asks(heading: str, words: frozenset[str]) -> bool:
+def _asks(heading: str, words: Vocabulary) -> bool:
     """Whether a heading is a question of whether the row counts: such a word, and little else."""
     said = letters(heading)
     return len(said) <= 4 and any(word in words for word in said)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
-from atleak.intake.readings.words import QUANTITIES, direction_of, part_of, vocabulary
+from atleak.intake.readings.words import UNITS_BEHIND, direction_of, part_of, vocabulary
 
 _COUNTED = vocabulary("repeat", "reading", "found")
 _SIZE = vocabulary("diameter", "coordinate")
@@ -28,7 +28,7 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
     >>> numbers_of_heading("diameter", ["diameter", "2"]), numbers_of_heading("diameter", ["diameter", "50", "km"])
     ((None, None, 2), (None, None, None))
     """
-    angles = (token for token, after in _followed(tokens) if is_angle(token) and after not in QUANTITIES)
+    angles = (token for token, after in _followed(tokens) if is_angle(token) and after not in UNITS_BEHIND)
     direction = next(map(direction_of, angles), None)
     axes = {token for token in tokens if token in _ENDS}
     letters = {axis[0] for axis in axes}
@@ -39,7 +39,7 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
     for before, token, after in _numbered(tokens):
         glued = re.fullmatch(r"([^\W\d]+)(\d+)", token)
         word, number = (glued[1], int(glued[2])) if glued else (before, int(token))
-        if after in QUANTITIES or after[:1].isdigit() or before.isdigit() or not 0 < number <= _MOST_REPEATS:
+        if after in UNITS_BEHIND or after[:1].isdigit() or before.isdigit() or not 0 < number <= _MOST_REPEATS:
             continue
         if word in _COUNTED or word in {"#", "r"}:
             repeat = number if repeat is None else repeat

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from atleak.errors import Message, Place, ReadingsError
+from atleak.errors import Message, Place, ReadingsError, nearest_name
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet import Cell, Sheet, rows_named
@@ -19,6 +19,7 @@ from atleak.intake.units import find_unit
 
 _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)
 _LISTED = 4  # values of a column that are named
+_NAMED = 12  # values to choose from that are named
 _FEWEST = 2  # rows that make a block
 
 Station = tuple[str, str, str, float | None, int | None]
@@ -268,37 +269,51 @@ def _returning(entries: Sequence[Entry], sheet: Sheet) -> Iterator[Message]:
 
 
 def rows_left_out(table: Table, where: Mapping[str, str]) -> frozenset[int]:
-    """Rows under the headings that ``where`` leaves out: headings of columns, and what must stand under them.
+    """Rows that ``where`` leaves out: headings of columns, and what must stand under them where a table has them."""
+    cells = table.sheet.filled
+    return frozenset(
+        row
+        for heading, wanted in where.items()
+        if (index := _headed(table, heading)) is not None
+        for row in table.rows
+        if not _is(cells(row, index), wanted)
+    )
+
+
+def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
+    """Every heading of ``where`` is that of a column, and what it asks for stands under it.
 
     Raises
     ------
     ReadingsError
-        naming the headings, or the values of a column, where the one told is not among them.
+        naming the headings, or the values of the column.
     """
-    sheet, header = table.sheet, table.header
-    out: set[int] = set()
-    texts = {index: " ".join(header.text(index).split()) for index in range(sheet.width) if header.text(index).strip()}
     for heading, wanted in where.items():
-        index = next((each for each, text in texts.items() if plain(text) == plain(heading)), None)
-        if index is None:
+        headed = [(table, index) for table in tables if (index := _headed(table, heading)) is not None]
+        if not headed:
+            texts = [text for table in tables for each in table.header.texts if (text := " ".join(each.split()))]
             raise ReadingsError(
                 f"no column is headed {heading!r}",
-                place=sheet.place(max(header.last, 0)),
+                place=tables[0].sheet.place(max(tables[0].header.last, 0)),
                 value=heading,
-                expected="one of " + ", ".join(texts.values()),
+                expected="one of " + ", ".join(dict.fromkeys(texts)),
+                nearest=nearest_name(heading, texts),
             )
-        rows = table.rows
-        labels = {row: sheet.filled(row, index) for row in rows}
-        if not any(_is(cell, wanted) for cell in labels.values()):
-            known = list(dict.fromkeys(_day(cell) for cell in labels.values() if not is_blank(cell)))
+        cells = [table.sheet.filled(row, index) for table, index in headed for row in table.rows]
+        if not any(_is(cell, wanted) for cell in cells):
+            known = list(dict.fromkeys(_day(cell) for cell in cells if not is_blank(cell)))
+            table, index = headed[0]
             raise ReadingsError(
                 f"no row has {wanted!r} there",
-                place=sheet.place(max(header.last, 0), index, texts[index]),
+                place=table.sheet.place(max(table.header.last, 0), index, table.heading(index)),
                 value=wanted,
-                expected="one of " + ", ".join(known[:12]) + (" …" if len(known) > 12 else ""),
+                expected="one of " + ", ".join(known[:_NAMED]) + (" …" if len(known) > _NAMED else ""),
+                nearest=nearest_name(wanted, known),
             )
-        out.update(row for row, cell in labels.items() if not _is(cell, wanted))
-    return frozenset(out)
+
+
+def _headed(table: Table, heading: str) -> int | None:
+    return next((index for index in table.columns if plain(table.heading(index)) == plain(heading)), None)
 
 
 def _is(cell: Cell, wanted: str) -> bool:

@@ -339,8 +339,8 @@ _SUMMARY_SIGNS = {"ø", "⌀", "∅", "x̄", "x̅", "x̿", "x-bar", "x bar", "x 
 _BESIDE_A_SUMMARY = _folded(
     "of from the above over all for per by row rows value values reading readings measurement measurements repeat "
     "repeats number numbers grand overall calculated arithmetic arithmetical standard deviation n "
-    "aus der die das von dem den wert werte messung messungen wiederholungen arithmetisch arithmetischer "
-    "uber alle oben "
+    "aus der die das von dem den wert werte messung messungen wiederholungen arithmetisch arithmetischer uber alle "
+    "oben "
     "z ze dla od do wartosc wartosci pomiar pomiaru pomiarow arytmetyczna koncowa calkowita wszystkich powyzej "
     "standardowe wierszy de la le les des general generale mesures и из значение измерений"
 )
@@ -376,17 +376,10 @@ def _summary(text: str, key: bool) -> Summary | None:
     return kinds[0] if key or not others else None
 
 
-COUNTS = _folded(  # headings of a column that says which rows count
-    "valid use used usable counts include included accept accepted keep gultig verwenden verwendet verwendbar zahlt "
-    "gilt brauchbar berucksichtigen wazny wazna wazne uzyc uzyty uwzglednic uwzgledniony licz liczy valide valable "
-    "valido годен"
-)
-COUNTS_NOT = _folded(  # headings of a column that says which do not
-    "invalid exclude excluded reject rejected discard discarded outlier outliers void ungultig verworfen ausreisser "
-    "ausgeschlossen streichen gestrichen niewazny niewazna odrzucony odrzucona odrzucic pominac pominiety bledny"
-)
-_NO = _folded("no n nein nie non 0 false falsch falsz not nok нет ✗ ✘ ×") | COUNTS_NOT
-_YES = _folded("yes y ja j tak t oui si 1 true wahr prawda x ✓ ✔ да") | COUNTS_NOT
+COUNTS = vocabulary("counts")
+COUNTS_NOT = vocabulary("counts_not")
+_NO = _folded("no n nein nie non 0 false falsch falsz not nok нет ✗ ✘ ×")
+_YES = _folded("yes y ja j tak t oui si 1 true wahr prawda x ✓ ✔ да")
 
 
 def says_no(cell: Cell) -> bool:
@@ -394,11 +387,17 @@ def says_no(cell: Cell) -> bool:
     >>> says_no("Nein"), says_no(False), says_no(0.0), says_no("ok")
     (True, True, True, False)
     """
-    return plain(text_of(cell)).strip(" .!") in _NO
+    text = plain(text_of(cell)).strip(" .!")
+    return text in _NO or text in COUNTS_NOT
 
 
 def says_yes(cell: Cell) -> bool:
-    return plain(text_of(cell)).strip(" .!") in _YES
+    """
+    >>> says_yes("tak"), says_yes("x"), says_yes("rejected"), says_yes("")
+    (True, True, True, False)
+    """
+    text = plain(text_of(cell)).strip(" .!")
+    return text in _YES or text in COUNTS_NOT
 
 
 def is_rejected(cell: Cell) -> bool:
@@ -413,22 +412,9 @@ def is_rejected(cell: Cell) -> bool:
 
 # --- what tells two states apart --------------------------------------------------------------------------------------
 
-STATES = _folded(  # headings of a column that says when, or of which specimen
-    "date day month year week inspection visit mileage odometer km hours serial vehicle car unit specimen sample job "
-    "order state condition stage overhaul phase period session before after status when version batch lot set series "
-    "datum tag monat jahr woche inspektion prufung laufleistung kilometerstand betriebsstunden seriennummer fahrzeug "
-    "auftrag zustand stand probe prufling exemplar charge termin "
-    "data dzien miesiac rok tydzien przeglad badanie przebieg godziny seryjny pojazd zlecenie stan probka egzemplarz "
-    "sztuka etap partia date kilometrage vehicule etat serie fecha kilometraje vehiculo estado дата пробег состояние"
-)
-PERSONS = _folded(  # two people who measure the same thing make repeats
-    "operator operators inspector measured person technician initials prufer bearbeiter bediener gemessen messperson "
-    "operatorka mierzyl mierzacy wykonal pomiarowiec"
-)
-QUANTITIES = _folded(  # a number before one of these is no number of a repeat
-    "km mi mile miles h hr hrs hour hours std stunden godz day days tage dni week weeks month months k tkm tys c f bar "
-    "kpa rpm min s v n nm mm um °c °f kw cw q tsd"
-)
+STATES = vocabulary("state")
+PERSONS = vocabulary("person")
+UNITS_BEHIND = vocabulary("before_unit")
 _STATE_VALUE = re.compile(
     r"(?:19|20)\d\d|\d[\d ., ]*(?:km|mi|miles|h|hours|std|godz)\.?|\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|"
     r"(?:jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec|mai|okt|dez|marz|sty|lut|kwi|maj|cze|lip|sie|wrz|paz|lis|gru)"
@@ -445,11 +431,8 @@ def is_state(cell: Cell) -> bool:
     return isinstance(cell, datetime.date) or _STATE_VALUE.fullmatch(plain(text_of(cell))) is not None
 
 
-_REPEATS = _folded(
-    "repeat repetition replicate measurement reading measuring run trial pass series wiederholung "
-    "messung durchgang reihe "
-    "messreihe powtorzenie pomiar seria repetition mesure medicion no nr st nd rd th повтор измерение"
-)
+_REPEATS = vocabulary("repeat", "reading", "number")
+_ORDINALS = {"st", "nd", "rd", "th"}
 
 
 def is_repeat_title(text: str) -> bool:
@@ -460,11 +443,13 @@ def is_repeat_title(text: str) -> bool:
     """
     words = letters(text)
     return (
-        bool(words) and all(word in _REPEATS for word in words) and re.search(r"(?<!\d)\d{1,2}(?!\d)", text) is not None
+        bool(words)
+        and all(word in _REPEATS or word in _ORDINALS for word in words)
+        and re.search(r"(?<!\d)\d{1,2}(?!\d)", text) is not None
     )
 
 
-_PAGES = _folded("page pages seite seiten blatt strona stron str arkusz folio of von z")
+_PAGES = vocabulary("page")
 
 
 def is_page_title(text: str) -> bool:
@@ -479,22 +464,9 @@ def is_page_title(text: str) -> bool:
 
 # --- what a sheet says a second time ----------------------------------------------------------------------------------
 
-CLEARANCES = _folded(
-    "clearance clearances spiel laufspiel einbauspiel kolbenspiel schieberspiel luz luzu jeu gioco holgura зазор"
-)
-NOT_MEASURED = _folded(  # a clearance of this kind is not that of the diameters beside it
-    "mounting nominal new limit max min maximum minimum allowed permissible specified specification spec "
-    "drawing target "
-    "tolerance design uncertainty einbau einbauspiel soll sollspiel nenn nennspiel neu neuzustand zulassig zulassiges "
-    "grenze zeichnung toleranz montazowy montazowa nominalny nominalna nowy dopuszczalny zadany rysunku "
-    "wear verschleiss "
-    "zuzycie ratio"
-)
-RADIAL = _folded("radial radiale radiales radialspiel promieniowy promieniowa cr")
-CORRECTIONS = _folded(
-    "correction corrections offset korrektur korrekturwert korrektion poprawka poprawki korekta korekcja "
-    "bias ringfehler "
-    "einstellringfehler gauge ring"
-)
-ERRORS = _folded("error deviation fehler abweichung blad odchylka")
-CORRECTED = _folded("corrected korrigiert skorygowana skorygowany poprawiona poprawiony corrige")
+CLEARANCES = vocabulary("clearance")
+NOT_MEASURED = vocabulary("not_of_these", "specification")
+RADIAL = vocabulary("radial")
+CORRECTIONS = vocabulary("correction")
+ERRORS = vocabulary("error")
+CORRECTED = vocabulary("corrected")

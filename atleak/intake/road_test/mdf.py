@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import io
-import warnings
-from collections.abc import Callable, Iterator, Mapping
+import importlib.util
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from atleak.errors import Place, RoadTestError
+from atleak.intake.native.measurements import mdf_parts
+from atleak.intake.native.process import MDF, read_apart
 from atleak.intake.road_test import memory
 from atleak.intake.road_test.assign import Assigner, Candidate, candidates, map_columns
 from atleak.intake.road_test.clocks import Clock
@@ -143,74 +143,42 @@ def _offer(one: Candidate, raws: list[_Raw]) -> tuple[Candidate, np.ndarray, np.
 
 
 def _load(source: Source) -> tuple[list[_Raw], int, str]:
-    try:
-        from asammdf import MDF
-    except ImportError as error:
+    """Channels, those decoded from OBD2 answers among them; number of CAN frames; version."""
+    if importlib.util.find_spec("asammdf") is None:
         raise RoadTestError(
             "is an MDF file: reading it needs the extra 'mdf'",
             place=Place(file=source.file),
             expected="atleak installed as atleak[mdf]",
-        ) from error
+        )
     if source.data[64:66] != b"HD" and source.data[64:68] != b"##HD":
         raise RoadTestError("is a damaged MDF file: its header is missing", place=Place(file=source.file))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            with MDF(io.BytesIO(source.data)) as mdf:
-                raws = [
-                    _Raw(Heading(index, *named), time, values)
-                    for index, (named, time, values) in enumerate(_channels(mdf))
-                ]
-                frames, obd = _frames(mdf)
-                version = str(mdf.version)
-        except RoadTestError:
-            raise
-        except Exception as error:  # the reader's own errors share no base class
-            raise RoadTestError(f"is a damaged MDF file: {error}", place=Place(file=source.file)) from error
-    for code, (time, values) in sorted(obd.items()):
+    raws: list[_Raw] = []
+    frames, bus, version = 0, [], ""
+    for kind, part in read_apart(mdf_parts, source.data, source.file, RoadTestError, MDF):
+        if kind == "file":
+            version = part["version"]
+        elif kind == "channel":
+            name = split_unit(part["label"].split("\\")[0])
+            heading = Heading(len(raws), part["label"], (name.text,), part["unit"] or name.unit)
+            time = raws[-1].time if part["stamps"] is None else np.frombuffer(part["stamps"])
+            raws.append(_Raw(heading, time, np.frombuffer(part["values"])))
+        else:
+            frames += part["count"]
+            if "data" in part:
+                bus.append(part)
+    for code, (time, values) in sorted(_obd2(bus).items()):
         pid = PIDS[code]
-        name = f"{pid.name} (OBD2 01 {code:02X})"
-        raws.append(_Raw(Heading(len(raws), name, (pid.name,), pid.unit or None), time, values))
+        label = f"{pid.name} (OBD2 01 {code:02X})"
+        raws.append(_Raw(Heading(len(raws), label, (pid.name,), pid.unit or None), time, values))
     return raws, frames, version
 
 
-def _channels(mdf: Any) -> Iterator[tuple[tuple[str, tuple[str, ...], str | None], np.ndarray, np.ndarray]]:
-    """Every physical channel with numbers: (label, names, unit), stamps, values."""
-    for number, group in enumerate(mdf.groups):
-        if not group.channel_group.cycles_nr:
-            continue
-        for index, channel in enumerate(group.channels):
-            if ("Frame" in channel.name and "_" in channel.name) or channel.name.lower() in ("timestamp", "time", "t"):
-                continue
-            signal = mdf.get(group=number, index=index)
-            samples = np.asarray(signal.samples)
-            if samples.dtype.names or samples.ndim != 1 or samples.dtype.kind not in "fiub" or not len(samples):
-                continue
-            name = split_unit(channel.name.split("\\")[0])
-            yield (
-                (channel.name, (name.text,), signal.unit or name.unit),
-                np.asarray(signal.timestamps, float),
-                samples.astype(float),
-            )
-
-
-def _frames(mdf: Any) -> tuple[int, dict[int, tuple[np.ndarray, np.ndarray]]]:
-    """Number of CAN frames, and the OBD2 answers among them."""
-    frames, times, identifiers, data = 0, [], [], []
-    for number, group in enumerate(mdf.groups):
-        names = {channel.name for channel in group.channels}
-        if not group.channel_group.cycles_nr or "CAN_DataFrame.ID" not in names:
-            continue
-        ids = mdf.get("CAN_DataFrame.ID", group=number)
-        payload = np.asarray(mdf.get("CAN_DataFrame.DataBytes", group=number).samples)
-        frames += len(ids.samples)
-        if payload.ndim != 2 or payload.shape[1] < 8:
-            continue
-        times.append(np.asarray(ids.timestamps, float))
-        identifiers.append(np.asarray(ids.samples))
-        data.append(payload[:, :8].astype(np.uint8))
-    if not times:
-        return frames, {}
-    time = np.concatenate(times)
+def _obd2(bus: Sequence[Mapping[str, bytearray]]) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """The OBD2 answers among the frames of all groups."""
+    if not bus:
+        return {}
+    time = np.concatenate([np.frombuffer(part["stamps"]) for part in bus])
+    identifiers = np.concatenate([np.frombuffer(part["identifiers"], np.int64) for part in bus])
+    data = np.concatenate([np.frombuffer(part["data"], np.uint8).reshape(-1, 8) for part in bus])
     turn = np.argsort(time, kind="stable")
-    return frames, decode_obd2(time[turn], np.concatenate(identifiers)[turn], np.concatenate(data)[turn])
+    return decode_obd2(time[turn], identifiers[turn], data[turn])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime as dt
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +10,9 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from atleak.errors import Place, RoadTestError
+from atleak.errors import RoadTestError
+from atleak.intake.native.process import WORKBOOK, read_apart
+from atleak.intake.native.workbooks import log_rows, stray_cells
 from atleak.intake.road_test.cells import MISSING, Decimal
 from atleak.intake.road_test.names import match_name, split_unit, words
 from atleak.intake.road_test.source import Source
@@ -137,24 +138,11 @@ def open_sheets(source: Source) -> list[Sheet]:
     RoadTestError
         when the workbook cannot be read.
     """
-    import python_calamine
-
-    try:
-        workbook = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(source.data))
-        names = workbook.sheet_names
-    except Exception as error:
-        raise RoadTestError(f"is a damaged or protected workbook: {error}", place=Place(file=source.file)) from error
+    found: dict[str, list[list[object]]] = {}
+    for name, block in read_apart(log_rows, source.data, source.file, RoadTestError, WORKBOOK, stray_cells):
+        found.setdefault(name, []).extend(block)
     sheets = []
-    for name in names:
-        try:
-            cells = workbook.get_sheet_by_name(name).to_python(skip_empty_area=True)
-        except Exception as error:
-            raise RoadTestError(f"cannot be read: {error}", place=Place(file=source.file, sheet=name)) from error
-        rows: list[list[object]] = cells
-        for row in rows:  # in place: a large sheet is held once
-            for index, cell in enumerate(row):
-                if cell == "":
-                    row[index] = None
+    for name, rows in found.items():
         while rows and all(cell is None for cell in rows[-1]):
             rows.pop()
         sheet = _sheet(name, rows)

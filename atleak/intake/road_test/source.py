@@ -8,16 +8,13 @@ import io
 import mmap
 import tempfile
 import threading
-import zipfile
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import IO, Literal
+from typing import Literal
 
 from atleak.errors import Place, RoadTestError
-from atleak.intake.workbook_cells import extent
 
 HEAD = 1 << 16
 """Bytes looked at to find out what a file is."""
@@ -26,9 +23,6 @@ LARGE = 1 << 18
 SPARE = 120 << 20
 """Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
 GROWTH = 4
-SPREAD = 4_000_000
-"""A sheet whose outermost cells span more than this, and `SPARSE` times the cells it has, is not opened."""
-SPARSE = 50
 
 Form = Literal["text", "workbook", "mdf"]
 
@@ -186,7 +180,7 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> Source:
 
 def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) -> Source:
     if data[:2] != b"\x1f\x8b":
-        return Source(file, digest, data[:LARGE], _form(data, file), len(data), path, False, data)
+        return Source(file, digest, data[:LARGE], _form_of(data), len(data), path, False, data)
     room = tempfile.TemporaryDirectory(prefix="atleak-")
     try:
         unpacked = Path(room.name) / "log"
@@ -198,7 +192,6 @@ def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) ->
         if form == "text" and size > LARGE:
             return Source(file, digest, head, form, size, unpacked, True, None, room)
         content = unpacked.read_bytes()
-        form = _form(content, file)
     except BaseException:
         room.cleanup()
         raise
@@ -212,13 +205,6 @@ def _form_of(data: bytes) -> Form:
     if data[:3] == b"MDF" or data[:8] == b"UnFinMF ":
         return "mdf"
     return "text"
-
-
-def _form(data: bytes, file: str) -> Form:
-    form = _form_of(data)
-    if form == "workbook" and data[:2] == b"PK":
-        _refuse_bomb(data, file)
-    return form
 
 
 def _refuse_what_is_no_log(head: bytes, file: str) -> None:
@@ -264,50 +250,3 @@ def _unpack(data: bytes, file: str, target: Path) -> bool:
     if not total:
         raise RoadTestError("is empty: the logger wrote nothing", place=place)
     return nul
-
-
-def _pieces(stream: IO[bytes], left: int, limit: int, place: Place) -> Iterator[bytes]:
-    """A packed file's content, as long as it stays within what may be unpacked."""
-    while part := stream.read(1 << 20):
-        left -= len(part)
-        if left < 0:
-            raise RoadTestError(
-                f'unfolds to more than {limit >> 20} MB: this is no ordinary workbook (a "zip bomb"?)',
-                place=place,
-                expected="a workbook with the log; save a large log as CSV",
-            )
-        yield part
-
-
-def _refuse_stray_cells(rows: int, columns: int, cells: int, place: Place) -> None:
-    if rows * columns > SPREAD and rows * columns > SPARSE * cells:
-        raise RoadTestError(
-            f"its cells reach row {rows} and column number {columns}, though only {cells} are filled",
-            place=place,
-            expected="a log: delete the stray cells far outside the table",
-        )
-
-
-def _refuse_bomb(data: bytes, file: str) -> None:
-    limit, total = GROWTH * len(data) + SPARE, 0
-    place = Place(file=file)
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            members = archive.namelist()
-            if not any(member.startswith(("xl/", "content.xml", "Index/")) for member in members):
-                raise RoadTestError(
-                    "is a ZIP archive, not a log",
-                    place=place,
-                    value=", ".join(members[:3]),
-                    expected="the log itself: unpack the archive and give the file inside",
-                )
-            for info in archive.infolist():
-                with archive.open(info) as stream:
-                    pieces = _pieces(stream, limit - total, limit, place)
-                    if info.filename.startswith("xl/worksheets/"):
-                        _refuse_stray_cells(*extent(pieces), place)
-                    for _ in pieces:
-                        pass
-                total += info.file_size
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
-        raise RoadTestError(f"is a damaged workbook: {error}", place=place) from error

@@ -485,11 +485,6 @@ def test_a_stray_cell_in_the_last_corner(unusable, save_book, tidy):
     assert "stray" in error.expected
 
 
-def test_a_workbook_that_unpacks_to_too_much(unusable, monkeypatch, make_workbook, tidy):
-    monkeypatch.setattr("atleak.intake.readings.workbook._UNPACKED", 1000)
-    assert "unpacks" in unusable(make_workbook(tidy())).problem
-
-
 def test_no_headings_at_all(unusable, make_workbook):
     error = unusable(make_workbook([("Hello", "world"), (1, 2)]))
     assert "no row of headings" in error.problem

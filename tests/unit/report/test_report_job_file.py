@@ -18,6 +18,7 @@ from atleak.instruments import load_instruments
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
 from atleak.job import Job
+from atleak.job_case import Case, SourceFile
 from atleak.job_file import FORMAT, read_job_file, write_job_file
 from atleak.limits import load_limits
 from atleak.profile import WORKSHOP
@@ -44,6 +45,15 @@ LOG_CHOICES = {
 }
 
 
+def case_of(sheet: bytes = SHEET) -> Case:
+    return Case(
+        readings=SourceFile("=sheet.csv", sheet),
+        road_test=SourceFile("log <1>.csv", LOG.encode()),
+        columns=tuple(LOG_CHOICES["mapping"].items()),
+        units=tuple(LOG_CHOICES["units"].items()),
+    )
+
+
 @pytest.fixture(scope="module")
 def diagnosis() -> Diagnosis:
     controller = load_controller("four_speed_2023")
@@ -64,7 +74,7 @@ def diagnosis() -> Diagnosis:
 @pytest.fixture(scope="module")
 def content(diagnosis) -> bytes:
     job = Job(number="7", date="2026-02-03", photos=[{"file": "a/b.png"}]).with_pictures({"a/b.png": b"picture"})
-    return write_job_file(diagnosis, job, readings=SHEET, road_test=LOG.encode(), road_test_choices=LOG_CHOICES)
+    return write_job_file(diagnosis, job, case_of())
 
 
 def test_another_atleak_comes_to_the_same_verdict(diagnosis, content, tmp_path):
@@ -80,22 +90,20 @@ def test_another_atleak_comes_to_the_same_verdict(diagnosis, content, tmp_path):
 
 def test_same_job_same_bytes(diagnosis, content):
     job = Job(number="7", date="2026-02-03", photos=[{"file": "a/b.png"}]).with_pictures({"a/b.png": b"picture"})
-    assert content == write_job_file(
-        diagnosis, job, readings=SHEET, road_test=LOG.encode(), road_test_choices=LOG_CHOICES
-    )
+    assert content == write_job_file(diagnosis, job, case_of())
 
 
 def test_a_unit_nobody_measured_needs_no_files(unmeasured):
     found = read_job_file(write_job_file(unmeasured))
     assert diagnosis_record(found.diagnose()) == diagnosis_record(unmeasured)
-    assert found.readings is None
+    assert found.case.readings is None
 
 
 def test_files_that_are_not_those_of_the_diagnosis_are_refused(diagnosis):
     with pytest.raises(InputError, match="measuring sheet is missing"):
         write_job_file(diagnosis)
     with pytest.raises(InputError, match="measuring sheet is not the one"):
-        write_job_file(diagnosis, readings=SHEET + b" ", road_test=LOG.encode())
+        write_job_file(diagnosis, case=case_of(SHEET + b" "))
 
 
 def test_a_catalogue_file_that_has_gone_or_changed_is_refused(unmeasured, tmp_path):
@@ -104,9 +112,11 @@ def test_a_catalogue_file_that_has_gone_or_changed_is_refused(unmeasured, tmp_pa
     moved = replace(unmeasured, fluid=replace(unmeasured.fluid, origin=gone))
     with pytest.raises(InputError, match="file of the fluid is no longer there"):
         write_job_file(moved)
-    assert read_job_file(write_job_file(moved, catalogue={"fluid": origin.path.read_bytes()})).catalogue["fluid"]
+    assert read_job_file(
+        write_job_file(moved, case=Case(fluid=SourceFile("own.toml", origin.path.read_bytes())))
+    ).case.fluid
     with pytest.raises(InputError, match="file of the fluid has changed"):
-        write_job_file(moved, catalogue={"fluid": b"other"})
+        write_job_file(moved, case=Case(fluid=SourceFile("own.toml", b"other")))
 
 
 def changed(content: bytes, **entries: bytes | None) -> bytes:
@@ -187,7 +197,7 @@ def test_a_record_from_elsewhere_is_checked(content):
     found = read_job_file(
         with_choices(content, files={**json.loads(_record(content))["files"], "readings": "../../x.csv"})
     )
-    assert found.readings.name == "x.csv"
+    assert found.case.readings.name == "x.csv"
     with pytest.raises(InputError, match="no such profile"):
         read_job_file(with_choices(content, profile="mine")).diagnose()
 

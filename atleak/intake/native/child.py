@@ -1,0 +1,150 @@
+"""What runs in the reading process: it takes a file's bytes, calls one function on them and answers with plain data.
+
+This module and those with the functions import nothing heavy at their top: the process starts as fast as they do.
+
+Parent and child speak in frames, eight bytes of length and then the content. The child greets with its process number.
+A request is two frames: the function with its limits, then the file. The answer is one frame for each item the
+function yields, then one that ends it or says why the file is refused.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import os
+import pickle
+import queue
+import signal
+import struct
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, BinaryIO
+
+LENGTH = struct.Struct(">Q")
+ADDRESSES = (
+    1 << 30
+)  # bytes of address space beyond the memory limit: libraries, stacks, what is reserved and never used
+_ERROR_SHOWN = 200  # characters of a reader's own words
+
+
+class Refused(Exception):
+    """Raised by a reading function: why the file cannot be used, in the words of `atleak.errors.InputError`."""
+
+    def __init__(
+        self, problem: str, *, expected: str | None = None, sheet: str | None = None, value: str | None = None
+    ) -> None:
+        super().__init__(problem)
+        self.words = {"problem": problem, "expected": expected, "sheet": sheet, "value": value}
+
+
+@dataclass(frozen=True)
+class Request:
+    """One file to read: by which function, and within which limits [bytes], [s]."""
+
+    module: str
+    function: str
+    memory: int
+    seconds: float
+
+
+def send(stream: BinaryIO, content: bytes) -> None:
+    """Writes one frame."""
+    stream.write(LENGTH.pack(len(content)))
+    stream.write(content)
+    stream.flush()
+
+
+def receive(stream: BinaryIO, limit: int | None = None) -> bytes:
+    """Reads one frame.
+
+    Raises
+    ------
+    EOFError
+        where the stream ends before the frame does.
+    OverflowError
+        where the frame is longer than ``limit`` bytes.
+    """
+    head = stream.read(LENGTH.size)
+    if len(head) < LENGTH.size:
+        raise EOFError
+    (length,) = LENGTH.unpack(head)
+    if limit is not None and length > limit:
+        raise OverflowError
+    content = stream.read(length)
+    if len(content) < length:
+        raise EOFError
+    return content
+
+
+def serve() -> None:
+    """Answers requests until standard input is closed, which is also how the death of the parent shows."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is meant for the parent
+    source, target = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    silence = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):  # what a library prints is no answer, and nothing for the user's terminal
+        os.dup2(silence, standard)
+    _no_dumps()
+    requests: queue.SimpleQueue[tuple[bytes, bytes]] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(source, requests), daemon=True).start()
+    send(target, pickle.dumps(os.getpid()))
+    while True:
+        asked, data = requests.get()
+        request: Request = pickle.loads(asked)
+        _limit_addresses(request.memory + ADDRESSES)
+        # a thread below Python that ends the process, should nobody be left to do so
+        faulthandler.dump_traceback_later(2 * request.seconds, exit=True)
+        for answer in _answers(request, data):
+            send(target, pickle.dumps(answer, protocol=5))
+        faulthandler.cancel_dump_traceback_later()
+        del asked, data, answer
+
+
+def _listen(source: BinaryIO, requests: queue.SimpleQueue[tuple[bytes, bytes]]) -> None:
+    while True:
+        try:
+            requests.put((receive(source), receive(source)))
+        except EOFError:
+            os._exit(0)
+
+
+def _answers(request: Request, data: bytes) -> Iterator[tuple[str, Any]]:
+    try:
+        function: Callable[[bytes], Iterator[Any]] = getattr(import_module(request.module), request.function)
+        for item in function(data):
+            yield "item", item
+    except Refused as refused:
+        yield "refused", refused.words
+    except MemoryError:
+        yield "memory", None
+    except BaseException as error:  # noqa: BLE001 - readers raise errors without a common base, panics among them
+        words = " ".join(str(error).split()) or type(error).__name__
+        yield "damaged", words[:_ERROR_SHOWN]
+    else:
+        yield "end", None
+
+
+def _no_dumps() -> None:
+    """A crash leaves no file on the disk and no window on the screen."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.SetErrorMode(msvcrt.SEM_FAILCRITICALERRORS | msvcrt.SEM_NOGPFAULTERRORBOX)
+        return
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _limit_addresses(limit: int) -> None:
+    """Where the system can, it refuses memory itself, before the parent's next look."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    wanted = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
+    with contextlib.suppress(ValueError, OSError):  # macOS knows the limit and does not take it
+        resource.setrlimit(resource.RLIMIT_AS, (wanted, hard))

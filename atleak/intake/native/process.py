@@ -1,0 +1,371 @@
+"""Calls a reading function in a child process, within limits of time and memory.
+
+Children stay warm for the next file and are lent to one thread at a time. One that dies, or is ended at a limit, is a
+refusal of the file it was reading; the next file gets a new one.
+
+To have another kind of file read there, write a function that takes the file's bytes and yields plain data (None,
+numbers, texts, bytes, bytearrays, dates, times, and lists, tuples and dicts of them), in a module that imports nothing
+heavy at its top, and hand it to `read_apart`.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import datetime
+import io
+import os
+import pickle
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO, Literal, TypeVar, cast
+
+import psutil
+
+from atleak.errors import InputError, Place
+from atleak.intake.native.child import Request, receive, send
+
+Item = TypeVar("Item")
+
+CHILDREN = 2
+"""Files read at the same time; a third waits. Each may take the memory of its budget."""
+KEPT = 300 << 20
+"""Bytes of memory above which a child is ended after its file instead of kept: memory once used is not given back."""
+START = 30.0
+"""Seconds a child may take to start: it takes 0.02, on a cold disk behind a virus scanner a hundred times that."""
+LOOK = 0.02
+"""Seconds between two looks at a child: at 2 GB/s, what memory is filled with at most, it is 40 MB late."""
+EXPLAIN = 10.0
+"""Seconds that may be spent on a better reason for a refusal."""
+LEAVE = 5.0
+"""Seconds a child may take to end by itself when it is no longer needed."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What reading a file may take: memory [bytes] and time [s], each with a part for every byte of the file."""
+
+    kind: str
+    memory: int
+    memory_per_byte: float
+    seconds: float
+    seconds_per_byte: float
+    suspicion: str
+    expected: str
+
+    def limits(self, size: int) -> tuple[int, float]:
+        """Memory [bytes] and time [s] for a file of ``size`` bytes."""
+        return int(self.memory + self.memory_per_byte * size), self.seconds + self.seconds_per_byte * size
+
+
+# A workbook of 78 MB (560 000 rows of 12 columns) took 630 MB and 7 s, 8 bytes of memory a byte of file; packed four
+# times as tightly, as a log of round numbers is, it would take 32. A measuring sheet takes 30 MB and 0.03 s.
+WORKBOOK = Budget(
+    kind="workbook",
+    memory=400 << 20,
+    memory_per_byte=30.0,
+    seconds=20.0,
+    seconds_per_byte=2e-6,
+    suspicion="it is damaged, or has cells far outside its table",
+    expected="a workbook as a spreadsheet program saves it: open it there, delete what lies outside the table, save it "
+    "anew as .xlsx, or the table as .csv",
+)
+# asammdf alone takes 130 MB and a second to load.
+MDF = Budget(
+    kind="MDF file",
+    memory=700 << 20,
+    memory_per_byte=30.0,
+    seconds=30.0,
+    seconds_per_byte=2e-6,
+    suspicion="it is damaged",
+    expected="the log saved anew, or exported as .csv, by the logger's own program",
+)
+
+
+def read_apart(
+    function: Callable[[bytes], Iterator[Item]],
+    data: bytes,
+    file: str,
+    error: type[InputError],
+    budget: Budget,
+    explain: Callable[[bytes], Iterator[object]] | None = None,
+) -> list[Item]:
+    """All that a reading function yields about a file, called in a child process.
+
+    Parameters
+    ----------
+    function
+        at the top level of a module the child can import; yields plain data.
+    data
+        the file's bytes.
+    file
+        what to call it in messages.
+    error
+        the exception that says why the file is refused.
+    budget
+        what reading it may take.
+    explain
+        called on a file that its reader did not survive, to refuse it with a better reason than that.
+
+    Raises
+    ------
+    InputError
+        of type ``error``: where the function refuses the file or fails on it, where reading it takes more than its
+        budget or ends the child, and where no child can be started.
+    """
+    memory, seconds = budget.limits(len(data))
+    place = Place(file)
+    try:
+        items, ending, said = _pool.read(_request(function, memory, seconds), data)
+    except _Gone as gone:
+        said = None if explain is None or gone.reason == "time" else _second_look(explain, data, memory)
+        if said is None:
+            problem = {
+                "time": f"reading this {budget.kind} took longer than {seconds:.0f} s and was stopped",
+                "memory": f"reading this {budget.kind} took more than {memory >> 20} MB of memory and was stopped",
+                "death": f"this {budget.kind} cannot be read: what reads it broke down",
+            }[gone.reason]
+            raise error(f"{problem}; {budget.suspicion}", place=place, expected=budget.expected) from None
+        ending = "refused"
+    except OSError as fault:
+        raise error(
+            f"a {budget.kind} is read by a second Python process, and none can be started: {fault}",
+            place=place,
+            expected="a plain Python installation, or the table as .csv, which needs no second process",
+        ) from fault
+    if ending == "refused":
+        raise error(said["problem"], place=Place(file, said["sheet"]), value=said["value"], expected=said["expected"])
+    if ending == "damaged":
+        problem = f"this {budget.kind} is damaged or of a kind that cannot be read ({said})"
+        raise error(problem, place=place, expected=budget.expected)
+    return items
+
+
+def _request(function: Callable[[bytes], Iterator[Any]], memory: int, seconds: float) -> Request:
+    return Request(function.__module__, function.__qualname__, memory, seconds)
+
+
+def _second_look(explain: Callable[[bytes], Iterator[Any]], data: bytes, memory: int) -> Any:
+    """The words in which it refuses the file; None where it has nothing to say either."""
+    with contextlib.suppress(_Gone, OSError):
+        _, ending, said = _pool.read(_request(explain, memory, EXPLAIN), data)
+        return said if ending == "refused" else None
+    return None
+
+
+class _Gone(Exception):
+    """The child ended, or was ended, before it had answered."""
+
+    def __init__(self, reason: Literal["time", "memory", "death"]) -> None:
+        super().__init__(reason)
+        self.reason = reason
+
+
+class _PlainUnpickler(pickle.Unpickler):
+    """Takes plain data alone: what a damaged file made of the child must not become code in its parent."""
+
+    _TIMES = {name: getattr(datetime, name) for name in ("date", "datetime", "time", "timedelta")}
+
+    def find_class(self, module: str, name: str) -> Any:
+        if module == "datetime" and name in self._TIMES:
+            return self._TIMES[name]
+        raise pickle.UnpicklingError(f"{module}.{name} is no plain data")
+
+
+class _Child:
+    """One child process."""
+
+    def __init__(self) -> None:
+        if not sys.executable or getattr(sys, "frozen", False):
+            raise OSError(f"this Python names no interpreter to start (sys.executable is {sys.executable!r})")
+        path = [entry or str(Path.cwd()) for entry in sys.path]
+        code = "import sys; sys.path[:] = sys.argv[1:]; from atleak.intake.native.child import serve; serve()"
+        self.process = subprocess.Popen(
+            # without the site's own start-up, which is most of the time to start: its paths come from the parent
+            [sys.executable, "-S", "-s", "-P", "-c", code, *path],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+        )
+        self._input, self._output = cast(BinaryIO, self.process.stdin), cast(BinaryIO, self.process.stdout)
+        self._killed = False
+        try:
+            self._watched = psutil.Process(self.process.pid)
+            with self._limits(sys.maxsize, START):
+                # where an environment's python only hands on to another one, as on Windows, the greeting names that
+                self._watched = psutil.Process(_plain(receive(self._output, 1000)))
+        except (_Gone, psutil.Error, TypeError) as fault:
+            self.kill()
+            self.end()
+            raise OSError(f"{sys.executable} does not start as a Python interpreter") from fault
+
+    def memory(self) -> int:
+        """Bytes of memory it holds; 0 when it has ended."""
+        try:
+            found = self._watched.memory_info()
+        except psutil.Error:
+            return 0
+        return max(found.rss, getattr(found, "private", 0))  # Windows: also what was moved out to the disk
+
+    def usable(self) -> bool:
+        """Whether it may read another file."""
+        return not self._killed and self.process.poll() is None
+
+    def end(self) -> None:
+        """Ends it: the closed pipe tells it to, and where it does not listen it is killed."""
+        with contextlib.suppress(OSError):
+            self._input.close()
+        if not self._killed:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.process.wait(LEAVE)
+        self.kill()
+        self.process.wait()
+        self._output.close()
+
+    def kill(self) -> None:
+        """Ends it at once; whoever waits for its answer is told by the pipe."""
+        self._killed = True
+        with contextlib.suppress(psutil.Error):
+            self._watched.kill()
+        with contextlib.suppress(OSError):
+            self.process.kill()
+
+    def disown(self) -> None:
+        """In a process forked off the parent: the child is not this one's to end."""
+        self.process.returncode = 0
+
+    def read(self, request: Request, data: bytes) -> tuple[list[Any], str, Any]:
+        """All items of the answer, how it ended, and what was said at its end.
+
+        Raises
+        ------
+        _Gone
+            where the child ends before it has answered in full.
+        """
+        items: list[Any] = []
+        with self._limits(request.memory, request.seconds):
+            send(self._input, pickle.dumps(request))
+            send(self._input, data)
+            left = request.memory
+            while True:
+                frame = receive(self._output, left)
+                left -= len(frame)
+                kind, content = _plain(frame)
+                if kind == "memory":
+                    raise _Gone("memory")
+                if kind != "item":
+                    return items, kind, content
+                items.append(content)
+
+    @contextlib.contextmanager
+    def _limits(self, memory: int, seconds: float) -> Iterator[None]:
+        """Ends the child when it passes a limit; what was going on with it then fails with `_Gone`."""
+        done = threading.Event()
+        passed: list[Literal["time", "memory"]] = []
+        deadline = time.monotonic() + seconds
+
+        def watch() -> None:
+            while not done.wait(LOOK):
+                if self.memory() > memory or time.monotonic() > deadline:
+                    passed.append("time" if time.monotonic() > deadline else "memory")
+                    self.kill()
+                    return
+
+        watcher = threading.Thread(target=watch, name="atleak reading limits", daemon=True)
+        watcher.start()
+        try:
+            yield
+        except OverflowError as fault:
+            raise _Gone("memory") from fault
+        except (EOFError, OSError, pickle.UnpicklingError) as fault:
+            done.set()
+            watcher.join()
+            raise _Gone(passed[0] if passed else "death") from fault
+        finally:
+            done.set()
+            watcher.join()
+
+
+def _plain(frame: bytes) -> Any:
+    try:
+        return _PlainUnpickler(io.BytesIO(frame)).load()
+    except Exception as fault:  # a child gone wrong may send anything
+        raise pickle.UnpicklingError("no plain data") from fault
+
+
+class _Pool:
+    """Children, and the right to use one."""
+
+    def __init__(self) -> None:
+        self._places = threading.BoundedSemaphore(CHILDREN)
+        self._idle: list[_Child] = []
+
+    def read(self, request: Request, data: bytes) -> tuple[list[Any], str, Any]:
+        """As `_Child.read`, by a child that is free.
+
+        Raises
+        ------
+        _Gone
+            where the child ends before it has answered in full.
+        OSError
+            where no child can be started.
+        """
+        with self._borrowed() as child:
+            return child.read(request, data)
+
+    @contextlib.contextmanager
+    def _borrowed(self) -> Iterator[_Child]:
+        """A child for one file; kept afterwards where it answered in full and stayed small."""
+        with self._places:
+            child = self._take()
+            try:
+                yield child
+            except BaseException:  # whatever it still had to say is not read: it cannot be used again
+                child.kill()
+                child.end()
+                raise
+            if child.usable() and child.memory() < KEPT:
+                self._idle.append(child)
+            else:
+                child.end()
+
+    def _take(self) -> _Child:
+        while True:
+            try:
+                child = self._idle.pop()  # the one used last; the list's own pop is one step to all threads
+            except IndexError:
+                return _Child()
+            if child.usable():
+                return child
+            child.end()
+
+    def close(self) -> None:
+        """Ends the children that wait."""
+        while self._idle:
+            self._idle.pop().end()
+
+    def disown(self) -> None:
+        """Forgets the children, which belong to the process this one was forked off."""
+        for child in self._idle:
+            child.disown()
+
+
+_pool = _Pool()
+atexit.register(lambda: _pool.close())
+
+
+def _after_fork() -> None:
+    global _pool
+    _pool.disown()
+    _pool = _Pool()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)

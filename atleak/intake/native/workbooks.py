@@ -1,0 +1,248 @@
+"""Reads workbooks (xlsx, xlsb, xls, ods) in the child process."""
+
+from __future__ import annotations
+
+import html
+import io
+import itertools
+import re
+import zipfile
+from collections.abc import Iterator
+from typing import IO, Any, TypedDict
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+from atleak.intake.native.child import Refused
+from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths
+
+Cell = Any  # str, float, int, bool, date or time; "" where empty
+Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
+
+CELLS = 1_000_000
+"""A measuring sheet's outermost cells span at most this many; a filled one spans thousands."""
+LOG_CELLS, LOG_CELLS_PER_BYTE = 4_000_000, 16
+"""A log's: so many, and more for every byte of the file, which packs a cell in three; one in fifty need be filled."""
+COLUMNS = 16_384
+"""A sheet's columns in a spreadsheet program."""
+BLOCK = 20_000
+"""Rows of a log in one item."""
+
+_CELL = re.compile(rb"<(?:\w+:)?c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>)", re.DOTALL)
+_FORMULA = re.compile(rb"<(?:\w+:)?f(?:\s[^>]*)?/?>([^<]*)")
+_VALUE = re.compile(rb"<(?:\w+:)?[vt]\b[^>]*>([^<]+)")
+_REFERENCE = re.compile(rb'\br="([A-Z]{1,3})(\d{1,9})"')
+_ODS = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
+
+
+class MeasuringSheet(TypedDict):
+    """A worksheet with what its cells alone do not say; ``rows`` and all places are absolute."""
+
+    name: str
+    hidden: bool
+    rows: list[list[Cell]]
+    merged: list[Range]
+    faults: dict[tuple[int, int], str]
+    marks: dict[str, Any]  # the fields of `atleak.intake.workbook_marks.Marks`
+
+
+def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
+    """Every worksheet, with merged ranges, formulas that have no usable result, and what is hidden or crossed out.
+
+    Raises
+    ------
+    Refused
+        where the file is protected by a password, no workbook, or spans more cells than a measuring sheet can.
+    """
+    _refuse_other_kinds(data)
+    merges, faults = _look_inside(data) if data.startswith(b"PK") else ({}, {})
+    marked = marks(data)
+    for name, hidden, sheet in _worksheets(data):
+        rows, columns = _size(sheet)
+        _refuse_vast(rows, columns, name, columns * rows > CELLS)
+        ranges = sheet.merged_cell_ranges
+        yield {
+            "name": name,
+            "hidden": hidden,
+            "rows": sheet.to_python(skip_empty_area=False),
+            "merged": _within(merges.get(name, []) if ranges is None else ranges, rows, columns, name),
+            "faults": faults.get(name, {}),
+            "marks": vars(marked.get(name, Marks())),
+        }
+
+
+def log_rows(data: bytes) -> Iterator[tuple[str, list[list[Cell | None]]]]:
+    """Every worksheet's name and rows, in blocks; None where empty, and without what is empty before the first cell.
+
+    Raises
+    ------
+    Refused
+        where the file is protected by a password, no workbook, or spans more cells than a log of its size can.
+    """
+    _refuse_other_kinds(data)
+    for name, _, sheet in _worksheets(data):
+        if sheet.start is None:
+            continue
+        most = LOG_CELLS + LOG_CELLS_PER_BYTE * len(data)
+        _refuse_vast(*_size(sheet), name, sheet.height * sheet.width > most)
+        top, left = sheet.start
+        rows = itertools.islice(sheet.iter_rows(), top, None)
+        while block := [[None if cell == "" else cell for cell in row[left:]] for row in itertools.islice(rows, BLOCK)]:
+            yield name, block
+
+
+def stray_cells(data: bytes) -> Iterator[None]:
+    """Refuses a workbook (xlsx) whose outermost cells span more than can be laid out.
+
+    It lays a sheet out from its first cell to its last: a single one in the last corner makes it ask for half a
+    terabyte, which it does not survive. Reading the XML is slower than calamine, so it comes after.
+
+    Raises
+    ------
+    Refused
+        naming the sheet's part of the workbook and how far its cells reach.
+    """
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        sheets = {path: name for name, path in sheet_paths(archive).items()}
+        for path in archive.namelist():
+            if path.startswith("xl/worksheets/") and path.endswith(".xml"):
+                with archive.open(path) as stream:
+                    rows, columns = _reach(stream)
+                _refuse_vast(rows, columns, sheets.get(path), rows * columns > LOG_CELLS)
+    yield None
+
+
+def _reach(stream: IO[bytes]) -> tuple[int, int]:
+    """Rows and columns down to the outermost cells of a sheet's XML."""
+    rows = columns = 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal rows, columns
+        if tag.rpartition(":")[2] == "c":
+            found = _REFERENCE.match(f'r="{attributes.get("r", "").upper()}"'.encode())
+            if found:
+                row, column = _place(found)
+                rows, columns = max(rows, row + 1), max(columns, column + 1)
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = start
+    parser.ParseFile(stream)
+    return rows, columns
+
+
+def _refuse_other_kinds(data: bytes) -> None:
+    if "EncryptedPackage".encode("utf-16-le") in data and not data.startswith(b"PK"):
+        raise _protected()
+    if data.startswith(b"PK"):
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            names = archive.namelist()
+        if not {"xl/workbook.xml", "xl/workbook.bin", "content.xml"} & set(names):
+            raise Refused(
+                "this file is a ZIP archive, not a workbook",
+                value=", ".join(names[:3]),
+                expected="the file itself: unpack the archive and give the workbook or text file inside",
+            )
+
+
+def _protected() -> Refused:
+    return Refused("this workbook is protected by a password", expected="the workbook saved without a password")
+
+
+def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
+    """Name, whether hidden, and cells of every worksheet."""
+    from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
+
+    try:
+        workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
+    except PasswordError:
+        raise _protected() from None
+    for meta in workbook.sheets_metadata:
+        if meta.typ == SheetTypeEnum.WorkSheet:
+            yield meta.name, meta.visible != SheetVisibleEnum.Visible, workbook.get_sheet_by_name(meta.name)
+
+
+def _size(sheet: Any) -> tuple[int, int]:
+    """Rows and columns down to the last cell; calamine's own total_height leaves out the last row."""
+    return (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
+
+
+def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:
+    if vast or columns > COLUMNS:
+        raise Refused(
+            f"the cells of this sheet reach row {rows} and column number {columns}",
+            sheet=sheet,
+            expected="a table: delete the stray cells far outside it",
+        )
+
+
+def _within(ranges: list[Range], rows: int, columns: int, sheet: str) -> list[Range]:
+    """Merged ranges cut to the cells there are. They cannot overlap, so they never cover more than those."""
+    kept, covered = [], 0
+    for (top, left), (bottom, right) in ranges:
+        bottom, right = min(bottom, rows - 1), min(right, columns - 1)
+        if bottom >= top and right >= left:
+            kept.append(((top, left), (bottom, right)))
+            covered += (bottom - top + 1) * (right - left + 1)
+    if covered > rows * columns:
+        raise Refused(
+            "merged ranges of this sheet overlap: the workbook is damaged",
+            sheet=sheet,
+            expected="a workbook as a spreadsheet program saves it: open it there and save it anew",
+        )
+    return kept
+
+
+def _look_inside(data: bytes) -> tuple[dict[str, list[Range]], dict[str, dict[tuple[int, int], str]]]:
+    """What calamine does not say: merged ranges of an ods, formulas without result of an xlsx."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        names = set(archive.namelist())
+        if "xl/workbook.xml" in names:
+            return {}, {
+                sheet: _formula_faults(archive.read(path))
+                for sheet, path in sheet_paths(archive).items()
+                if path in names
+            }
+        return (_ods_merges(archive.read("content.xml")) if "content.xml" in names else {}), {}
+
+
+def _formula_faults(xml: bytes) -> dict[tuple[int, int], str]:
+    """Cells whose formula has an error or no stored result."""
+    found: dict[tuple[int, int], str] = {}
+    if not _FORMULA.search(xml) and b't="e"' not in xml:
+        return found  # the usual case, in a tenth of the time
+    for attributes, content in _CELL.findall(xml):
+        reference = _REFERENCE.search(attributes)
+        if reference is None:
+            continue
+        place = _place(reference)
+        value, formula = _VALUE.search(content), _FORMULA.search(content)
+        if b't="e"' in attributes:
+            found[place] = value[1].decode("utf-8", "replace") if value else "an error"
+        elif formula and not value and b't="str"' not in attributes:  # an empty text is a result too
+            found[place] = "=" + html.unescape(formula[1].decode("utf-8", "replace"))
+    return found
+
+
+def _place(reference: re.Match[bytes]) -> tuple[int, int]:
+    """Row and column, both from 0.
+
+    >>> _place(_REFERENCE.search(b'<c r="AB7">'))
+    (6, 27)
+    """
+    return int(reference[2]) - 1, column_index(reference[1].decode())
+
+
+def _ods_merges(xml: bytes) -> dict[str, list[Range]]:
+    merges: dict[str, list[Range]] = {}
+    for table in ElementTree.fromstring(xml).iter(f"{_ODS}table"):
+        ranges = merges.setdefault(table.get(f"{_ODS}name", ""), [])
+        row = 0
+        for line in table.iter(f"{_ODS}table-row"):
+            column = 0
+            for cell in line:
+                down = int(cell.get(f"{_ODS}number-rows-spanned", "1"))
+                across = int(cell.get(f"{_ODS}number-columns-spanned", "1"))
+                if down * across > 1:
+                    ranges.append(((row, column), (row + down - 1, column + across - 1)))
+                column += int(cell.get(f"{_ODS}number-columns-repeated", "1"))
+            row += int(line.get(f"{_ODS}number-rows-repeated", "1"))
+    return merges

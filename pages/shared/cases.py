@@ -1,0 +1,174 @@
+"""The job as the dashboard holds it, and what is computed from it, each kept so that a page change costs nothing.
+
+Everything is kept by the SHA-256 of the files' bytes and the choices: two files that differ in one value never share a
+result.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import streamlit as st
+
+from atleak import catalogue
+from atleak.controller import Controller
+from atleak.diagnosis import Diagnosis
+from atleak.errors import OutputError
+from atleak.intake.readings import read_readings
+from atleak.intake.road_test import Understood, default_path, recall, remember, understand
+from atleak.intake.road_test.memory import Settled
+from atleak.job_case import SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
+from atleak.readings import Readings
+
+SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
+FITTED = {  # choices that belong to one file, and go with it
+    "readings": {"sheet_name": None, "sheet_unit": None, "sheet_where": ()},
+    "road_test": {"columns": (), "units": (), "constants": (), "remember": True},
+}
+
+
+@dataclass(frozen=True)
+class PageCase(Case):
+    """A job in the dashboard; ``sample`` says that its files are the shipped ones."""
+
+    sample: bool = False
+
+    def with_file(self, slot: str, file: SourceFile | None) -> PageCase:
+        """This job with another sheet or log; the sample's other file never mixes with the user's own."""
+        if self.sample:
+            empty = {"readings": None, "road_test": None, "sample": False}
+            return replace(self, **{**empty, slot: file}, **FITTED["readings"], **FITTED["road_test"])
+        return replace(self, **{slot: file}, **FITTED[slot])
+
+
+def sample_case() -> PageCase:
+    """The job that a fresh start shows."""
+    files = {}
+    for slot, name in (("readings", "measuring_sheet_four_speed.xlsx"), ("road_test", "minimum_acceleration_test.csv")):
+        path = SAMPLES / name
+        files[slot] = SourceFile(path.name, path.read_bytes()) if path.is_file() else None
+    return PageCase(**files, sample=True)
+
+
+def opened_case(case: Case) -> PageCase:
+    """The case of a job file; what of its catalogue is shipped with this atleak too is chosen by id.
+
+    Raises
+    ------
+    AtleakError
+        a controller that cannot be used.
+    """
+    values = {field.name: getattr(case, field.name) for field in fields(Case)}
+    shown = PageCase(**values | {name: _by_id(slot, getattr(case, name)) for name, slot in SLOTS.items()})
+    controller = controller_of(shown)
+    opened = shown.with_condition(shown.condition(controller), controller)
+    assert isinstance(opened, PageCase)
+    return opened
+
+
+def _by_id(slot: Slot, choice: Choice) -> Choice:
+    if isinstance(choice, str):
+        return choice
+    shipped = catalogue.catalogue_files(slot.folder).items()
+    return next((name for name, path in shipped if path.read_bytes() == choice.content), choice)
+
+
+class Kept(Reader):
+    """Reads the files of a job once, for every session of this server."""
+
+    def entry(self, slot: Slot, choice: Choice) -> Any:
+        return _entry(slot.name, choice if isinstance(choice, str) else (choice.name, choice.sha256), choice)
+
+    def readings(self, case: Case, controller: Controller) -> Readings:
+        assert case.readings is not None
+        file = case.readings
+        key = repr((file.name, file.sha256, controller.sha256, sorted(case.sheet_choices.items())))
+        return _readings(key, case, controller)
+
+    def log(self, case: Case) -> Understood:
+        assert case.road_test is not None
+        return understood(case.road_test, case)
+
+
+@st.cache_resource(max_entries=64, show_spinner=False)
+def _entry(slot: str, key: str | tuple[str, str], _choice: Choice) -> Any:
+    return Reader().entry(SLOTS[slot], _choice)
+
+
+@st.cache_resource(max_entries=6, show_spinner="Reading the measuring sheet …")
+def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
+    assert _case.readings is not None
+    file = _case.readings
+    return read_readings(file.content, _controller, name=file.name, **_case.sheet_choices)
+
+
+@st.cache_resource(max_entries=6, show_spinner="Reading the road-test log …")
+def _understood(key: str, _log: SourceFile, _choices: dict[str, Any], _remembered: bool) -> Understood:
+    path = default_path() if _remembered else None
+    return understand(_log.content, name=_log.name, remembered=path, **_choices)
+
+
+def understood(log: SourceFile, case: Case | None = None) -> Understood:
+    """What a log holds, open questions included; with the answers that are remembered now.
+
+    ``case`` says how its columns are chosen; a log of its own is read as it comes.
+    """
+    case = case or Case()
+    key = repr((log.name, log.sha256, case.log_choices))
+    found = _understood(key, log, case.log_choices, False)
+    earlier = recall(default_path(), found.signature) if case.remember else None
+    return found if earlier is None else _understood(f"{key} {earlier}", log, case.log_choices, True)
+
+
+def catalogue_entry(name: str, choice: Choice) -> Any:
+    """A controller, fluid, limit set or instrument by id, or from the user's own TOML file."""
+    return Kept().entry(SLOTS[name], choice)
+
+
+def controller_of(case: Case) -> Controller:
+    """The controller of a job."""
+    controller: Controller = catalogue_entry("controller", case.controller)
+    return controller
+
+
+def remembered_columns(log: SourceFile) -> Settled | None:
+    """How the columns of logs with this header were chosen earlier."""
+    return recall(default_path(), understood(log).signature)
+
+
+def remember_columns(log: SourceFile, columns: dict[str, str], units: dict[str, str]) -> str:
+    """Keep how this log's columns were chosen, for every log with the same header; why it cannot be kept, else ""."""
+    try:
+        remember(default_path(), understood(log).signature, columns, units)
+    except OutputError as error:
+        return error.problem
+    return ""
+
+
+def settled(case: Case) -> Case:
+    """The job with its log's columns as they are read now, for its job file."""
+    return case if case.road_test is None else with_log_choices(case, Kept().log(case))
+
+
+@st.cache_resource(max_entries=6, show_spinner="Computing …")
+def _diagnosis(key: str, _case: Case) -> Diagnosis:
+    return _case.diagnose(Kept())
+
+
+def diagnosis_of(case: Case) -> Diagnosis:
+    """The diagnosis of a job.
+
+    Raises
+    ------
+    AtleakError
+        saying what of the job cannot be used.
+    """
+    return _diagnosis(result_key(case), case)
+
+
+def result_key(case: Case) -> str:
+    """What a result of this job is kept by: its files and choices, and what is remembered of its log's columns."""
+    earlier = remembered_columns(case.road_test) if case.road_test is not None and case.remember else None
+    return f"{case.key} {earlier}"
