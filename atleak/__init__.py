@@ -8,42 +8,42 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from atleak.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from atleak.controller import Controller, load_controller
+    from atleak.catalogue.controller import Controller, load_controller
+    from atleak.catalogue.fluid import Fluid, load_fluid
+    from atleak.catalogue.limits import Limits, load_limits
     from atleak.diagnosis import Diagnosis, diagnose
+    from atleak.engine.leakage import LeakageModel
+    from atleak.engine.profile import PROFILES, Profile, find_profile
     from atleak.errors import AtleakError
-    from atleak.fluid import Fluid, load_fluid
     from atleak.intake.readings import read_readings
     from atleak.intake.road_test import read_road_test
-    from atleak.leakage import LeakageModel
-    from atleak.limits import Limits, load_limits
-    from atleak.profile import PROFILES, Profile, find_profile
     from atleak.readings import Readings, clearances
-    from atleak.report.record import diagnosis_record
     from atleak.road_test import RoadTest
+    from atleak.views.diagnosis_record import diagnosis_record
 
 _ROOMS = {
     "AtleakError": "errors",
-    "Controller": "controller",
-    "load_controller": "controller",
-    "Fluid": "fluid",
-    "load_fluid": "fluid",
-    "Limits": "limits",
-    "load_limits": "limits",
-    "Profile": "profile",
-    "PROFILES": "profile",
-    "find_profile": "profile",
+    "Controller": "catalogue.controller",
+    "load_controller": "catalogue.controller",
+    "Fluid": "catalogue.fluid",
+    "load_fluid": "catalogue.fluid",
+    "Limits": "catalogue.limits",
+    "load_limits": "catalogue.limits",
+    "Profile": "engine.profile",
+    "PROFILES": "engine.profile",
+    "find_profile": "engine.profile",
     "Readings": "readings",
     "clearances": "readings",
     "read_readings": "intake.readings",
     "RoadTest": "road_test",
     "read_road_test": "intake.road_test",
-    "LeakageModel": "leakage",
+    "LeakageModel": "engine.leakage",
     "Diagnosis": "diagnosis",
     "diagnose": "diagnosis",
-    "diagnosis_record": "report.record",
+    "diagnosis_record": "views.diagnosis_record",
 }
 
 __all__ = [

@@ -15,11 +15,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atleak import __version__
 from atleak.errors import AtleakError, InputError, OutputError, Place, nearest_name
 from atleak.files import replace_file
 from atleak.shipped import shipped
 from atleak.verdicts import FLAGGED
+from atleak.version import __version__
 from atleak.written_numbers import (
     ENGINE_SPEED,
     MILEAGE,
@@ -30,10 +30,10 @@ from atleak.written_numbers import (
 )
 
 if TYPE_CHECKING:
-    from atleak.controller import Controller
+    from atleak.catalogue.controller import Controller
     from atleak.diagnosis import Diagnosis
-    from atleak.job import Job
-    from atleak.job_case import Case
+    from atleak.job.case import Case
+    from atleak.job.record import Job
     from atleak.marks import Kind
     from atleak.road_test import RoadTest
 
@@ -84,7 +84,7 @@ def _diagnose(options: argparse.Namespace) -> int:
     _check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     job = None
     if options.job is not None:
-        from atleak.job_file import load_job
+        from atleak.job.file import load_job
 
         job = load_job(options.job)
         if options.mileage is None:
@@ -93,7 +93,7 @@ def _diagnose(options: argparse.Namespace) -> int:
     diagnosis = case.diagnose()
     written = _write_reports(diagnosis, job, case, options)
     if options.json != "-":
-        from atleak.report.text import print_diagnosis
+        from atleak.report.terminal import print_diagnosis
 
         print_diagnosis(diagnosis)
         _say(written)
@@ -102,15 +102,15 @@ def _diagnose(options: argparse.Namespace) -> int:
 
 
 def _controller(options: argparse.Namespace) -> Controller:
-    from atleak.controller import load_controller
-    from atleak.job_case import Case
+    from atleak.catalogue.controller import load_controller
+    from atleak.job.case import Case
 
     return load_controller(Case.controller if options.controller is None else options.controller)
 
 
 def _case(options: argparse.Namespace) -> Case:
     """The files and choices that the command line names."""
-    from atleak.job_case import SLOTS, Case, SourceFile
+    from atleak.job.case import SLOTS, Case, SourceFile
 
     return Case(
         readings=SourceFile.at(options.readings),
@@ -147,14 +147,14 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: a
         content = write_pdf(diagnosis, job, language=options.language, paper=options.paper, sections=sections)
         written += _write(options.pdf, content)
     if options.job_file is not None:
-        from atleak.job_case import Reader, with_log_choices
-        from atleak.job_file import write_job_file
+        from atleak.job.case import Reader, with_log_choices
+        from atleak.job.file import write_job_file
 
         settled = case if case.road_test is None else with_log_choices(case, Reader().log(case))
         content = write_job_file(diagnosis, job, settled)
         written += _write(options.job_file, content)
     if options.json is not None:  # last: nothing stands on standard output when another file fails
-        from atleak.report.record import diagnosis_record, to_json
+        from atleak.views.diagnosis_record import diagnosis_record, to_json
 
         written += _write(options.json, to_json(diagnosis_record(diagnosis)).encode())
     return written
@@ -164,7 +164,7 @@ def _report(options: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress
 
-    from atleak.batch import KINDS, report_paths, write_reports
+    from atleak.report.batch import KINDS, report_paths, write_reports
 
     sources = [Path(name) for name in options.jobs]
     planned = report_paths(sources, Path(options.output), options.formats)
@@ -210,7 +210,7 @@ def _check_targets(
 
 
 def _variants(options: argparse.Namespace) -> int:
-    from atleak.report.text import print_variants
+    from atleak.report.terminal import print_variants
     from atleak.variants import run_variants, sample_log
 
     _check_targets(options, (options.road_test, options.controller), [("record", options.json)])
@@ -218,8 +218,8 @@ def _variants(options: argparse.Namespace) -> int:
     controller, road_test = _controller(options), _road_test(options)
     results = run_variants(controller, road_test)
     if options.json is not None:
-        from atleak.report.record import to_json
-        from atleak.report.variants import variants_record
+        from atleak.views.diagnosis_record import to_json
+        from atleak.views.variant_rows import variants_record
 
         _say(_write(options.json, to_json(variants_record(results, controller, road_test)).encode()))
     if options.json != "-":
@@ -229,7 +229,7 @@ def _variants(options: argparse.Namespace) -> int:
 
 def _import_log(options: argparse.Namespace) -> int:
     from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
-    from atleak.report.text import print_log
+    from atleak.report.terminal import print_log
 
     _check_targets(options, [options.road_test], [("record", options.json), ("table", options.csv)])
     told = _told(options)
@@ -238,7 +238,7 @@ def _import_log(options: argparse.Namespace) -> int:
     record = describe(understood)
     written = []
     if options.json is not None:
-        from atleak.report.record import to_json
+        from atleak.views.diagnosis_record import to_json
 
         written += _write(options.json, to_json(record).encode())
     if understood.road_test is None:
@@ -260,7 +260,7 @@ def _import_log(options: argparse.Namespace) -> int:
 
 
 def _template(options: argparse.Namespace) -> int:
-    from atleak.report.template import write_template
+    from atleak.report.measuring_sheet import write_template
 
     if Path(options.output).suffix.lower() != ".xlsx":
         raise InputError("the measuring sheet is an Excel workbook", value=options.output, expected="a name.xlsx")
@@ -270,7 +270,7 @@ def _template(options: argparse.Namespace) -> int:
 
 
 def _controllers(options: argparse.Namespace) -> int:
-    from atleak.controller import controllers
+    from atleak.catalogue.controller import controllers
 
     rows = [
         {
@@ -291,7 +291,7 @@ def _controllers(options: argparse.Namespace) -> int:
 
 
 def _fluids(options: argparse.Namespace) -> int:
-    from atleak.fluid import fluids
+    from atleak.catalogue.fluid import fluids
 
     rows = [
         {
@@ -312,15 +312,15 @@ def _fluids(options: argparse.Namespace) -> int:
 
 
 def _limits(options: argparse.Namespace) -> int:
-    from atleak.limits import limit_sets
-    from atleak.report.record import limits_record
+    from atleak.catalogue.limits import limit_sets
+    from atleak.views.diagnosis_record import limits_record
 
     rows = [limits_record(found) for found in limit_sets()]
     return _list(rows, ["id", "name", "source"], options)
 
 
 def _instruments(options: argparse.Namespace) -> int:
-    from atleak.instruments import instruments
+    from atleak.catalogue.instruments import instruments
 
     rows = [
         {
@@ -343,11 +343,11 @@ def _instruments(options: argparse.Namespace) -> int:
 def _list(rows: list[dict[str, Any]], columns: list[str], options: argparse.Namespace) -> int:
     _check_targets(options, [], [("record", options.json)])
     if options.json is not None:
-        from atleak.report.record import to_json
+        from atleak.views.diagnosis_record import to_json
 
         _say(_write(options.json, to_json([{**row, "atleak": __version__} for row in rows]).encode()))
     if options.json != "-":
-        from atleak.report.text import print_table
+        from atleak.report.terminal import print_table
 
         print_table(columns, rows)
     return 0

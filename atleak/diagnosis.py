@@ -7,18 +7,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atleak.controller import HOT_IDLE, Controller, OperatingPoint
+from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.instruments import Instruments
+from atleak.catalogue.limits import Limits, RuleKind
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP, Profile
+from atleak.engine.projection import Projection, mileage_at_wear, project, repaired
+from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
-from atleak.fluid import Fluid
-from atleak.instruments import Instruments
-from atleak.leakage import LeakageModel
-from atleak.limits import Limits, RuleKind
-from atleak.profile import WORKSHOP, Profile
-from atleak.projection import Projection, mileage_at_wear, project, repaired
 from atleak.readings import LandClearance, Readings, clearances
-from atleak.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.road_test import RoadTest
-from atleak.rules import Key, Rule, UnitRules, unit_rules
+from atleak.rules import LandKey, Rule, UnitRules, unit_rules
 from atleak.uncertainty import (
     DEFAULTS,
     GUARD_FACTOR,
@@ -52,7 +52,7 @@ class LandDiagnosis:
     messages: tuple[Message, ...]
 
     @property
-    def key(self) -> Key:
+    def key(self) -> LandKey:
         return self.state.land.key
 
     @property

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.errors import Message
-from atleak.road_test import Channel, RoadTest, Source
+from atleak.road_test import Channel, ChannelSource, RoadTest
 
 EventKind = Literal["minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving"]
 
@@ -53,7 +53,7 @@ class Event:
     stop: float
     from_gear: int | None = None
     to_gear: int | None = None
-    source: Source = "logged"
+    source: ChannelSource = "logged"
     note: str = ""
 
     @property
@@ -154,7 +154,7 @@ def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Even
     """The converter without slip: engine and turbine turn alike; else where the lock-up is commanded."""
     limits = limits or Thresholds()
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
-    source: Source = "logged"
+    source: ChannelSource = "logged"
     note = ""
     if engine is not None and turbine is not None:
         mask = (np.abs(engine - turbine) < limits.slip) & (engine > limits.idle_high)
@@ -255,7 +255,7 @@ def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[E
         if gear is None:
             return []
     channel = road_test.channel("gear")
-    source: Source = channel.source if channel else "derived"
+    source: ChannelSource = channel.source if channel else "derived"
     for part in _segments(road_test):
         known = np.flatnonzero(gear[part] > 0)
         if len(known) < 2:

@@ -16,7 +16,7 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Shape:
+class SignShape:
     """A sign as a polygon in the square from −1 to 1, y downwards: no font is needed to draw it."""
 
     points: tuple[Point, ...]
@@ -28,11 +28,11 @@ def _circle(radius: float, corners: int = 32) -> tuple[Point, ...]:
     return tuple((round(radius * math.cos(turn), 4), round(radius * math.sin(turn), 4)) for turn in turns)
 
 
-_DISC = Shape(_circle(0.8))
-_RING = Shape(_circle(0.75), filled=False)
-_TRIANGLE = Shape(((0.0, -1.0), (1.0, 0.85), (-1.0, 0.85)))
-_SQUARE = Shape(((-0.8, -0.8), (0.8, -0.8), (0.8, 0.8), (-0.8, 0.8)))
-_CROSS = Shape(
+_DISC = SignShape(_circle(0.8))
+_RING = SignShape(_circle(0.75), filled=False)
+_TRIANGLE = SignShape(((0.0, -1.0), (1.0, 0.85), (-1.0, 0.85)))
+_SQUARE = SignShape(((-0.8, -0.8), (0.8, -0.8), (0.8, 0.8), (-0.8, 0.8)))
+_CROSS = SignShape(
     (
         (-1.0, -0.55), (-0.55, -1.0), (0.0, -0.45), (0.55, -1.0), (1.0, -0.55), (0.45, 0.0),
         (1.0, 0.55), (0.55, 1.0), (0.0, 0.45), (-0.55, 1.0), (-1.0, 0.55), (-0.45, 0.0),
@@ -45,7 +45,7 @@ class Look:
     """How one verdict looks. Colours are ``#RRGGBB``; every medium takes its shade of the same hue from here."""
 
     sign: str  # one character, where words are text
-    shape: Shape  # the same, where it is drawn
+    shape: SignShape  # the same, where it is drawn
     screen: str  # bars, markers and table cells on the screen
     on_screen: str  # words on that; "" where a table cell stays plain
     fill: str  # a land in the drawings and bars on paper, which a greyscale print tells apart

@@ -17,8 +17,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import BinaryIO, Literal, get_args
 
-from atleak import __version__
 from atleak.errors import OutputError, Place
+from atleak.version import __version__
 
 Kind = Literal["record", "report workbook", "measuring sheet", "PDF", "job file", "table"]
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Literal
 
-from atleak.controller import REFERENCE_TEMPERATURE, Controller, Land
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
+from atleak.catalogue.instruments import Part
 from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message, Place
 
-Part = Literal["spool", "sleeve"]
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project

@@ -14,8 +14,8 @@ import numpy as np
 
 from atleak.errors import Message
 
-Kind = Literal["measured", "commanded", "unknown"]
-Source = Literal["logged", "derived", "constant"]
+ChannelKind = Literal["measured", "commanded", "unknown"]
+ChannelSource = Literal["logged", "derived", "constant"]
 
 
 @dataclass(frozen=True)
@@ -86,8 +86,8 @@ class Channel:
     column: str = ""
     unit: str = ""
     unit_assumed: bool = False
-    kind: Kind = "unknown"
-    source: Source = "logged"
+    kind: ChannelKind = "unknown"
+    source: ChannelSource = "logged"
     independent: int = 0
     sampling_hz: float = float("nan")
 
@@ -163,7 +163,7 @@ class RoadTest:
         QUANTITIES[quantity]
         return self.channels.get(quantity)
 
-    def kind(self, quantity: str) -> Kind | None:
+    def kind(self, quantity: str) -> ChannelKind | None:
         """Whether a pressure is measured, commanded or unknown; None when the log has none."""
         channel = self.channel(quantity)
         return channel.kind if channel else None

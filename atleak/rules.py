@@ -10,13 +10,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.controller import OperatingPoint
-from atleak.limits import Level, LimitOrigin, Limits, RuleKind, Steps
-from atleak.projection import Projection
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.limits import Level, LimitOrigin, Limits, RuleKind, Steps
+from atleak.engine.projection import Projection
 from atleak.readings import LandClearance
 from atleak.verdicts import Band, Verdict
 
-Key = tuple[str, int]
+LandKey = tuple[str, int]
 _OWN_LIMIT_SOURCE = "the controller's file"
 
 
@@ -88,11 +88,11 @@ _IDS = {
 class UnitRules:
     """The rules of every measured land, and of the total at every condition."""
 
-    lands: Mapping[Key, tuple[Rule, ...]]
+    lands: Mapping[LandKey, tuple[Rule, ...]]
     totals: tuple[Rule, ...]  # in the order of the conditions
     limits: Limits  # the set that was applied
 
-    def of_land(self, key: Key) -> tuple[Rule, ...]:
+    def of_land(self, key: LandKey) -> tuple[Rule, ...]:
         """The rules of one land; none where it was not measured."""
         return self.lands.get(key, ())
 

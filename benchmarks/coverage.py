@@ -22,13 +22,13 @@ from functools import cache
 
 import numpy as np
 
-from atleak.controller import Controller, load_controller
-from atleak.fluid import Fluid, load_fluid
-from atleak.instruments import Instrument, Instruments, load_instrument
-from atleak.leakage import LeakageModel
-from atleak.limits import LimitOrigin, Limits, RuleKind, Steps, load_limits
-from atleak.profile import WORKSHOP
-from atleak.projection import project
+from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.fluid import Fluid, load_fluid
+from atleak.catalogue.instruments import Instrument, Instruments, load_instrument
+from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps, load_limits
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import project
 from atleak.readings import Reading, Readings, clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, LandUncertainty, RuleDecision, UnitUncertainty, assess

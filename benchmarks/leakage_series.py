@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from timing import median_time
 
-from atleak.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PAPER, WORKSHOP, Profile
+from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
-from atleak.fluid import load_fluid
-from atleak.leakage import LeakageModel
-from atleak.profile import PAPER, WORKSHOP, Profile
 from atleak.readings import clearances
-from atleak.series import leakage_series
 
 SAMPLES = 1_800_000
 

@@ -10,7 +10,7 @@ import io
 import openpyxl
 from timing import median_time
 
-from atleak.controller import load_controller
+from atleak.catalogue.controller import load_controller
 from atleak.intake.readings import read_readings
 from atleak.readings import clearances
 

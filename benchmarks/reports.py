@@ -29,16 +29,16 @@ import xlsxwriter
 from PIL import Image
 from rich.progress import Progress
 
-from atleak.batch import write_reports
-from atleak.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.limits import load_limits
 from atleak.diagnosis import Diagnosis, diagnose
-from atleak.fluid import load_fluid
 from atleak.intake.road_test import read_road_test
-from atleak.job import Job
-from atleak.job_file import write_job_file
-from atleak.limits import load_limits
+from atleak.job.file import write_job_file
+from atleak.job.record import Job
 from atleak.readings import Reading, Readings
 from atleak.report import pdf
+from atleak.report.batch import write_reports
 from atleak.report.xlsx import write_workbook
 from atleak.wording import wording
 

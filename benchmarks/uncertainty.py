@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from timing import median_time
 
-from atleak.controller import load_controller
-from atleak.fluid import load_fluid
+from atleak.catalogue.controller import load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.limits import load_limits
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import project
 from atleak.intake.readings import read_readings
-from atleak.leakage import LeakageModel
-from atleak.limits import load_limits
-from atleak.profile import WORKSHOP
-from atleak.projection import project
 from atleak.readings import clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import assess

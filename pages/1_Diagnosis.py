@@ -4,9 +4,9 @@ from pathlib import Path
 
 import streamlit as st
 
-from atleak.figures import diagnosis as figures
-from atleak.report.record import diagnosis_record, to_json
+from atleak.figures import diagnosis_figures as figures
 from atleak.report.xlsx import write_workbook
+from atleak.views.diagnosis_record import diagnosis_record, to_json
 from pages.shared import panel, show, words
 
 case, diagnosis = panel.shown()

@@ -2,9 +2,9 @@
 
 import streamlit as st
 
-from atleak.figures import diagnosis as figures
-from atleak.report.clearances import clearance_rows
-from atleak.report.template import write_template
+from atleak.figures import diagnosis_figures as figures
+from atleak.report.measuring_sheet import write_template
+from atleak.views.clearances import clearance_rows
 from pages.shared import panel, sheet_form, show, words
 
 case, diagnosis = panel.shown()

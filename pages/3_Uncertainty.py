@@ -2,10 +2,10 @@
 
 import streamlit as st
 
-from atleak.drawing import spool_svg
-from atleak.figures import uncertainty as figures
-from atleak.figures.diagnosis import total_share
-from atleak.uncertainty.table import budget_rows
+from atleak.figures import uncertainty_figures as figures
+from atleak.figures.diagnosis_figures import total_share
+from atleak.views.drawing import spool_svg
+from atleak.views.uncertainty_rows import budget_rows
 from pages.shared import panel, show, words
 
 case, diagnosis = panel.shown()

@@ -6,9 +6,9 @@ import streamlit as st
 
 from atleak.errors import AtleakError
 from atleak.events import events
-from atleak.figures import diagnosis as figures
+from atleak.figures import diagnosis_figures as figures
 from atleak.intake.road_test import tidy_csv
-from atleak.report.window import event_rows, window_rows
+from atleak.views.window import event_rows, window_rows
 from pages.shared import log_form, panel, show
 
 case, diagnosis = panel.shown()

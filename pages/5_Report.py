@@ -3,11 +3,11 @@
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.job_file import parse_job, write_job_file
+from atleak.job.file import parse_job, write_job_file
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
-from atleak.report.record import diagnosis_record, to_json
 from atleak.report.xlsx import write_workbook
+from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import languages, wording
 from pages.shared import job_form, panel, show
 from pages.shared.cases import settled

@@ -4,11 +4,11 @@ import pandas as pd
 import streamlit as st
 
 from atleak.errors import AtleakError
-from atleak.figures.variants import figure
-from atleak.report.record import to_json
-from atleak.report.variants import variants_record
+from atleak.figures.variant_figures import figure
 from atleak.variants import charts, tables
 from atleak.variants.article import compare_points
+from atleak.views.diagnosis_record import to_json
+from atleak.views.variant_rows import variants_record
 from pages.shared import panel, show
 from pages.shared.cases import result_key
 from pages.shared.study import CITED, computed, table

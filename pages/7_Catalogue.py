@@ -2,8 +2,8 @@
 
 import streamlit as st
 
-from atleak import catalogue
-from atleak.report import catalogue_rows as rows
+from atleak.catalogue.entries import catalogue_files
+from atleak.views import catalogue_rows as rows
 from pages.shared import panel, show
 from pages.shared.cases import catalogue_entry
 
@@ -14,7 +14,7 @@ st.write("Everything shipped names its source. A workshop's own TOML file is tak
 
 def entries(kind: str) -> dict:
     """The shipped entries of a kind and the one in the job, by name."""
-    found = [catalogue_entry(kind, name) for name in catalogue.catalogue_files(rows.FOLDERS[kind])]
+    found = [catalogue_entry(kind, name) for name in catalogue_files(rows.FOLDERS[kind])]
     own = getattr(diagnosis, kind)
     return {entry.name: entry for entry in ([] if own in found else [own]) + found}
 

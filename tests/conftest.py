@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from atleak.controller import HOT_IDLE, Controller, OperatingPoint, load_controller
-from atleak.fluid import Fluid, load_fluid
-from atleak.limits import Limits, load_limits
+from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint, load_controller
+from atleak.catalogue.fluid import Fluid, load_fluid
+from atleak.catalogue.limits import Limits, load_limits
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -12,7 +12,8 @@ pressure. This script chooses those so that the engine itself gives the publishe
 3. The main pressures at the instants the article states are solved from its W4 leakage; the pressures between them are
    a smooth curve with a small ripple. Engine speed follows from the pump flow.
 
-Everything goes through `atleak.leakage.LeakageModel` in the ``paper`` profile: there is no fitted formula. Run it as
+Everything goes through `atleak.engine.leakage.LeakageModel` in the ``paper`` profile: there is no fitted formula. Run
+it as
 
     python tools/fit_source_study.py            # writes the catalogue file and the sample log
     python tools/fit_source_study.py --check    # exit status 1 where a file would change
@@ -32,12 +33,12 @@ from pathlib import Path
 
 import numpy as np
 
-from atleak.controller import Controller, load_controller
-from atleak.leakage import LeakageModel
-from atleak.profile import PAPER
-from atleak.projection import with_wear
+from atleak.catalogue.controller import Controller, load_controller
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PAPER
+from atleak.engine.projection import with_wear
+from atleak.engine.series import leakage_series
 from atleak.readings import clearances
-from atleak.series import leakage_series
 from atleak.variants import VARIANTS, Variant, variant_fluid
 from atleak.workshop_units import DM3_MIN
 

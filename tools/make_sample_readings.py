@@ -11,9 +11,9 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-from atleak.controller import Land, load_controller
+from atleak.catalogue.controller import Land, load_controller
 from atleak.readings import Reading
-from atleak.report.template import write_readings
+from atleak.report.measuring_sheet import write_readings
 
 TARGET = Path(__file__).resolve().parents[1] / "sample_data" / "measuring_sheet_four_speed.xlsx"
 SEED = 7667

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from atleak.catalogue import Entry, Finite, Identifier, NonNegative, Positive, Strict, Text
+from atleak.catalogue.entries import Entry, Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
 
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
 LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
@@ -14,34 +14,34 @@ LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_cleara
 
 class MaterialTable(Strict):
     expansion_per_k: float = Field(gt=0, lt=1e-3)
-    source: Text
+    source: NonEmptyText
 
 
 class LandTable(Strict):
     land: int = Field(ge=1, le=9)
-    planes: list[Text] | None = None
+    planes: list[NonEmptyText] | None = None
     nominal_diameter_mm: float = Field(gt=0.5, lt=200)
     contact_length_mm: ContactLength | None = None
     mounting_clearance_um: float = Field(ge=1, lt=500)
     clearance_limit_um: Positive | None = None
-    body: Text | None = None
-    spool: Text | None = None
+    body: NonEmptyText | None = None
+    spool: NonEmptyText | None = None
     published: list[LandValue] = []
 
 
 class ComponentTable(Strict):
-    id: Text
-    name: Text
+    id: NonEmptyText
+    name: NonEmptyText
     part: Literal["spool", "piston"] = "spool"
     lands: list[LandTable] = []
 
 
 class GapTable(Strict):
-    component: Text
+    component: NonEmptyText
     land: int
     section: Literal["p_g", "p_s", "p_m", "p_k"]
-    high: Text = Field(alias="from")
-    low: Text = Field(alias="to")
+    high: NonEmptyText = Field(alias="from")
+    low: NonEmptyText = Field(alias="to")
     gears: list[int] = Field(min_length=1)
     ends_in: Literal["sump", "section"] | None = None
     published: bool = False
@@ -55,7 +55,7 @@ class PumpTable(Strict):
     displacement_mm3: Positive | None = None
     volumetric_efficiency: float = Field(gt=0, le=1)
     slip_coefficient: Positive | None = None
-    source: Text
+    source: NonEmptyText
     representative: list[str] = []
 
     @field_validator("representative")
@@ -89,7 +89,7 @@ class RelationTable(Strict):
 
     relation: Literal["spool_balance", "line"]
     limit_kpa: Positive | None = None
-    source: Text
+    source: NonEmptyText
     ratio: NonNegative | None = None
     offset_kpa: Finite = 0.0
     diameter_1_mm: Positive | None = None
@@ -113,19 +113,19 @@ class RelationTable(Strict):
 
 class OperatingPointTable(Strict):
     name: Identifier
-    label: Text
+    label: NonEmptyText
     temperature_c: float = Field(ge=-60, le=200)
     engine_rpm: float = Field(gt=0, le=15_000)
     gear: int
     p_g_kpa: float = Field(gt=0, le=10_000)
     p_k_kpa: float = Field(ge=0, le=5_000)
-    source: Text
+    source: NonEmptyText
 
 
 class DefaultsTable(Strict):
     contact_length_mm: ContactLength | None = None
-    body: Text | None = None
-    spool: Text | None = None
+    body: NonEmptyText | None = None
+    spool: NonEmptyText | None = None
 
 
 class ControllerFile(Entry):

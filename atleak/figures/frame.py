@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from atleak.look import CLEAR, FAINT_GRID, SCREEN
 
-Interval = tuple[float, float]
+Span = tuple[float, float]
 
 
 def framed(figure: go.Figure, height: int, top: int = 36, **layout: object) -> go.Figure:
@@ -28,7 +28,7 @@ def framed(figure: go.Figure, height: int, top: int = 36, **layout: object) -> g
 
 
 def error_bars(
-    values: Sequence[float], intervals: Sequence[Interval | None], factor: float, colour: str = SCREEN.soft
+    values: Sequence[float], intervals: Sequence[Span | None], factor: float, colour: str = SCREEN.soft
 ) -> dict[str, Any] | None:
     """Asymmetric error bars; None where nothing has an interval.
 

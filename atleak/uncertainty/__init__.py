@@ -23,7 +23,7 @@ from atleak.uncertainty.decision import (
     RuleDecision,
     decide,
 )
-from atleak.uncertainty.sources import LandSources, RepeatSpread, Source
+from atleak.uncertainty.sources import LandSources, RepeatSpread, UncertaintySource
 
 __all__ = [
     "DECISIONS",
@@ -40,8 +40,8 @@ __all__ = [
     "RepeatSpread",
     "RuleDecision",
     "Shape",
-    "Source",
     "TotalUncertainty",
+    "UncertaintySource",
     "UnitUncertainty",
     "assess",
     "decide",

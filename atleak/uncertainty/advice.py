@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
 
-from atleak.instruments import Instrument, Part, instruments
-from atleak.limits import RuleKind
+from atleak.catalogue.instruments import Instrument, Part, instruments
+from atleak.catalogue.limits import RuleKind
 from atleak.uncertainty.decision import RuleDecision
 from atleak.uncertainty.sources import PARTS, LandSources
 

@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.controller import OperatingPoint
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.instruments import Instruments, Part, load_instruments
+from atleak.catalogue.limits import RuleKind
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import Projection
 from atleak.equations.gap import FULLY_ECCENTRIC, axial_cube, circumferential_cube
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
-from atleak.instruments import Instruments, Part, load_instruments
-from atleak.leakage import LeakageModel
-from atleak.limits import RuleKind
-from atleak.projection import Projection
 from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
 from atleak.uncertainty.advice import Remedy, advise, remedy

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from atleak.catalogue.limits import Level, reaches
 from atleak.equations.uncertainty import guard_band, normal_cdf
-from atleak.limits import Level, reaches
 from atleak.rules import Rule
 
 Decision = Literal["pass", "conditional_pass", "conditional_fail", "fail"]

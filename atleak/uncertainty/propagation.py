@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from atleak.controller import REFERENCE_TEMPERATURE, Gap
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
+from atleak.engine.leakage import LeakageModel, PumpFlow
+from atleak.engine.projection import Projection
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 from atleak.equations.uncertainty import normal_quantile
-from atleak.leakage import LeakageModel, PumpFlow
-from atleak.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.sources import ROOM, LandSources
 

@@ -13,19 +13,19 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import Instrument, Instruments, Part
 from atleak.equations.uncertainty import (
     persistent_rounding_variance,
     pooled_standard_deviation,
     rectangular,
 )
-from atleak.instruments import Instrument, Instruments, Part
 from atleak.readings import LandClearance, Reading, Readings, independent_repeats
 from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
 ROOM = "room temperature"
-Kind = Literal[
+SourceKind = Literal[
     "common calibration",
     "calibration",
     "resolution",
@@ -44,10 +44,10 @@ _READINGS_THAT_SHOW_A_STEP = 12
 
 
 @dataclass(frozen=True)
-class Source:
+class UncertaintySource:
     """One reason why a radial clearance is uncertain."""
 
-    kind: Kind
+    kind: SourceKind
     part: Part | None
     standard_uncertainty: float  # [m] in the radial clearance; negative where it acts the other way in its group
     group: str | None = None  # of the error that other lands share
@@ -86,7 +86,7 @@ class RepeatSpread:
 
 
 @dataclass(frozen=True)
-class _Plan:
+class _MeasuringPlan:
     """How one part of one land was measured."""
 
     repeat_weight: float  # variance of the mean diameter / variance of a single reading
@@ -100,8 +100,8 @@ class LandSources:
     """All sources of one land's clearance."""
 
     state: LandClearance
-    sources: tuple[Source, ...]
-    plans: Mapping[Part, _Plan]
+    sources: tuple[UncertaintySource, ...]
+    plans: Mapping[Part, _MeasuringPlan]
     spreads: Mapping[Part, RepeatSpread]
     instruments: Instruments
     assumptions: Assumptions
@@ -131,14 +131,14 @@ class LandSources:
         return math.sqrt(self.own_variance + math.fsum(u * u for u in self.groups.values()))
 
     @cached_property
-    def budget(self) -> tuple[tuple[Source, float], ...]:
+    def budget(self) -> tuple[tuple[UncertaintySource, float], ...]:
         """Each source with its part of the variance, the largest first; what two parts share is one source."""
         total = self.standard_uncertainty**2
-        merged: list[Source] = [source for source in self.sources if source.group is None]
+        merged: list[UncertaintySource] = [source for source in self.sources if source.group is None]
         for group, u in self.groups.items():
             members = [source for source in self.sources if source.group == group]
             part = members[0].part if len(members) == 1 else None
-            merged.append(Source(members[0].kind, part, u, group, members[0].shape))
+            merged.append(UncertaintySource(members[0].kind, part, u, group, members[0].shape))
         shares = ((source, source.standard_uncertainty**2 / total if total > 0.0 else 0.0) for source in merged)
         return tuple(sorted(shares, key=lambda item: -item[1]))
 
@@ -160,7 +160,7 @@ class LandSources:
     ) -> float:
         """Variance of the clearance [m²] had it been measured with more repeats or other instruments."""
         chosen = Instruments(**{part: (instruments or {}).get(part, self.instruments.of(part)) for part in PARTS})
-        found: list[Source] = []
+        found: list[UncertaintySource] = []
         for part in PARTS:
             if part not in self.plans:
                 found += [source for source in self.sources if source.part == part]
@@ -222,11 +222,11 @@ def _land_sources(
     instruments: Instruments,
     assumptions: Assumptions,
 ) -> LandSources:
-    found: list[Source] = []
-    plans: dict[Part, _Plan] = {}
+    found: list[UncertaintySource] = []
+    plans: dict[Part, _MeasuringPlan] = {}
     mounting = assumptions.mounting_clearance
     if not state.measured:
-        found.append(Source("mounting clearance", None, mounting))
+        found.append(UncertaintySource("mounting clearance", None, mounting))
     else:
         for part in PARTS:
             stations = groups.get(part)
@@ -234,14 +234,14 @@ def _land_sources(
                 nominal = assumptions.nominal_diameter
                 # a sleeve's nominal diameter is the spool's and twice the mounting clearance
                 u = nominal if part == "spool" else math.hypot(nominal, 2.0 * mounting)
-                found.append(Source("nominal diameter", part, 0.5 * u))
+                found.append(UncertaintySource("nominal diameter", part, 0.5 * u))
                 continue
             plans[part] = _plan(stations, spreads[part].resolution)
             found += _part_sources(
                 state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
             )
         room = state.thermal_rate * rectangular(assumptions.room_temperature)
-        found.append(Source("room temperature", None, room, ROOM, "rectangular"))
+        found.append(UncertaintySource("room temperature", None, room, ROOM, "rectangular"))
     return LandSources(state, tuple(found), plans, spreads, instruments, assumptions)
 
 
@@ -250,11 +250,11 @@ def _part_sources(
     part: Part,
     instrument: Instrument,
     instruments: Instruments,
-    plan: _Plan,
+    plan: _MeasuringPlan,
     spread: RepeatSpread,
     assumptions: Assumptions,
     times: float = 1.0,
-) -> list[Source]:
+) -> list[UncertaintySource]:
     """Sources of one measured part; ``times`` as many repeats as were made."""
     sign = 0.5 if part == "sleeve" else -0.5
     # one instrument for both parts errs alike in both, so that its common error drops out of D − d
@@ -262,15 +262,17 @@ def _part_sources(
     resolution = spread.persistent_variance * plan.rounding_weight
     repeats = spread.averaged_variance * plan.repeat_weight / times
     return [
-        Source("common calibration", part, sign * instrument.common, group),
-        Source("calibration", part, 0.5 * instrument.own),
-        Source("resolution", part, 0.5 * math.sqrt(resolution), None, "rectangular"),
-        Source("repeats", part, 0.5 * math.sqrt(repeats)),
-        Source("form", part, 0.5 * _form(state, part, plan, spread, assumptions)),
+        UncertaintySource("common calibration", part, sign * instrument.common, group),
+        UncertaintySource("calibration", part, 0.5 * instrument.own),
+        UncertaintySource("resolution", part, 0.5 * math.sqrt(resolution), None, "rectangular"),
+        UncertaintySource("repeats", part, 0.5 * math.sqrt(repeats)),
+        UncertaintySource("form", part, 0.5 * _form(state, part, plan, spread, assumptions)),
     ]
 
 
-def _form(state: LandClearance, part: Part, plan: _Plan, spread: RepeatSpread, assumptions: Assumptions) -> float:
+def _form(
+    state: LandClearance, part: Part, plan: _MeasuringPlan, spread: RepeatSpread, assumptions: Assumptions
+) -> float:
     """Standard uncertainty [m] of the mean diameter because form is seen in few places only.
 
     Two perpendicular directions cancel a two-lobe form exactly, one direction leaves it all, at an unknown phase.
@@ -283,7 +285,7 @@ def _form(state: LandClearance, part: Part, plan: _Plan, spread: RepeatSpread, a
     return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), seen)
 
 
-def _plan(stations: _Stations, resolution: float) -> _Plan:
+def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
     planes: dict[str, list[float | None]] = defaultdict(list)
     for plane, direction in stations:
         planes[plane].append(direction)
@@ -299,7 +301,7 @@ def _plan(stations: _Stations, resolution: float) -> _Plan:
         means.append(math.fsum(reading.diameter for reading in group) / len(group))
     # places that read the same round the same way; others do so independently
     apart = max(means) - min(means) >= resolution
-    return _Plan(
+    return _MeasuringPlan(
         repeat_weight=repeat_weight,
         rounding_weight=math.fsum(weight * weight for weight in weights) if apart else 1.0,
         two_lobe=math.fsum(_two_lobe(directions) for directions in planes.values()) / len(planes),

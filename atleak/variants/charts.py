@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
+from atleak.engine.road_leakage import Instant
 from atleak.look import CURVES
-from atleak.road_leakage import Instant
 from atleak.variants.run import TemperatureCurve, VariantResult
 from atleak.workshop_units import DM3_MIN, PERCENT
 

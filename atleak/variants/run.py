@@ -16,16 +16,16 @@ from types import MappingProxyType
 
 import numpy as np
 
-from atleak.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.fluid import Fluid, ViscosityModel, load_fluid
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PAPER, WORKSHOP, Profile
+from atleak.engine.projection import with_wear
+from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
+from atleak.engine.series import leakage_series
 from atleak.errors import Message
-from atleak.fluid import Fluid, ViscosityModel, load_fluid
-from atleak.leakage import LeakageModel
-from atleak.profile import PAPER, WORKSHOP, Profile
-from atleak.projection import with_wear
 from atleak.readings import LandClearance, clearances
-from atleak.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.road_test import Channel, RoadTest
-from atleak.series import leakage_series
 from atleak.shipped import shipped
 
 FRESH_FLUID = "hipol_atf_iid"
@@ -151,7 +151,7 @@ def run_variants(
         a log without main pressure, or without a usable sample.
     """
     states = tuple(mounted) if mounted is not None else clearances(None, controller)
-    log = _Log.of(controller, states, road_test)
+    log = _StudyLog.of(controller, states, road_test)
     results = []
     for variant in VARIANTS:
         fluid = variant_fluid(variant)
@@ -233,7 +233,7 @@ def _with_constants(road_test: RoadTest, constants: Mapping[str, float]) -> Road
 
 
 @dataclass(frozen=True)
-class _Log:
+class _StudyLog:
     """The road test that every variant runs over, with constants for what the log does not hold."""
 
     road_test: RoadTest
@@ -241,7 +241,7 @@ class _Log:
     messages: tuple[Message, ...]
 
     @classmethod
-    def of(cls, controller: Controller, states: tuple[LandClearance, ...], road_test: RoadTest) -> _Log:
+    def of(cls, controller: Controller, states: tuple[LandClearance, ...], road_test: RoadTest) -> _StudyLog:
         """Checked by running W1 as any job is run, which refuses a log that cannot be used and says what it assumes."""
         assumed, first = controller.operating_points[0], VARIANTS[0]
         model = LeakageModel(controller, states, variant_fluid(first), PAPER)
@@ -294,7 +294,7 @@ def compare_options(
     profiles.append(("workshop: the four above without entry loss", WORKSHOP))
     profiles.append(("workshop with entry loss", WORKSHOP.with_options(entry_loss=True)))
     states = tuple(mounted) if mounted is not None else clearances(None, controller)
-    log = _Log.of(controller, states, road_test)
+    log = _StudyLog.of(controller, states, road_test)
     rows = []
     for label, profile in profiles:
         runs = {}
@@ -359,7 +359,7 @@ def temperature_curves(
     """
     grid = np.array(list(np.arange(-40.0, 101.0, 5.0) if temperatures is None else temperatures), dtype=float)
     states = tuple(mounted) if mounted is not None else clearances(None, controller)
-    log, worn = _Log.of(controller, states, road_test), with_wear(states, wear)
+    log, worn = _StudyLog.of(controller, states, road_test), with_wear(states, wear)
     fluid = load_fluid(FRESH_FLUID)
     curves = []
     for name in models:

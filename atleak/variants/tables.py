@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any, Literal
 
-from atleak.road_leakage import Instant
+from atleak.engine.road_leakage import Instant
 from atleak.variants.article import ERRATA, ComparedPoint
 from atleak.variants.run import OptionRow, VariantResult, reaches_digits
 from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT
 
-Quantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
+PeakQuantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
 
 
 def table_2_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
@@ -74,7 +74,7 @@ def point_rows(points: Sequence[ComparedPoint]) -> list[dict[str, Any]]:
     ]
 
 
-def option_rows(options: Sequence[OptionRow], quantity: Quantity = "max_leakage") -> list[dict[str, Any]]:
+def option_rows(options: Sequence[OptionRow], quantity: PeakQuantity = "max_leakage") -> list[dict[str, Any]]:
     """What every set of options gives, by variant: dm³/min, or % for a share."""
     factor = DM3_MIN if quantity == "max_leakage" else PERCENT
     return [
@@ -84,7 +84,7 @@ def option_rows(options: Sequence[OptionRow], quantity: Quantity = "max_leakage"
     ]
 
 
-def option_changes(options: Sequence[OptionRow], quantity: Quantity = "max_leakage") -> list[dict[str, Any]]:
+def option_changes(options: Sequence[OptionRow], quantity: PeakQuantity = "max_leakage") -> list[dict[str, Any]]:
     """The same as change against the first row (``paper``) [%]; the first row itself is left out."""
     base = getattr(options[0], quantity)
     return [

@@ -12,14 +12,14 @@ from typing import Any
 
 import streamlit as st
 
-from atleak import catalogue
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import catalogue_files
 from atleak.diagnosis import Diagnosis
 from atleak.errors import OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
-from atleak.intake.road_test.memory import Settled
-from atleak.job_case import SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
+from atleak.intake.road_test.names.memory import Settled
+from atleak.job.case import SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
 from atleak.readings import Readings
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
@@ -71,7 +71,7 @@ def opened_case(case: Case) -> PageCase:
 def _by_id(slot: Slot, choice: Choice) -> Choice:
     if isinstance(choice, str):
         return choice
-    shipped = catalogue.catalogue_files(slot.folder).items()
+    shipped = catalogue_files(slot.folder).items()
     return next((name for name, path in shipped if path.read_bytes() == choice.content), choice)
 
 

@@ -13,13 +13,26 @@ from atleak.written_numbers import AskedNumber, WrittenNumber, read_number, writ
 from pages.shared import show
 
 
+def kept(key: str, start: Any) -> dict[str, Any]:
+    """What makes a field keep what was typed: its value, key and callback.
+
+    The callback runs before any page does, so what is typed last is kept even where the next click leaves the page.
+    """
+    typed = st.session_state.setdefault("typed", {})
+    return {"value": typed.get(key, start), "key": key, "on_change": _keep, "args": (key,)}
+
+
+def _keep(key: str) -> None:
+    st.session_state["typed"][key] = st.session_state[key]
+
+
 def number(label: str, asked: AskedNumber, start: float | None, *, key: str, optional: bool = False) -> float | None:
     """A number's field with what is to be said of it beneath; the last value that could be taken.
 
     What a job file holds is the start, and is taken even where it is out of the usual range.
     """
     first = "" if start is None else written(start, asked)
-    text = st.text_input(f"{label} [{asked.unit}]", first, key=key, persist_state="session").strip()
+    text = st.text_input(f"{label} [{asked.unit}]", **kept(key, first)).strip()
     place = st.container()
     taken = st.session_state.setdefault("taken-numbers", {})
     entry = _entry(text, asked, first, start, optional)
@@ -45,8 +58,8 @@ def _entry(text: str, asked: AskedNumber, first: str, start: float | None, optio
 
 def fold(label: str, *, key: str, opened: bool = False) -> Any:
     """A fold that stays as the user left it, here and after another page."""
-    kept = st.session_state.setdefault("folds", {})
-    st.session_state.setdefault(key, kept.get(key, opened))
+    left = st.session_state.setdefault("folds", {})
+    st.session_state.setdefault(key, left.get(key, opened))
     place = st.expander(label, key=key, on_change="rerun")
-    kept[key] = place.open
+    left[key] = place.open
     return place

@@ -8,9 +8,9 @@ import pandas as pd
 import streamlit as st
 from pydantic import ValidationError
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
-from atleak.job import Decision, Grade, Job
+from atleak.job.record import Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
 from pages.shared import fields, show
 
@@ -22,7 +22,6 @@ _TEXTS = {
 }
 _LABELS = {"vin": "VIN", "registration": "Registration", "email": "E-mail"}
 _LONG = {"address", "note"}
-KEPT = {"persist_state": "session"}  # what was typed is still in its field after another page
 
 
 def job() -> Job:
@@ -42,9 +41,9 @@ def draw(controller: Controller) -> Job:
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
     with fields.fold("Job, vehicle and customer", key=key("fold-job"), opened=True):
         first = st.columns(3)
-        values["number"] = first[0].text_input("Job number", record.number, key=key("number"), **KEPT)
-        values["date"] = first[1].date_input("Date", record.date, format="YYYY-MM-DD", key=key("date"), **KEPT)
-        values["technician"] = first[2].text_input("Technician", record.technician, key=key("technician"), **KEPT)
+        values["number"] = first[0].text_input("Job number", **fields.kept(key("number"), record.number))
+        values["date"] = first[1].date_input("Date", format="YYYY-MM-DD", **fields.kept(key("date"), record.date))
+        values["technician"] = first[2].text_input("Technician", **fields.kept(key("technician"), record.technician))
         for place, (title, (table, names)) in zip(st.columns(4), _TEXTS.items(), strict=True):
             place.markdown(f"**{title}**")
             values[table] = getattr(record, table).model_dump() | {
@@ -56,7 +55,7 @@ def draw(controller: Controller) -> Job:
         values |= _tables(record, controller)
     with fields.fold("Logo and photos", key=key("fold-pictures")):
         values |= _pictures(record, values)
-    values["notes"] = st.text_area("Notes", record.notes, key=key("notes"), **KEPT)
+    values["notes"] = st.text_area("Notes", **fields.kept(key("notes"), record.notes))
     place = st.container()
     try:
         found = Job.model_validate(values).with_pictures({**record.pictures, **st.session_state.get("pictures", {})})
@@ -70,9 +69,9 @@ def draw(controller: Controller) -> Job:
 
 def _as_found(record: Job) -> dict[str, Any]:
     oil, dirt = record.fluid_condition, record.contamination
-    complaint = st.text_area("Complaint", record.complaint, key=key("complaint"), **KEPT)
+    complaint = st.text_area("Complaint", **fields.kept(key("complaint"), record.complaint))
     written = ", ".join(record.fault_codes)
-    codes = st.text_input("Fault codes, separated by commas", written, key=key("codes"), **KEPT)
+    codes = st.text_input("Fault codes, separated by commas", **fields.kept(key("codes"), written))
     places = st.columns(5)
     names = ("product", "level", "colour", "smell", "note")
     found = {
@@ -81,7 +80,8 @@ def _as_found(record: Job) -> dict[str, Any]:
     }
     grades = ["", *get_args(Grade)]
     columns = st.columns(3)
-    grade = columns[0].selectbox("Contamination", grades, grades.index(dirt.grade or ""), key=key("grade"), **KEPT)
+    chosen = fields.kept(key("grade"), dirt.grade or "")
+    grade = columns[0].selectbox("Contamination", grades, grades.index(chosen.pop("value")), **chosen)
     return {
         "complaint": complaint,
         "fault_codes": tuple(code.strip() for code in codes.split(",") if code.strip()),
@@ -97,7 +97,7 @@ def _as_found(record: Job) -> dict[str, Any]:
 def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     pairs = st.column_config.SelectboxColumn("component", options=["", *controller.components])
     land = st.column_config.SelectboxColumn("land", options=[None, *range(1, 10)])
-    decision = st.column_config.SelectboxColumn("decision", options=[None, *get_args(Decision)])
+    decision = st.column_config.SelectboxColumn("decision", options=[None, *get_args(RepairState)])
     parts = st.column_config.SelectboxColumn("part", options=["", "spool", "piston", "sleeve"])
     dates = {name: st.column_config.DateColumn(name, format="YYYY-MM-DD") for name in ("date", "calibrated")}
     shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
@@ -152,7 +152,7 @@ def _pictures(record: Job, values: dict[str, Any]) -> dict[str, Any]:
         places = st.columns([2, 3, 1], vertical_alignment="bottom")
         if file in pictures:
             places[0].image(pictures[file], width=160)
-        caption = places[1].text_input("Caption", photo["caption"], key=key(f"caption-{file}"), **KEPT)
+        caption = places[1].text_input("Caption", **fields.kept(key(f"caption-{file}"), photo["caption"]))
         away = file not in at_hand and places[2].button("Remove", key=key(f"remove-{file}"))
         if not away:
             kept.append(photo | {"caption": caption})
@@ -161,7 +161,7 @@ def _pictures(record: Job, values: dict[str, Any]) -> dict[str, Any]:
 
 def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:
     label = f"{before}{_LABELS.get(name, name.capitalize() if not before else name)}"
-    return (place.text_area if name in _LONG else place.text_input)(label, value, key=key(own), **KEPT)
+    return (place.text_area if name in _LONG else place.text_input)(label, **fields.kept(key(own), value))
 
 
 def key(name: str) -> str:

@@ -10,11 +10,11 @@ from atleak.errors import AtleakError
 from atleak.events import Event
 from atleak.intake.road_test import Understood, describe
 from atleak.intake.road_test.describe import workshop_unit
-from atleak.intake.road_test.memory import Settled
+from atleak.intake.road_test.names.memory import Settled
 from atleak.intake.units import unit_names
-from atleak.job_case import SourceFile
-from atleak.report.window import event_label
+from atleak.job.case import SourceFile
 from atleak.road_test import QUANTITIES, RoadTest
+from atleak.views.window import event_label
 from atleak.written_numbers import SHIFT
 from pages.shared import fields, show
 from pages.shared.cases import Kept, PageCase, remember_columns, remembered_columns, understood

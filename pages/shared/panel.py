@@ -8,13 +8,13 @@ from typing import Any, get_args, get_type_hints
 
 import streamlit as st
 
-from atleak import catalogue
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import catalogue_files
 from atleak.diagnosis import Diagnosis
+from atleak.engine.profile import PROFILES, Profile
 from atleak.errors import AtleakError
 from atleak.intake.units import unit
-from atleak.job_case import SLOTS, SourceFile
-from atleak.profile import PROFILES, Profile
+from atleak.job.case import SLOTS, SourceFile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from pages.shared import fields, show
 from pages.shared.cases import PageCase, catalogue_entry, controller_of, diagnosis_of
@@ -149,7 +149,7 @@ def _status(slot: str, result: Diagnosis) -> None:
 def _choice(kind: str) -> None:
     label, folder = SLOTS[kind].label, SLOTS[kind].folder
     current = getattr(session().case, kind)
-    ids = list(catalogue.catalogue_files(folder))
+    ids = list(catalogue_files(folder))
     if kind.endswith("instrument"):
         ids = [name for name in ids if kind.split("_")[0] in catalogue_entry(kind, name).measures]
     options = [*dict.fromkeys([*ids, *([current] if isinstance(current, str) else [])]), OWN]

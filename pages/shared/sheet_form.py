@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from atleak.intake.units import unit_names
-from atleak.job_case import SourceFile
+from atleak.job.case import SourceFile
 from pages.shared.cases import PageCase
 from pages.shared.state import choose, put_file, session
 

@@ -14,11 +14,11 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
-from atleak.drawing import controller_svg, on_dark
+from atleak.engine.projection import Projection
 from atleak.errors import AtleakError, Message
 from atleak.look import DARK, SCREEN, look_of
-from atleak.projection import Projection
 from atleak.verdicts import Verdict, worst
+from atleak.views.drawing import controller_svg, on_dark
 from atleak.wording import signed
 from pages.shared.state import Refusal
 

@@ -10,9 +10,9 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, ReadingsError, RoadTestError
-from atleak.job import Job
-from atleak.job_case import SLOTS, SourceFile
-from atleak.job_file import read_job_file
+from atleak.job.case import SLOTS, SourceFile
+from atleak.job.file import read_job_file
+from atleak.job.record import Job
 from pages.shared.cases import FITTED, PageCase, diagnosis_of, opened_case, sample_case
 
 FILES = tuple(FITTED)

@@ -7,9 +7,9 @@ from typing import Any
 import pandas as pd
 import streamlit as st
 
-from atleak.controller import load_controller
+from atleak.catalogue.controller import load_controller
 from atleak.intake.road_test import read_road_test
-from atleak.job_case import Case
+from atleak.job.case import Case
 from atleak.variants import compare_options, run_variants, sample_log, temperature_curves
 
 CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en16227667](https://doi.org/10.3390/en16227667)"

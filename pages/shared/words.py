@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict

@@ -113,6 +113,8 @@ def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
     page.keyboard.type("Mercedes", delay=60)
     page.keyboard.press("Tab")
     page.keyboard.type("W210", delay=60)
+    page.wait_for_timeout(500)  # the hand goes from the keyboard to the mouse
+    settled(page)
     to(page, "Readings")  # straight from the field
     to(page, "Report")
     assert field(page, "Make").input_value() == "Mercedes"

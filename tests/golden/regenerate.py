@@ -10,14 +10,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-from atleak.controller import load_controller
+from atleak.catalogue.controller import load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.limits import load_limits
 from atleak.diagnosis import diagnose
-from atleak.fluid import load_fluid
+from atleak.engine.profile import PROFILES
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
-from atleak.limits import load_limits
-from atleak.profile import PROFILES
-from atleak.report.record import diagnosis_record
+from atleak.views.diagnosis_record import diagnosis_record
 
 COMMAND = "python tests/golden/regenerate.py"
 HERE = Path(__file__).resolve().parent

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
 from atleak.intake.road_test import read_road_test
 from atleak.variants import compare_options, run_variants
 from atleak.variants.tables import option_changes, option_rows

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.engine.profile import PAPER
 from atleak.equations import clearance, fluid, gap, pressure, pump, referees
-from atleak.fluid import load_fluid
 from atleak.intake.road_test import read_road_test
-from atleak.profile import PAPER
 from atleak.variants import VariantResult, run_variants
 from atleak.variants.article import ERRATA
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.controller import Controller, Gap
+from atleak.catalogue.controller import Controller, Gap
 
 SECTIONS = {
     "eq16-p_g": ("p_g", {"5", "7", "8", "9", "11", "14", "15", "16", "17", "20", "23", "25", "26"}),

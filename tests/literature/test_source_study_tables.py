@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
 from atleak.intake.road_test import read_road_test
 from atleak.variants import VARIANTS, VariantResult, gear_at_most_leakage, run_variants
 from atleak.variants.article import ComparedPoint, compare_points

@@ -13,11 +13,12 @@ from typing import Any
 import openpyxl
 import pytest
 
-from atleak import __version__, cli
-from atleak.catalogue import catalogue_files
-from atleak.controller import Controller
+from atleak import cli
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import catalogue_files
 from atleak.intake.readings import read_readings
-from atleak.job_file import read_job_file
+from atleak.job.file import read_job_file
+from atleak.version import __version__
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -108,7 +109,7 @@ def test_rows_of_one_inspection(run: Run, tmp_path: Path) -> None:
     found = {land["component"]: land for land in record["lands"]}["accumulator"]
     assert found["radial_clearance_um"] == pytest.approx(21.5, abs=1e-6)
     again = read_job_file(job)
-    assert again.choices.readings.where == {"Inspection": "May"}
+    assert again.case.sheet_where == (("Inspection", "May"),)
     assert [reading.diameter for reading in again.diagnose().readings.readings] == pytest.approx(
         [17.998e-3, 18.041e-3], abs=1e-12
     )
@@ -435,7 +436,7 @@ def test_the_catalogue_into_a_file_is_shown_too(run: Run, tmp_path: Path) -> Non
 
 
 def test_counts_in_a_table_are_numbers(capsys: pytest.CaptureFixture[str]) -> None:
-    from atleak.report.text import print_table
+    from atleak.report.terminal import print_table
 
     print_table(["a", "b", "c", "d", "e"], [{"a": 1, "b": 0, "c": True, "d": None, "e": 1.0}])
     cells = [cell.strip() for cell in capsys.readouterr().out.splitlines()[3].strip("│").split("│")]
@@ -628,7 +629,7 @@ def test_columns_settled_earlier_travel_with_the_job(run: Run, sample_readings: 
     assert run("import-log", log, *mapping)[0] == 0
     bundle = tmp_path / "job.zip"
     assert run("diagnose", sample_readings, "--road-test", log, "--job-file", bundle)[0] == 0
-    from atleak.job_file import read_job_file
+    from atleak.job.file import read_job_file
 
     assert dict(read_job_file(bundle).case.columns)["main_pressure"] == "p_g two [bar]"
 
@@ -646,7 +647,7 @@ def test_a_fault_of_the_program_is_said_without_a_traceback(
         raise RuntimeError("the shelf fell down")
 
     monkeypatch.delenv("ATLEAK_TRACEBACK", raising=False)
-    monkeypatch.setattr("atleak.limits.limit_sets", broken)
+    monkeypatch.setattr("atleak.catalogue.limits.limit_sets", broken)
     assert cli.main(["limits"]) == 2
     err = capsys.readouterr().err
     assert "RuntimeError: the shelf fell down" in err

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from atleak.controller import Controller, OperatingPoint, load_controller
+from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits, load_limits
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PAPER, PROFILES, Profile
+from atleak.engine.projection import project, repaired, stated_condition
 from atleak.errors import DomainError
-from atleak.fluid import Fluid
-from atleak.leakage import LeakageModel
-from atleak.limits import Limits, load_limits
-from atleak.profile import PAPER, PROFILES, Profile
-from atleak.projection import project, repaired, stated_condition
 from atleak.readings import Readings
 from atleak.rules import Rule
 from atleak.verdicts import Verdict

@@ -32,10 +32,10 @@ import openpyxl, pypdfium2
 from streamlit.testing.v1 import AppTest
 
 import atleak
-from atleak.figures import diagnosis as figures
+from atleak.figures import diagnosis_figures as figures
 from atleak.report.pdf import write_pdf
-from atleak.report.record import diagnosis_record
-from atleak.report.text import print_diagnosis
+from atleak.views.diagnosis_record import diagnosis_record
+from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 
 root, own = Path(sys.argv[1]), Path(sys.argv[2])

@@ -7,10 +7,10 @@ import warnings
 from collections.abc import Iterator
 from typing import Any
 
-Part = tuple[str, dict[str, Any]]
+MdfPart = tuple[str, dict[str, Any]]
 
 
-def mdf_parts(data: bytes) -> Iterator[Part]:
+def mdf_parts(data: bytes) -> Iterator[MdfPart]:
     """What an MDF file holds, part by part; arrays as the bytes of floats unless said otherwise.
 
     ``file`` with its ``version``; then each ``channel`` that holds numbers, with ``label``, ``unit`` or None,

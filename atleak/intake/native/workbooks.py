@@ -15,7 +15,7 @@ from xml.parsers import expat
 from atleak.intake.native.child import Refused
 from atleak.intake.workbook_marks import Marks, column_index, marks, sheet_paths
 
-Cell = Any  # str, float, int, bool, date or time; "" where empty
+NativeCell = Any  # str, float, int, bool, date or time; "" where empty
 Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
 
 CELLS = 1_000_000
@@ -39,7 +39,7 @@ class MeasuringSheet(TypedDict):
 
     name: str
     hidden: bool
-    rows: list[list[Cell]]
+    rows: list[list[NativeCell]]
     merged: list[Range]
     faults: dict[tuple[int, int], str]
     marks: dict[str, Any]  # the fields of `atleak.intake.workbook_marks.Marks`
@@ -70,7 +70,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
         }
 
 
-def log_rows(data: bytes) -> Iterator[tuple[str, list[list[Cell | None]]]]:
+def log_rows(data: bytes) -> Iterator[tuple[str, list[list[NativeCell | None]]]]:
     """Every worksheet's name and rows, in blocks; None where empty, and without what is empty before the first cell.
 
     Raises

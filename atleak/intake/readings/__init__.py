@@ -11,21 +11,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.readings import agreement
 from atleak.intake.readings.asides import LEFT_ASIDE
 from atleak.intake.readings.checks import check
 from atleak.intake.readings.choice import Choice, choose, require_one_measurement
 from atleak.intake.readings.columns import count_values
-from atleak.intake.readings.files import read_bytes, read_sheets
+from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import best_header
-from atleak.intake.readings.names import Names
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
 from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.sheet_file import read_bytes, read_sheets
+from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
-from atleak.intake.readings.tables import Table
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
 from atleak.intake.units import Unit
@@ -78,7 +78,7 @@ def read_readings(
     """
     told = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
-    names = Names(controller)
+    names = ControllerNames(controller)
     sheets = read_sheets(data, file, _score)
     chosen = choose(sheets, file, names, sheet)
     require_known(chosen.tables, where or {})
@@ -146,7 +146,9 @@ def _score(sheet: Sheet) -> float:
     return -1.0 if header is None else header.score + 0.01 * min(count_values(sheet, header), 10)
 
 
-def _account(chosen: Choice, read: Sequence[Rows], names: Names, converted: Converted, told: Unit | None) -> Account:
+def _account(
+    chosen: Choice, read: Sequence[Rows], names: ControllerNames, converted: Converted, told: Unit | None
+) -> Account:
     account = Account(names, [*converted.units, *([told.name] if told else [])])
     for rows in read:
         account.enter(rows)

@@ -7,14 +7,14 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from statistics import fmean
 
-from atleak import catalogue
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import catalogue_files
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.tables import Table
-from atleak.intake.readings.values import Entry
+from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
     CLEARANCES,
     CORRECTED,
@@ -41,7 +41,7 @@ _ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
 
 
 def messages(
-    table: Table, columns: Columns, entries: Sequence[Entry], readings: Sequence[Reading]
+    table: Table, columns: Columns, entries: Sequence[DiameterCell], readings: Sequence[Reading]
 ) -> Iterator[Message]:
     """Clearances and means that contradict the diameters beside them, and corrections that were not applied."""
     sheet, header = table.sheet, table.header
@@ -251,7 +251,7 @@ def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
 
 def other_controller(sheet: Sheet, header: Header, controller: Controller) -> ReadingsError | None:
     """Whether the head of the sheet names another controller than the one it is read for."""
-    known = {plain(name) for name in catalogue.catalogue_files("controllers")}
+    known = {plain(name) for name in catalogue_files("controllers")}
     mine = {plain(controller.id), plain(controller.name)}
     for row in range(max(header.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):

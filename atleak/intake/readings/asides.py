@@ -9,10 +9,10 @@ from statistics import fmean, median
 
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.columns import Columns
-from atleak.intake.readings.names import Names
+from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.sheet import Cell, rows_named
-from atleak.intake.readings.tables import Table
-from atleak.intake.readings.values import Entry
+from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
     COUNTS,
     COUNTS_NOT,
@@ -74,7 +74,7 @@ class SummaryRow:
 class Asides:
     """Which rows under the headings are left aside, and why."""
 
-    def __init__(self, table: Table, columns: Columns, names: Names) -> None:
+    def __init__(self, table: Table, columns: Columns, names: ControllerNames) -> None:
         self.sheet, self.header, self.columns, self.names = table.sheet, table.header, columns, names
         self.summaries: list[SummaryRow] = []
         self.struck: list[int] = []
@@ -184,7 +184,7 @@ class Asides:
 
     # --- what is said of them -----------------------------------------------------------------------------------------
 
-    def messages(self, entries: Sequence[Entry]) -> Iterator[Message]:
+    def messages(self, entries: Sequence[DiameterCell]) -> Iterator[Message]:
         """What was left aside, and summaries that are not those of the readings above them."""
         place = self.sheet.place()
         by_kind: dict[Summary, list[int]] = defaultdict(list)
@@ -210,7 +210,7 @@ class Asides:
         for found in self.summaries:
             yield from self._disagreement(found, entries)
 
-    def stands_alone(self, found: SummaryRow, entries: Sequence[Entry]) -> bool:
+    def stands_alone(self, found: SummaryRow, entries: Sequence[DiameterCell]) -> bool:
         """Whether a row of means says what it is of, and no single readings of that stand on the sheet."""
         labels = self._labels(found.row)
         return (
@@ -239,7 +239,7 @@ class Asides:
             said["direction"] = direction_of(cell(row, columns.direction.index))
         return {name: value for name, value in said.items() if value is not None}
 
-    def _disagreement(self, found: SummaryRow, entries: Sequence[Entry]) -> Iterator[Message]:
+    def _disagreement(self, found: SummaryRow, entries: Sequence[DiameterCell]) -> Iterator[Message]:
         compute = _COMPUTED.get(found.kind)
         if compute is None:
             return
@@ -277,7 +277,7 @@ def _asks(heading: str, words: Vocabulary) -> bool:
     return len(said) <= 4 and any(word in words for word in said)
 
 
-def _matches(entry: Entry, labels: Mapping[str, object]) -> bool:
+def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:
     return all(getattr(entry.key, name) == value for name, value in labels.items())
 
 

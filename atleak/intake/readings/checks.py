@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 
-from atleak.controller import Controller, Land
+from atleak.catalogue.controller import Controller, Land
 from atleak.errors import Place, ReadingsError
 from atleak.intake.units import find_unit, unit_names
 from atleak.readings import REPEAT_TOLERANCE, LandClearance, Reading, Readings, clearances

@@ -8,11 +8,11 @@ from itertools import pairwise
 
 from atleak.errors import Message, Place, ReadingsError, nearest_name
 from atleak.intake.readings.columns import count_values
+from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
-from atleak.intake.readings.names import Names
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.tables import Table, continued, find_tables
+from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.values import Key
 from atleak.intake.readings.words import is_repeat_title
 
@@ -31,7 +31,7 @@ class Choice:
     messages: tuple[Message, ...]
 
 
-def choose(sheets: Sequence[Sheet], file: str, names: Names, wanted: str | None) -> Choice:
+def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None) -> Choice:
     """The tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
 
     Raises

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from atleak.errors import ReadingsError
+from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column, Header, Role
-from atleak.intake.readings.names import Names
 from atleak.intake.readings.sheet import Cell, Sheet
-from atleak.intake.readings.tables import Table
+from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import is_blank, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
 
@@ -48,7 +48,7 @@ class Columns:
         return frozenset(column.index for column in (*self.keys, *values))
 
 
-def understand(table: Table, names: Names) -> Columns:
+def find_columns(table: Table, names: ControllerNames) -> Columns:
     """Which column is what. What is missing or contradictory is among the ``problems``."""
     sheet, header = table.sheet, table.header
     component = _component(sheet, header, names)
@@ -106,7 +106,7 @@ def _part(sheet: Sheet, header: Header) -> Column | None:
     return next(iter(candidates), None)
 
 
-def _component(sheet: Sheet, header: Header, names: Names) -> Column | None:
+def _component(sheet: Sheet, header: Header, names: ControllerNames) -> Column | None:
     """Of the columns that may number or name the components, the one whose cells the controller knows."""
     best: tuple[float, float, int, Column] | None = None
     for column in header.of("component"):
@@ -120,7 +120,7 @@ def _component(sheet: Sheet, header: Header, names: Names) -> Column | None:
     return best[3] if best else None
 
 
-def _same(sheet: Sheet, header: Header, names: Names, component: Column | None) -> Iterator[Column]:
+def _same(sheet: Sheet, header: Header, names: ControllerNames, component: Column | None) -> Iterator[Column]:
     """Columns that say the same as the component's, most of the time: not a running number beside it."""
     for column in header.of("component"):
         if component is None or column == component:
@@ -229,7 +229,7 @@ def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
     return None
 
 
-def _missing(table: Table, names: Names, columns: Columns) -> Iterator[ReadingsError]:
+def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator[ReadingsError]:
     sheet, header = table.sheet, table.header
     missing = []
     if columns.component is None and table.component is None:

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
+from atleak.catalogue.instruments import Part
 from atleak.intake.readings.heading_numbers import besides_numbers, is_angle, numbers_of_heading
 from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.words import STATES, is_blank, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
-from atleak.readings import Part
 
 Role = Literal[
     "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean",

@@ -7,15 +7,16 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, nearest_name
 from atleak.intake.readings import states
 from atleak.intake.readings.asides import Asides
-from atleak.intake.readings.columns import Columns, understand
+from atleak.intake.readings.columns import Columns, find_columns
+from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column
-from atleak.intake.readings.names import Names
 from atleak.intake.readings.sheet import Cell, column_letter
-from atleak.intake.readings.tables import Table
-from atleak.intake.readings.values import MM, Entry, Key, RawValue
+from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.values import MM, DiameterCell, Key, RawValue
 from atleak.intake.readings.words import (
     at,
     direction_of,
@@ -30,7 +31,6 @@ from atleak.intake.readings.words import (
     text_of,
 )
 from atleak.intake.units import Unit, find_unit, unit_names
-from atleak.readings import Part
 
 _EVERY_ROW = (
     "the value in every row. Empty cells under a first one are understood only where a workbook has merged them"
@@ -49,7 +49,7 @@ class Rows:
 
     table: Table
     columns: Columns
-    found: list[Entry] = field(default_factory=list)
+    found: list[DiameterCell] = field(default_factory=list)
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     rows_without_reading: int = 0
@@ -57,9 +57,9 @@ class Rows:
     of_row: dict[int, Key] = field(default_factory=dict)
 
 
-def read_rows(table: Table, names: Names, told: Unit | None, where: Mapping[str, str] | None = None) -> Rows:
+def read_rows(table: Table, names: ControllerNames, told: Unit | None, where: Mapping[str, str] | None = None) -> Rows:
     """Every reading of a table, and everything that is wrong with it."""
-    columns = understand(table, names)
+    columns = find_columns(table, names)
     if columns.problems:
         return Rows(table, columns, problems=columns.problems)
     return _Reader(table, columns, names, told, where or {}).read()
@@ -67,14 +67,14 @@ def read_rows(table: Table, names: Names, told: Unit | None, where: Mapping[str,
 
 class _Reader:
     def __init__(
-        self, table: Table, columns: Columns, names: Names, told: Unit | None, where: Mapping[str, str]
+        self, table: Table, columns: Columns, names: ControllerNames, told: Unit | None, where: Mapping[str, str]
     ) -> None:
         self.table, self.columns, self.names, self.told, self.where = table, columns, names, told, where
         self.sheet, self.header = table.sheet, table.header
         self.values = [column.index for group in columns.groups for column in group.values()]
         self.asides = Asides(table, columns, names)
         self.left_out = states.rows_left_out(table, where)
-        self.found: list[Entry] = []
+        self.found: list[DiameterCell] = []
         self.breaks: list[states.Break] = []
         self.problems: list[ReadingsError] = []
         self.messages: list[Message] = []
@@ -126,7 +126,7 @@ class _Reader:
             key = self._key(row, group)
             if key is not None and value is not None:
                 column = (group.get("diameter") or next(iter(group.values()))).index
-                self.found.append(Entry(row, column, key, value))
+                self.found.append(DiameterCell(row, column, key, value))
                 self.of_row.setdefault(row, key)
                 self.cells.update((row, column.index) for column in group.values())
         return bool(values) or row in self.asides.struck

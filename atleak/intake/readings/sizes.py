@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Iterable
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
 from atleak.intake.readings.sheet import Cell
 from atleak.intake.readings.words import numbers_in
 from atleak.intake.units import Unit, find_unit

@@ -12,8 +12,8 @@ from atleak.errors import Message, Place, ReadingsError, nearest_name
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet import Cell, Sheet, rows_named
-from atleak.intake.readings.tables import Table
-from atleak.intake.readings.values import Entry
+from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import PERSONS, STATES, is_blank, is_repeat_title, is_state, letters, plain, text_of
 from atleak.intake.units import find_unit
 
@@ -22,8 +22,8 @@ _LISTED = 4  # values of a column that are named
 _NAMED = 12  # values to choose from that are named
 _FEWEST = 2  # rows that make a block
 
-Station = tuple[str, str, str, float | None, int | None]
-Splits = Mapping[Station, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
+StationKey = tuple[str, str, str, float | None, int | None]
+Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,9 @@ class Break:
     title: str  # "" for headings
 
 
-def question(entries: Sequence[Entry], breaks: Sequence[Break], table: Table, columns: Columns) -> ReadingsError | None:
+def question(
+    entries: Sequence[DiameterCell], breaks: Sequence[Break], table: Table, columns: Columns
+) -> ReadingsError | None:
     """Which of two states is meant, where the same stations come in more than one and no column counts repeats."""
     sheet, header = table.sheet, table.header
     several = _several(entries)
@@ -57,20 +59,20 @@ def question(entries: Sequence[Entry], breaks: Sequence[Break], table: Table, co
     return _blocks(entries, breaks, sheet, place)
 
 
-def _several(entries: Sequence[Entry]) -> dict[Station, list[int]]:
+def _several(entries: Sequence[DiameterCell]) -> dict[StationKey, list[int]]:
     """Stations that stand in more than one row, and these rows."""
-    rows: dict[Station, dict[int, None]] = defaultdict(dict)
+    rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
     for entry in entries:
         rows[_station(entry)][entry.row] = None
     return {station: list(found) for station, found in rows.items() if len(found) > 1}
 
 
-def _station(entry: Entry) -> Station:
+def _station(entry: DiameterCell) -> StationKey:
     key = entry.key
     return key.component, key.part, key.plane, key.direction, key.repeat
 
 
-def _name(station: Station) -> str:
+def _name(station: StationKey) -> str:
     component, part, plane, direction, repeat = station
     angle = "" if direction is None else f", {direction:g}°"
     return f"component {component}, {part}, plane {plane}{angle}" + ("" if repeat is None else f", repeat {repeat},")
@@ -94,7 +96,7 @@ def _quoted(text: str) -> str:
 
 
 def _splitting(
-    several: Mapping[Station, Sequence[int]], sheet: Sheet, header: Header, columns: Columns
+    several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header, columns: Columns
 ) -> Iterator[tuple[int, Splits]]:
     """Columns that nothing is read from and that tell the rows of one station apart; the surest first."""
     found: list[tuple[int, int, Splits]] = []
@@ -105,7 +107,7 @@ def _splitting(
         words = set(letters(heading))
         if words & PERSONS or (has_length(heading) and not words & STATES):
             continue
-        splits: dict[Station, dict[str, list[int]]] = {}
+        splits: dict[StationKey, dict[str, list[int]]] = {}
         for station, rows in several.items():
             values: dict[str, list[int]] = defaultdict(list)
             for row in rows:
@@ -153,13 +155,15 @@ def _same_everywhere(splits: Splits) -> bool:
 # --- blocks -----------------------------------------------------------------------------------------------------------
 
 
-def _blocks(entries: Sequence[Entry], breaks: Sequence[Break], sheet: Sheet, place: Place) -> ReadingsError | None:
+def _blocks(
+    entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: Sheet, place: Place
+) -> ReadingsError | None:
     """Stations that return under another title or under the headings printed again."""
-    last: dict[Station, int] = {}
+    last: dict[StationKey, int] = {}
     waiting = list(breaks)
     title, first = "", -1
     apart: Break | None = None
-    before: list[Station] = []
+    before: list[StationKey] = []
     row = -1
     for entry in entries:
         if entry.row != row:
@@ -191,7 +195,7 @@ def _blocks(entries: Sequence[Entry], breaks: Sequence[Break], sheet: Sheet, pla
     return None
 
 
-def messages(entries: Sequence[Entry], table: Table, columns: Columns) -> Iterator[Message]:
+def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) -> Iterator[Message]:
     """Blocks that return with the same values; repeats that a column calls so and another one calls states."""
     sheet, header = table.sheet, table.header
     seen: dict[object, int] = {}
@@ -227,7 +231,7 @@ def messages(entries: Sequence[Entry], table: Table, columns: Columns) -> Iterat
     without = [_station(entry)[:4] for entry in entries]
     if len(set(without)) == len(without):
         return
-    grouped: dict[Station, dict[int, None]] = defaultdict(dict)
+    grouped: dict[StationKey, dict[int, None]] = defaultdict(dict)
     for entry in entries:
         grouped[*_station(entry)[:4], None][entry.row] = None
     several = {station: list(found) for station, found in grouped.items() if len(found) > 1}
@@ -244,9 +248,9 @@ def messages(entries: Sequence[Entry], table: Table, columns: Columns) -> Iterat
             return
 
 
-def _returning(entries: Sequence[Entry], sheet: Sheet) -> Iterator[Message]:
+def _returning(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Message]:
     """Stations that come again after others, which nothing on the sheet calls repeats."""
-    last: dict[Station, int] = {}
+    last: dict[StationKey, int] = {}
     order = {row: at for at, row in enumerate(dict.fromkeys(entry.row for entry in entries))}
     back = []
     for entry in entries:

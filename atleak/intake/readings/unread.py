@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Role, split_unit
-from atleak.intake.readings.names import Names
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_whole, numbers_of
-from atleak.intake.readings.tables import Table
 from atleak.intake.readings.words import is_blank, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
 
@@ -35,7 +35,7 @@ _SHOWN = 4
 class Account:
     """What became of the cells of a file, by the sheet's name; the rest is told by `close`."""
 
-    names: Names
+    names: ControllerNames
     units: Sequence[str]  # of the diameters that were read
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from statistics import median
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.units import Unit, find_unit, unit_names
-from atleak.readings import Part, Reading
+from atleak.readings import Reading
 
 COORDINATES_AGREE = 2e-6  # [m] between a diameter and the distance of its coordinates, both rounded to 0.001 mm
 MM = 1e-3
@@ -46,7 +47,7 @@ class RawValue:
 
 
 @dataclass(frozen=True)
-class Entry:
+class DiameterCell:
     """A diameter with the row and column, from 0, that it stands in."""
 
     row: int
@@ -66,7 +67,7 @@ class Converted:
     messages: list[Message] = field(default_factory=list)
 
 
-def convert(found: Sequence[Entry], controller: Controller, headings: Place) -> Converted:
+def convert(found: Sequence[DiameterCell], controller: Controller, headings: Place) -> Converted:
     """Readings from diameters as written; ``headings`` is the place to name where the unit is missing."""
     result = Converted()
     unitless = [entry for entry in found if entry.raw.unit is None]
@@ -138,7 +139,9 @@ def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> Re
     )
 
 
-def _assumed_unit(unitless: Sequence[Entry], controller: Controller, headings: Place, result: Converted) -> Unit | None:
+def _assumed_unit(
+    unitless: Sequence[DiameterCell], controller: Controller, headings: Place, result: Converted
+) -> Unit | None:
     """The unit in which the diameters come near the nominal ones."""
     ratios = []
     for entry in unitless:

@@ -11,10 +11,10 @@ from functools import lru_cache
 from importlib import resources
 from typing import Literal
 
+from atleak.catalogue.instruments import Part
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sheet import Cell
 from atleak.intake.units import Unit, find_unit
-from atleak.readings import Part
 from atleak.written_numbers import decimal_number
 
 _SPACES = re.compile(r"\s+")

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.describe import describe, tidy_csv
-from atleak.intake.road_test.memory import default_path, forget, recall, remember, signature
-from atleak.intake.road_test.understand import Ambiguous, Understood, understand
+from atleak.intake.road_test.importer import Ambiguous, Understood, understand
+from atleak.intake.road_test.names.memory import default_path, forget, recall, remember, signature
 from atleak.road_test import RoadTest
 
 __all__ = [

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from atleak import __version__
-from atleak.intake.road_test.understood import Understood
+from atleak.intake.road_test.outcome import Understood
 from atleak.intake.units import Unit, unit
 from atleak.road_test import QUANTITIES, Channel, RoadTest
+from atleak.version import __version__
 
 _DELIMITERS = {"\t": "\\t", " ": "whitespace"}
 

@@ -11,15 +11,15 @@ import numpy as np
 from atleak.errors import Place, RoadTestError
 from atleak.intake.native.measurements import mdf_parts
 from atleak.intake.native.process import MDF, read_apart
-from atleak.intake.road_test import memory
-from atleak.intake.road_test.assign import Assigner, Candidate, candidates, map_columns
-from atleak.intake.road_test.clocks import Clock
-from atleak.intake.road_test.names import split_unit
-from atleak.intake.road_test.protocol import Reading
-from atleak.intake.road_test.source import Source
-from atleak.intake.road_test.table import Heading
-from atleak.intake.road_test.timeline import build as build_timeline
-from atleak.intake.road_test.understood import Understood, finish
+from atleak.intake.road_test.channels.assign import Assigner, Candidate, candidates, map_columns
+from atleak.intake.road_test.channels.protocol import TableResult
+from atleak.intake.road_test.clock.clocks import Clock
+from atleak.intake.road_test.clock.timeline import build as build_timeline
+from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.files.log_file import LogFile
+from atleak.intake.road_test.names import memory
+from atleak.intake.road_test.names.matching import split_unit
+from atleak.intake.road_test.outcome import Understood, finish
 from atleak.road_test import QUANTITIES
 
 
@@ -95,7 +95,7 @@ def decode_obd2(
 
 
 def understand_mdf(
-    source: Source, mapping: Mapping[str, str], units: Mapping[str, str], constants: Mapping[str, float]
+    source: LogFile, mapping: Mapping[str, str], units: Mapping[str, str], constants: Mapping[str, float]
 ) -> Understood:
     """Reads an MDF file.
 
@@ -133,7 +133,7 @@ def understand_mdf(
     stamps = main.time if main is not None else max(raws, key=lambda raw: len(raw.time)).time
     assert stamps is not None
     timeline = build_timeline(stamps)
-    reading = Reading(len(stamps), timeline, "", Clock(stamps, "s"))
+    reading = TableResult(len(stamps), timeline, "", Clock(stamps, "s"))
     return finish(blank, assigner, reading, constants)
 
 
@@ -142,7 +142,7 @@ def _offer(one: Candidate, raws: list[_Raw]) -> tuple[Candidate, np.ndarray, np.
     return one, raw.values, raw.time
 
 
-def _load(source: Source) -> tuple[list[_Raw], int, str]:
+def _load(source: LogFile) -> tuple[list[_Raw], int, str]:
     """Channels, those decoded from OBD2 answers among them; number of CAN frames; version."""
     if importlib.util.find_spec("asammdf") is None:
         raise RoadTestError(

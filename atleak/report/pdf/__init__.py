@@ -17,23 +17,23 @@ from typing import Any
 
 import typst
 
-from atleak import __version__
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.drawing import controller_svg, shortened
 from atleak.errors import InputError, nearest_name
-from atleak.job import Job, clean_text
+from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
 from atleak.marks import KEYWORD
-from atleak.report.charts import FONTS, Bar, glyphs, road_chart, shares_chart
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
 from atleak.report.pdf.front import Front
-from atleak.report.pdf.names import Names
 from atleak.report.pdf.pictures import write_pictures
-from atleak.report.record import diagnosis_record
-from atleak.report.road_series import RoadSeries, road_series
+from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_charts import FONTS, Bar, glyphs, road_chart, shares_chart
 from atleak.verdicts import VERDICTS, Verdict
+from atleak.version import __version__
+from atleak.views.diagnosis_record import diagnosis_record
+from atleak.views.drawing import controller_svg, shortened
+from atleak.views.road_series import RoadSeries, road_series
 from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
@@ -96,7 +96,7 @@ def report_data(
     diagnosis: Diagnosis, job: Job, say: Wording, paper: str, chosen: tuple[str, ...], pictures: dict[str, str]
 ) -> dict[str, Any]:
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
-    names = Names(diagnosis, diagnosis_record(diagnosis), job, say)
+    names = PrintedNames(diagnosis, diagnosis_record(diagnosis), job, say)
     front, body = Front(names, pictures), Body(names, series, pictures)
     charts = _charts(names, series, chosen)
     title = say("title.report")
@@ -136,7 +136,7 @@ def _look(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _charts(names: Names, series: RoadSeries | None, chosen: tuple[str, ...]) -> dict[str, str]:
+def _charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, ...]) -> dict[str, str]:
     """Every drawing as SVG, by name."""
     diagnosis, say = names.diagnosis, names.say
     at, found = diagnosis.projection, {}
@@ -156,7 +156,7 @@ def _charts(names: Names, series: RoadSeries | None, chosen: tuple[str, ...]) ->
     return found
 
 
-def _bar(names: Names, land: LandDiagnosis) -> Bar:
+def _bar(names: PrintedNames, land: LandDiagnosis) -> Bar:
     low, high = (land.uncertainty.share_interval if land.uncertainty else None) or (None, None)
     return Bar(
         label=shortened(names.land_name(land), _LABEL),

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from atleak import __version__
-from atleak.controller import REFERENCE_TEMPERATURE
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE
+from atleak.catalogue.limits import LimitOrigin
 from atleak.errors import InputError, nearest_name
-from atleak.limits import LimitOrigin
 from atleak.report.pdf.blocks import Block, facts, joined, table, text
-from atleak.report.pdf.names import Names
-from atleak.report.road_series import RoadSeries
+from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
+from atleak.version import __version__
+from atleak.views.road_series import RoadSeries
 from atleak.wording import isolated
 from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
 
@@ -67,7 +67,7 @@ class Body:
     ``series`` is the thinned road test, ``pictures`` the printable pictures by the job's names.
     """
 
-    def __init__(self, names: Names, series: RoadSeries | None, pictures: dict[str, str]) -> None:
+    def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
         self.names, self.series, self.pictures = names, series, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
 
@@ -517,7 +517,7 @@ def _worth_saying(mileage: float | None) -> bool:
     return mileage is not None and mileage < 1e7
 
 
-def _with_units(names: Names, columns: dict[str, str]) -> list[str]:
+def _with_units(names: PrintedNames, columns: dict[str, str]) -> list[str]:
     return [f"{names.column(name)}\n{unit}" if unit else names.column(name) for name, unit in columns.items()]
 
 

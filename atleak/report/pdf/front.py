@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.report.pdf.blocks import Block, joined, table
-from atleak.report.pdf.names import Names
+from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
@@ -13,7 +13,7 @@ from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 class Front:
     """What stands on the first page; ``pictures`` holds the printable pictures by the job's names."""
 
-    def __init__(self, names: Names, pictures: dict[str, str]) -> None:
+    def __init__(self, names: PrintedNames, pictures: dict[str, str]) -> None:
         self.names, self.pictures = names, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
 

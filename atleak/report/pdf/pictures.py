@@ -9,7 +9,7 @@ from pathlib import Path
 from PIL import Image, ImageOps
 
 from atleak.errors import InputError
-from atleak.job import Job
+from atleak.job.record import Job
 
 _PHOTO_PIXELS = 1400  # of the longer side: sharp at the size it is printed
 _PICTURE_LIMIT = 80_000_000  # pixels of a picture that is opened at all

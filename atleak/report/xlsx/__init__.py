@@ -11,14 +11,14 @@ import io
 
 import xlsxwriter
 
-from atleak import __version__
 from atleak.diagnosis import Diagnosis
-from atleak.job import Job
+from atleak.job.record import Job
 from atleak.marks import PROPERTY, sealed, unsealed
-from atleak.report.record import diagnosis_record
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.live import LiveSheets, write_readings
 from atleak.report.xlsx.sheets import Sheets
+from atleak.version import __version__
+from atleak.views.diagnosis_record import diagnosis_record
 
 __all__ = ["write_workbook"]
 

@@ -11,7 +11,7 @@ from xlsxwriter.format import Format
 from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.job import clean_text
+from atleak.job.record import clean_text
 from atleak.look import HEADING, LOOKS, look_of
 from atleak.verdicts import Band, Verdict
 from atleak.wording import wording

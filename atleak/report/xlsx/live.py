@@ -13,14 +13,14 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.controller import REFERENCE_TEMPERATURE, Pressure
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Pressure
+from atleak.catalogue.limits import ROUNDING, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.leakage import GapLeakage
+from atleak.engine.projection import Projection
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS
-from atleak.leakage import GapLeakage
-from atleak.limits import ROUNDING, RuleKind
 from atleak.look import DATA_BAR, INPUT
-from atleak.projection import Projection
 from atleak.readings import Reading
 from atleak.report.xlsx.book import Book, cell, formula, put, span
 from atleak.rules import Rule

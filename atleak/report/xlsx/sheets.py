@@ -7,15 +7,15 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
-from atleak.job import Job, Record
-from atleak.limits import RuleKind
+from atleak.job.record import Job, Record
 from atleak.look import CHART_GRID, INPUT, PAPER
-from atleak.report.road_series import road_series
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.views.road_series import road_series
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 

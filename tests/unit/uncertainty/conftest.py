@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from atleak.controller import Controller
-from atleak.fluid import Fluid
-from atleak.instruments import Instrument, Instruments
-from atleak.leakage import LeakageModel
-from atleak.limits import Limits
-from atleak.profile import WORKSHOP, Profile
-from atleak.projection import Projection, project
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.instruments import Instrument, Instruments
+from atleak.catalogue.limits import Limits
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP, Profile
+from atleak.engine.projection import Projection, project
 from atleak.readings import LandClearance, Reading, Readings, clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import NOTHING_ELSE, Assumptions, UnitUncertainty, assess

@@ -9,21 +9,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.instruments import load_instruments
+from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PAPER, WORKSHOP
+from atleak.engine.projection import project
 from atleak.equations import uncertainty as equations
 from atleak.equations import uncertainty_referees as referees
 from atleak.errors import InputError
-from atleak.fluid import Fluid
-from atleak.instruments import load_instruments
-from atleak.leakage import LeakageModel
-from atleak.limits import LimitOrigin, Limits, RuleKind, Steps
-from atleak.profile import PAPER, WORKSHOP
-from atleak.projection import project
 from atleak.readings import clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, NOTHING_ELSE, Assumptions, assess
-from atleak.uncertainty.table import budget_rows, land_rows
 from atleak.verdicts import Band, Verdict
+from atleak.views.uncertainty_rows import budget_rows, land_rows
 
 from .conftest import a_sheet, two_instruments
 

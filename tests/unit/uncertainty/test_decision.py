@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atleak.controller import Controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import load_instruments
+from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.errors import DomainError, InputError
-from atleak.instruments import load_instruments
-from atleak.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.rules import Rule
 from atleak.uncertainty import Assumptions, decide
 from atleak.uncertainty.decision import decide_rule

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atleak.controller import Controller
-from atleak.instruments import load_instruments
-from atleak.limits import Limits
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import load_instruments
+from atleak.catalogue.limits import Limits
 from atleak.uncertainty import DECISIONS, DEFAULTS
 
 from .conftest import a_sheet

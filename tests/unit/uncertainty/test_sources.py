@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.controller import Controller
-from atleak.instruments import Instruments, load_instruments
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.readings import clearances
 from atleak.uncertainty import NOTHING_ELSE, Assumptions
 from atleak.uncertainty.sources import LandSources, RepeatSpread, find_sources

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.controller import Controller
-from atleak.figures import uncertainty as figures
-from atleak.limits import LimitOrigin, Limits, Steps
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.limits import LimitOrigin, Limits, Steps
+from atleak.figures import uncertainty_figures as figures
 from atleak.uncertainty import DEFAULTS, UnitUncertainty
 from atleak.verdicts import Verdict
 

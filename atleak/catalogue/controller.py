@@ -1,0 +1,489 @@
+"""What a controller is: its pairs and lands, the gaps between pressures, pump, pressure relations, operating points.
+
+A controller is described in a TOML file (see ``docs/describing-a-controller.md``); this module checks one and turns
+it into frozen objects in SI units.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+
+from atleak.catalogue.controller_tables import ComponentTable, ControllerFile, LandTable, PumpTable, RelationTable
+from atleak.catalogue.entries import Origin, catalogue_error, catalogue_files, read_entry
+from atleak.equations import clearance as clearance_equations
+from atleak.equations import pressure as pressure_equations
+from atleak.equations import pump as pump_equations
+from atleak.errors import DomainError, nearest_name
+
+SECTIONS = ("p_g", "p_s", "p_m", "p_k")
+HOT_IDLE = "hot_idle"
+REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
+
+_PRESSURE = re.compile(r"^\s*(?:(?P<factor>\d*\.?\d+)\s*\*\s*)?(?P<section>p_[gsmk])\s*$")
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A share of one section's pressure; a drain at atmospheric pressure has no section and coefficient 0."""
+
+    coefficient: float
+    section: str | None
+
+    @classmethod
+    def parse(cls, text: str) -> Pressure:
+        """From ``"p_g"``, ``"0.1*p_g"``, ``"0"`` or ``"drain"``.
+
+        >>> Pressure.parse("0.1*p_g")
+        Pressure(coefficient=0.1, section='p_g')
+        """
+        if text.strip() in {"0", "drain"}:
+            return cls(0.0, None)
+        found = _PRESSURE.match(text)
+        if found is None:
+            raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k), '0' or 'drain'")
+        factor = float(found["factor"] or 1.0)
+        if not 0.0 < factor <= 1.0:
+            raise ValueError("a share of a pressure, more than 0 and at most 1")
+        return cls(factor, found["section"])
+
+    def __str__(self) -> str:
+        if self.section is None:
+            return "drain"
+        return self.section if self.coefficient == 1.0 else f"{self.coefficient:g}*{self.section}"
+
+
+@dataclass(frozen=True)
+class Land:
+    """One cylindrical section of a spool or piston in its sleeve."""
+
+    component: str
+    land: int
+    planes: tuple[str, ...]
+    part: Literal["spool", "piston"]
+    nominal_diameter: float  # [m] of the spool or piston
+    contact_length: float  # [m]
+    mounting_clearance: float  # [m] radial
+    body_material: str
+    spool_material: str
+    body_expansion: float  # [1/K]
+    spool_expansion: float  # [1/K]
+    clearance_limit: float | None  # [m] radial, the workshop's own
+    representative: tuple[str, ...]  # which of its values are representative
+
+    @property
+    def key(self) -> tuple[str, int]:
+        return self.component, self.land
+
+    @property
+    def nominal_sleeve_diameter(self) -> float:
+        """Nominal spool diameter and twice the mounting clearance [m]."""
+        return self.nominal_diameter + 2.0 * self.mounting_clearance
+
+    def thermal_rate(self, spool_diameter: float, sleeve_diameter: float) -> float:
+        """Growth of the radial clearance with temperature [m/K], eq. (2) at equal temperature of body and spool."""
+        return clearance_equations.thermal_rate(
+            sleeve_diameter, spool_diameter, self.body_expansion, self.spool_expansion
+        )
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A land seen as a leak path from one pressure to another in given gears."""
+
+    component: str
+    land: int
+    section: str
+    high: Pressure
+    low: Pressure
+    gears: frozenset[int]
+    into_sump: bool  # ends in the sump, not in another section
+    published: bool
+
+    @property
+    def key(self) -> tuple[str, int]:
+        return self.component, self.land
+
+
+@dataclass(frozen=True)
+class Pump:
+    """The fixed-displacement pump on the engine's shaft."""
+
+    displacement: float  # [m³/rev]
+    volumetric_efficiency: float
+    slip_coefficient: float | None  # Wilson's C_s, None where the controller states none
+    representative: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PressureRelation:
+    """A section's pressure as a line in p_g: ``min(ratio · p_g + offset, limit)``.
+
+    Eq. (14) is such a line with offset 0; so is eq. (13), whose spool balance is affine in p_g.
+    """
+
+    relation: Literal["spool_balance", "line"]
+    ratio: float
+    offset: float  # [Pa]
+    limit: float | None  # [Pa], the valve's own
+
+    def __call__(self, main_pressure: Any) -> Any:
+        return pressure_equations.regulated_pressure(main_pressure, self.ratio, self.offset, self.limit)
+
+    def line_between(self, low: float, high: float) -> tuple[float, float] | None:
+        """(ratio, offset) that holds for all p_g between two, or None where the limit begins between them."""
+        if self.limit is None:
+            return self.ratio, self.offset
+        ends = self(low), self(high)
+        if max(ends) < self.limit:
+            return self.ratio, self.offset
+        return (0.0, self.limit) if min(ends) >= self.limit else None
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """A stated condition at which leakage and pump are compared."""
+
+    name: str
+    label: str
+    temperature: float  # [°C]
+    engine_speed: float  # [1/s]
+    gear: int
+    main_pressure: float  # [Pa]
+    converter_pressure: float  # [Pa]
+    source: str
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A transmission's electro-hydraulic controller."""
+
+    id: str
+    name: str
+    source: str
+    date: str
+    note: str
+    representative: str  # what of it is representative, "" where nothing is
+    gears: tuple[int, ...]
+    components: MappingProxyType[str, str]  # number → name
+    lands: tuple[Land, ...]
+    gaps: tuple[Gap, ...]
+    relations: MappingProxyType[str, PressureRelation]  # of p_s and p_m; p_g and p_k are measured
+    pump: Pump
+    operating_points: tuple[OperatingPoint, ...]
+    origin: Origin
+
+    @property
+    def sha256(self) -> str:
+        return self.origin.sha256
+
+    @cached_property
+    def _by_key(self) -> dict[tuple[str, int], Land]:
+        return {land.key: land for land in self.lands}
+
+    @cached_property
+    def _by_plane(self) -> dict[tuple[str, str], Land]:
+        return {(land.component, plane): land for land in self.lands for plane in land.planes}
+
+    def land(self, component: str, land: int) -> Land:
+        """The land of that component and number.
+
+        Raises
+        ------
+        KeyError
+            where the controller has none.
+        """
+        return self._by_key[component, land]
+
+    def land_of_plane(self, component: str, plane: str) -> Land | None:
+        """The land that is measured in that plane, or None."""
+        return self._by_plane.get((component, plane))
+
+    def lands_of(self, component: str) -> tuple[Land, ...]:
+        return tuple(land for land in self.lands if land.component == component)
+
+    def gaps_in(self, gear: int) -> tuple[Gap, ...]:
+        """The gaps that see a pressure drop in that gear."""
+        return tuple(gap for gap in self.gaps if gear in gap.gears)
+
+    def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
+        """All four section pressures [Pa] from the two that are measured; arrays as they come."""
+        return {
+            "p_g": main_pressure,
+            "p_s": self.relations["p_s"](main_pressure),
+            "p_m": self.relations["p_m"](main_pressure),
+            "p_k": converter_pressure,
+        }
+
+    def above_main(self, main_pressure: Any) -> dict[str, Any]:
+        """Where p_s or p_m would be above main pressure, which feeds both: there the relation does not hold."""
+        pressures = self.section_pressures(main_pressure, 0.0)
+        return {section: pressures[section] > np.maximum(main_pressure, 0.0) for section in ("p_s", "p_m")}
+
+
+def load_controller(id_or_path: str | Path) -> Controller:
+    """A shipped controller by id or a workshop's own by path.
+
+    Raises
+    ------
+    CatalogueError
+        naming file, table, key and value.
+    """
+    entry, origin = read_entry("controllers", id_or_path, ControllerFile)
+    return _build(entry, origin)
+
+
+def controllers() -> list[Controller]:
+    """Every shipped controller."""
+    return [load_controller(found) for found in catalogue_files("controllers")]
+
+
+# --- from the file to the objects ---------------------------------------------------------------------------------
+
+
+def _build(entry: ControllerFile, origin: Origin) -> Controller:
+    twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
+    if twice:
+        raise catalogue_error(origin.path, "", "gears", "gear given twice", value=twice[0])
+    lands = tuple(_lands(entry, origin.path))
+    relations = {name: _relation(name, table, origin.path) for name, table in entry.pressures.items()}
+    gaps = tuple(_gaps(entry, lands, origin.path))
+    needed = {
+        pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
+    }
+    for section in sorted(needed - set(relations)):
+        raise catalogue_error(
+            origin.path,
+            "pressures",
+            section,
+            f"a gap uses {section}, which no relation gives",
+            expected=f"a table [pressures.{section}]",
+        )
+    # a controller whose gaps use neither still answers what they would be
+    for section in ("p_s", "p_m"):
+        relations.setdefault(section, PressureRelation("line", 0.0, 0.0, None))
+    return Controller(
+        id=entry.id,
+        name=entry.name,
+        source=entry.source,
+        date=entry.date,
+        note=entry.note,
+        representative=entry.representative,
+        gears=tuple(entry.gears),
+        components=MappingProxyType({component.id: component.name for component in entry.components}),
+        lands=lands,
+        gaps=gaps,
+        relations=MappingProxyType(relations),
+        pump=_pump(entry.pump),
+        operating_points=tuple(_operating_points(entry, origin.path)),
+        origin=origin,
+    )
+
+
+def _lands(entry: ControllerFile, path: Path) -> list[Land]:
+    lands: list[Land] = []
+    seen: set[tuple[str, int]] = set()
+    components: set[str] = set()
+    for component in entry.components:
+        if component.id in components:
+            raise catalogue_error(path, "components", "id", "component given twice", value=component.id)
+        components.add(component.id)
+        planes: set[str] = set()
+        for table in component.lands:
+            where = f"components ({component.id}).lands"
+            if (component.id, table.land) in seen:
+                raise catalogue_error(path, where, "land", "land given twice", value=table.land)
+            seen.add((component.id, table.land))
+            land = _land(entry, component, table, where, path)
+            for plane in land.planes:
+                if plane in planes:
+                    raise catalogue_error(path, where, "planes", "plane given to two lands", value=plane)
+                planes.add(plane)
+            lands.append(land)
+    if not lands:
+        raise catalogue_error(path, "components", "lands", "no component has a land", expected="at least one land")
+    return lands
+
+
+def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, where: str, path: Path) -> Land:
+    length = table.contact_length_mm or entry.defaults.contact_length_mm
+    if length is None:
+        raise catalogue_error(
+            path,
+            where,
+            "contact_length_mm",
+            f"land {table.land} has no contact length",
+            expected="contact_length_mm here or in [defaults]",
+        )
+    materials: list[tuple[str, float]] = []
+    for key in ("body", "spool"):
+        name = getattr(table, key) or getattr(entry.defaults, key)
+        if name is None or name not in entry.materials:
+            raise catalogue_error(
+                path,
+                where,
+                key,
+                f"land {table.land}: " + ("no material" if name is None else "unknown material"),
+                value=name,
+                expected=f"one of {', '.join(entry.materials)}",
+                nearest=nearest_name(name or "", entry.materials),
+            )
+        materials.append((name, entry.materials[name].expansion_per_k))
+    return Land(
+        component=component.id,
+        land=table.land,
+        planes=tuple(table.planes or [str(table.land)]),
+        part=component.part,
+        nominal_diameter=table.nominal_diameter_mm * 1e-3,
+        contact_length=length * 1e-3,
+        mounting_clearance=table.mounting_clearance_um * 1e-6,
+        body_material=materials[0][0],
+        spool_material=materials[1][0],
+        body_expansion=materials[0][1],
+        spool_expansion=materials[1][1],
+        clearance_limit=None if table.clearance_limit_um is None else table.clearance_limit_um * 1e-6,
+        representative=tuple(name for name in entry.representative_values if name not in table.published),
+    )
+
+
+def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Gap]:
+    if not entry.gaps:  # a minimal description: every land leaks from main pressure to the drain in every gear
+        every_gear = frozenset(entry.gears)
+        drain = Pressure(0.0, None)
+        return [
+            Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, False)
+            for land in lands
+        ]
+    known = {land.key for land in lands}
+    gaps: list[Gap] = []
+    for number, table in enumerate(entry.gaps, start=1):
+        where = f"gaps[{number}] ({table.component})"
+        if (table.component, table.land) not in known:
+            mine = [str(land.land) for land in lands if land.component == table.component]
+            expected = f"lands {', '.join(mine)}" if mine else "the id of a component with lands"
+            raise catalogue_error(
+                path,
+                where,
+                "land" if mine else "component",
+                "no such land in this controller",
+                value=table.land if mine else table.component,
+                expected=expected,
+            )
+        unknown = sorted(set(table.gears) - set(entry.gears))
+        if unknown:
+            raise catalogue_error(
+                path, where, "gears", "unknown gear", value=unknown[0], expected=f"one of {entry.gears}"
+            )
+        ends: dict[str, Pressure] = {}
+        for key, text in (("from", table.high), ("to", table.low)):
+            try:
+                ends[key] = Pressure.parse(text)
+            except ValueError as error:
+                raise catalogue_error(path, where, key, "not a pressure", value=text, expected=str(error)) from None
+        if ends["from"].section != table.section:
+            raise catalogue_error(
+                path,
+                where,
+                "section",
+                "not the section that the gap leaks from",
+                value=table.section,
+                expected=f"the one named in from = {table.high!r}",
+            )
+        low = ends["to"]
+        ends_in_section = low.section is not None and low.coefficient == 1.0
+        gap = Gap(
+            component=table.component,
+            land=table.land,
+            section=table.section,
+            high=ends["from"],
+            low=low,
+            gears=frozenset(table.gears),
+            into_sump=(table.ends_in == "sump") if table.ends_in else not ends_in_section,
+            published=table.published,
+        )
+        for other in gaps:
+            both = gap.gears & other.gears
+            if both and (gap.key, gap.high, gap.low) == (other.key, other.high, other.low):
+                raise catalogue_error(path, where, "gears", "the same gap was given before", value=min(both))
+        gaps.append(gap)
+    return gaps
+
+
+def _pump(table: PumpTable) -> Pump:
+    if table.displacement_mm3 is not None:
+        displacement = table.displacement_mm3 * 1e-9
+    else:
+        displacement = pump_equations.displacement(
+            table.module_mm * 1e-3, table.teeth, table.width_mm * 1e-3, table.tooth_height_mm * 1e-3
+        )
+    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
+
+
+def _relation(name: str, table: RelationTable, path: Path) -> PressureRelation:
+    try:
+        return _pressure_relation(table)
+    except DomainError as error:  # diameters or lengths that cannot be those of one valve
+        raise catalogue_error(path, f"pressures.{name}", None, str(error)) from None
+
+
+def _pressure_relation(table: RelationTable) -> PressureRelation:
+    limit = None if table.limit_kpa is None else table.limit_kpa * 1e3
+    if table.relation == "line":
+        return PressureRelation("line", float(table.ratio or 0.0), table.offset_kpa * 1e3, limit)
+    spring, area = table.spring, pressure_equations.annulus_area
+    rod = table.rod_diameter_mm * 1e-3
+    rate = pressure_equations.spring_rate(
+        spring.shear_modulus_mpa * 1e6,
+        spring.wire_diameter_mm * 1e-3,
+        spring.active_coils,
+        spring.mean_coil_diameter_mm * 1e-3,
+    )
+    deflection = pressure_equations.spring_deflection(spring.free_length_mm * 1e-3, spring.working_length_mm * 1e-3)
+    force = pressure_equations.spring_force(rate, deflection)
+    areas = (
+        area(table.diameter_1_mm * 1e-3),
+        area(table.diameter_2_mm * 1e-3, rod),
+        area(table.diameter_3_mm * 1e-3, rod),
+        area((table.diameter_g1_mm or table.diameter_2_mm) * 1e-3, rod),
+        area((table.diameter_g2_mm or table.diameter_3_mm) * 1e-3, rod),
+    )
+    offset = pressure_equations.control_pressure(0.0, force, *areas)
+    ratio = pressure_equations.control_pressure(1.0, 0.0, *areas)
+    return PressureRelation("spool_balance", ratio, offset, limit)
+
+
+def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]:
+    points = []
+    for number, table in enumerate(entry.operating_points, start=1):
+        if table.gear not in entry.gears:
+            raise catalogue_error(
+                path,
+                f"operating_points[{number}] ({table.name})",
+                "gear",
+                "unknown gear",
+                value=table.gear,
+                expected=f"one of {entry.gears}",
+            )
+        if any(table.name == point.name for point in points):
+            raise catalogue_error(
+                path, f"operating_points[{number}]", "name", "operating point given twice", value=table.name
+            )
+        points.append(
+            OperatingPoint(
+                name=table.name,
+                label=table.label,
+                temperature=table.temperature_c,
+                engine_speed=table.engine_rpm / 60.0,
+                gear=table.gear,
+                main_pressure=table.p_g_kpa * 1e3,
+                converter_pressure=table.p_k_kpa * 1e3,
+                source=table.source,
+            )
+        )
+    return points

@@ -1,0 +1,261 @@
+"""A fluid: data-sheet points → viscosity and density over temperature, and where they can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from atleak.catalogue.entries import Entry, Finite, Origin, Strict, catalogue_error, catalogue_files, read_entry
+from atleak.equations import fluid as fluid_equations
+from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
+from atleak.errors import DomainError, Message
+
+ViscosityModel = Literal["d341", "tabulated", "regression"]
+VISCOSITY_MODELS: tuple[ViscosityModel, ...] = ("d341", "tabulated", "regression")
+HIGHEST_TEMPERATURE = 150.0  # °C: above it nothing the catalogue cites was measured
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """One automatic transmission fluid.
+
+    ``points`` are the data sheet's (temperature [°C], kinematic viscosity [m²/s]); ``table`` holds
+    (temperature [°C], kinematic viscosity [m²/s], density [kg/m³]) where a source tabulates both.
+    """
+
+    id: str
+    name: str
+    source: str
+    date: str
+    note: str
+    representative: tuple[str, ...]
+    points: tuple[tuple[float, float], ...]
+    table: tuple[tuple[float, float, float], ...]
+    density_at: tuple[float, float]  # (temperature [°C], density [kg/m³])
+    density_slope: float  # [kg/(m³·K)]
+    pour_point: float | None  # [°C]
+    study_regression: bool  # whether the source study's eqs. (29) and (30) describe this fluid
+    origin: Origin
+
+    def kinematic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+        """Kinematic viscosity [m²/s] at a temperature [°C]; array in, array out.
+
+        ``d341``: ASTM D341 through the lowest and highest data-sheet point. ``tabulated``: straight lines of
+        log ν between the table's points (the data sheet's where there is no table). ``regression``: the source study's
+        eq. (29), whatever the fluid. Outside `span` the result is NaN: see `span` and `messages`.
+        """
+        return _plain(self._viscosity(self._inside(temperature, model), model))
+
+    def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+        """Density [kg/m³] at a temperature [°C]: the table's, linear between points, with ``tabulated``; eq. (30)
+        with ``regression``; else a line through the data sheet's point. NaN where the viscosity is."""
+        return _plain(self._density(self._inside(temperature, model), model))
+
+    def dynamic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+        """ν·ρ = μ [Pa·s] at a temperature [°C]; NaN outside the fluid's data."""
+        inside = self._inside(temperature, model)
+        return fluid_equations.dynamic_viscosity(self._viscosity(inside, model), self._density(inside, model))
+
+    def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
+        """Lowest and highest temperature [°C] at which the model answers."""
+        if model == "regression":
+            return STUDY_LOWEST, STUDY_HIGHEST
+        if model == "tabulated":
+            temperatures = [row[0] for row in self.table or self.points]
+            return min(temperatures), max(temperatures)
+        lowest = self.pour_point if self.pour_point is not None else ASTM_D341_RELIABLE_FROM
+        return lowest, HIGHEST_TEMPERATURE
+
+    def require(self, temperature: float, model: ViscosityModel = "d341") -> None:
+        """Raise where the model has no answer.
+
+        Raises
+        ------
+        DomainError
+            below the pour point, or outside the fluid's data.
+        """
+        low, high = self.span(model)
+        if low <= temperature <= high:
+            return
+        if model == "d341" and temperature < low:
+            why = "its pour point" if self.pour_point is not None else "where D341 holds (no pour point is stated)"
+            raise DomainError(f"{self.name}: {temperature:g} °C is below {why}, {low:g} °C")
+        raise DomainError(
+            f"{self.name}: {temperature:g} °C is outside the fluid's data ({model}), {low:g} to {high:g} °C"
+        )
+
+    def messages(self, lowest: float, highest: float, model: ViscosityModel = "d341") -> list[Message]:
+        """What a reader must know of results between two temperatures [°C]."""
+        found = []
+        if model == "d341" and not fluid_equations.astm_d341_reliable(lowest):
+            below = f"Below {ASTM_D341_RELIABLE_FROM:g} °C"
+            text = f"{below} ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times."
+            found.append(Message("warning", "viscosity_cold", text))
+        if model == "regression" and not self.study_regression:
+            text = f"The study's viscosity regression describes HIPOL ATF IID, not {self.name}."
+            found.append(Message("warning", "viscosity_of_another_fluid", text))
+        if model == "tabulated" and not self.table:
+            text = (
+                f"{self.name} has no table of viscosities: straight lines of log ν join its data-sheet points, which "
+                "between 40 and 100 °C can lie some 10 % above ASTM D341."
+            )
+            found.append(Message("warning", "viscosity_between_few_points", text))
+        if self.representative:
+            text = f"{self.name}: representative, not from the data sheet: {', '.join(self.representative)}."
+            found.append(Message("info", "fluid_representative", text))
+        if self.note:
+            found.append(Message("info", "fluid_note", f"{self.name}: {self.note}"))
+        span = self.points[0][0], self.points[-1][0]
+        if model == "d341" and highest > span[1] + 20.0:
+            text = f"{highest:g} °C is well above the data sheet's last point ({span[1]:g} °C)."
+            found.append(Message("warning", "viscosity_extrapolated", text))
+        return found
+
+    def _inside(self, temperature: Any, model: ViscosityModel) -> np.ndarray:
+        """The temperatures, NaN outside the model's span."""
+        temperature = np.asarray(temperature, dtype=float)
+        low, high = self.span(model)
+        if temperature.size and not (temperature.min() >= low and temperature.max() <= high):
+            return np.where((temperature >= low) & (temperature <= high), temperature, np.nan)
+        return temperature
+
+    def _density(self, temperature: np.ndarray, model: ViscosityModel) -> Any:
+        if model == "tabulated" and self.table:
+            return _between_points(temperature, self._knots[0], self._knots[2])
+        if model == "regression":
+            return fluid_equations.study_density(temperature)
+        at, density = self.density_at
+        line = np.subtract(temperature, at, out=np.empty(temperature.shape))
+        line *= self.density_slope
+        line += density
+        return line
+
+    def _viscosity(self, temperature: np.ndarray, model: ViscosityModel) -> Any:
+        if model == "d341":
+            return fluid_equations.astm_d341(temperature, *self.d341)
+        if model == "regression":
+            return fluid_equations.study_viscosity(temperature)
+        logarithm = np.asarray(_between_points(temperature, self._knots[0], self._knots[1]))
+        return np.exp(logarithm, out=logarithm) if logarithm.ndim else np.exp(logarithm)
+
+    @cached_property
+    def _knots(self) -> np.ndarray:
+        """Temperature, ln ν and (of a table) density of the tabulated points, as rows."""
+        temperatures, viscosities, *densities = np.array(self.table or self.points).T
+        return np.stack([temperatures, np.log(viscosities), *densities])
+
+    @cached_property
+    def d341(self) -> tuple[float, float]:
+        """Coefficients A and B of ASTM D341."""
+        (t_1, nu_1), (t_2, nu_2) = self.points[0], self.points[-1]
+        return fluid_equations.astm_d341_coefficients(t_1, nu_1, t_2, nu_2)
+
+
+def load_fluid(id_or_path: str | Path) -> Fluid:
+    """A shipped fluid by id, or a workshop's own by path.
+
+    Raises
+    ------
+    CatalogueError
+        naming file, table, key and value.
+    """
+    entry, origin = read_entry("fluids", id_or_path, FluidFile)
+    points = _falling("viscosity", entry.viscosity, origin)
+    rows = _falling("table", entry.table, origin)
+    return Fluid(
+        id=entry.id,
+        name=entry.name,
+        source=entry.source,
+        date=entry.date,
+        note=entry.note,
+        representative=tuple(entry.representative),
+        points=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6) for row in points),
+        table=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in rows),
+        density_at=(entry.density.at_c, entry.density.density_g_cm3 * 1e3),
+        density_slope=entry.density.density_slope_g_cm3_k * 1e3,
+        pour_point=entry.pour_point_c,
+        study_regression=entry.study_regression,
+        origin=origin,
+    )
+
+
+def fluids() -> list[Fluid]:
+    """Every shipped fluid."""
+    return [load_fluid(found) for found in catalogue_files("fluids")]
+
+
+def _falling(name: str, rows: list[ViscosityRow], origin: Origin) -> list[ViscosityRow]:
+    """Rows by temperature; the viscosity must fall with it."""
+    ordered = sorted(rows, key=lambda row: row.temperature_c)
+    for low, high in pairwise(ordered):
+        if low.temperature_c == high.temperature_c:
+            raise catalogue_error(
+                origin.path, name, "temperature_c", "temperature given twice", value=low.temperature_c
+            )
+        if high.kinematic_viscosity_mm2_s >= low.kinematic_viscosity_mm2_s:
+            raise catalogue_error(
+                origin.path,
+                name,
+                "kinematic_viscosity_mm2_s",
+                f"viscosity must fall from {low.temperature_c:g} to {high.temperature_c:g} °C",
+                value=high.kinematic_viscosity_mm2_s,
+                expected=f"less than {low.kinematic_viscosity_mm2_s:g} mm²/s",
+            )
+    return ordered
+
+
+def _between_points(at: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Straight lines between points; one line suffices where all of ``at`` lies between two neighbours."""
+    if at.size and at.ndim:
+        segment = int(np.clip(np.searchsorted(knots, at.min(), side="right") - 1, 0, len(knots) - 2))
+        if at.min() >= knots[segment] and at.max() <= knots[segment + 1]:
+            slope = (values[segment + 1] - values[segment]) / (knots[segment + 1] - knots[segment])
+            line = at - knots[segment]
+            line *= slope
+            line += values[segment]
+            return line
+    return np.interp(at, knots, values)
+
+
+def _plain(value: Any) -> Any:
+    return float(value) if np.ndim(value) == 0 else value
+
+
+class ViscosityTable(Strict):
+    temperature_c: float = Field(ge=-60, le=200)
+    kinematic_viscosity_mm2_s: float = Field(gt=0, le=1e6)
+
+
+class PropertyTable(ViscosityTable):
+    density_g_cm3: float = Field(gt=0.5, lt=1.5)
+
+
+class DensityTable(Strict):
+    density_g_cm3: float = Field(gt=0.5, lt=1.5)
+    at_c: Finite = 15.0
+    density_slope_g_cm3_k: float = Field(le=0, gt=-0.01)
+
+
+ViscosityRow = TypeVar("ViscosityRow", bound=ViscosityTable)
+
+
+class FluidFile(Entry):
+    representative: list[str] = []
+    study_regression: bool = False
+    pour_point_c: float | None = Field(default=None, ge=-80, le=20)
+    density: DensityTable
+    viscosity: list[ViscosityTable] = Field(min_length=2)
+    table: list[PropertyTable] = []
+
+    @field_validator("table")
+    @classmethod
+    def _two_rows(cls, rows: list[PropertyTable]) -> list[PropertyTable]:
+        if len(rows) == 1:
+            raise ValueError("at least two temperatures, or no table")
+        return rows

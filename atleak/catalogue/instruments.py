@@ -1,0 +1,146 @@
+"""A measuring instrument: how finely it reads, how well it is calibrated, and what its readings have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field
+
+from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, catalogue_files, read_entry
+from atleak.errors import InputError
+
+Part = Literal["spool", "sleeve"]
+DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"  # as in the source study
+DEFAULT_SLEEVE_INSTRUMENT = "bore_gauge"
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """What one instrument can tell of a diameter; standard uncertainties in metres.
+
+    ``common_part`` is the part of the calibration's variance that every reading of this instrument shares (its zero,
+    its setting ring, its scale): the correlation of two readings. The rest differs from place to place but is
+    the same for all readings of one part of one land. ``repeatability`` is the standard deviation of one reading, used
+    where a sheet has too few independent repeats to tell; None where it is not known.
+    """
+
+    id: str
+    name: str
+    source: str
+    date: str
+    note: str
+    measures: tuple[Part, ...]
+    resolution: float  # [m] the step between two possible readings
+    calibration: float  # [m] standard uncertainty
+    common_part: float  # of the variance, 0 … 1
+    repeatability: float | None  # [m] standard deviation of one reading
+    alike_inside_and_outside: bool  # its common error is one and the same in a bore and on a spool
+    representative: tuple[str, ...]
+    origin: Origin | None = None
+
+    @property
+    def common(self) -> float:
+        """Standard uncertainty [m] of the error that all readings of this instrument share."""
+        return self.calibration * self.common_part**0.5
+
+    @property
+    def own(self) -> float:
+        """Standard uncertainty [m] of the calibration error that differs from one place to the next."""
+        return self.calibration * (1.0 - self.common_part) ** 0.5
+
+
+@dataclass(frozen=True)
+class Instruments:
+    """With what the two parts of a pair were measured."""
+
+    spool: Instrument
+    sleeve: Instrument
+
+    def of(self, part: Part) -> Instrument:
+        return self.spool if part == "spool" else self.sleeve
+
+    @property
+    def checked(self) -> Instruments:
+        """These instruments, each able to reach its part.
+
+        Raises
+        ------
+        InputError
+            an instrument that cannot: a micrometer in a bore.
+        """
+        parts: tuple[Part, ...] = ("spool", "sleeve")
+        for part in parts:
+            instrument = self.of(part)
+            if part not in instrument.measures:
+                able = ", ".join(other.id for other in instruments() if part in other.measures)
+                raise InputError(
+                    f"{instrument.name} does not measure a {part}",
+                    value=instrument.id,
+                    expected=f"one of {able}, or a file of the workshop's own",
+                )
+        return self
+
+    @property
+    def err_alike(self) -> bool:
+        """Whether both parts share one common error, which then drops out of D − d."""
+        return self.spool == self.sleeve and self.spool.alike_inside_and_outside
+
+
+def load_instrument(id_or_path: str | Path) -> Instrument:
+    """A shipped instrument by id, or a workshop's own by path.
+
+    Raises
+    ------
+    CatalogueError
+        naming file, table, key and value.
+    """
+    entry, origin = read_entry("instruments", id_or_path, InstrumentFile)
+    return Instrument(
+        id=entry.id,
+        name=entry.name,
+        source=entry.source,
+        date=entry.date,
+        note=entry.note,
+        measures=tuple(entry.measures),
+        resolution=entry.resolution_um * 1e-6,
+        calibration=entry.calibration_um * 1e-6,
+        common_part=entry.common_part,
+        repeatability=None if entry.repeatability_um is None else entry.repeatability_um * 1e-6,
+        alike_inside_and_outside=entry.alike_inside_and_outside,
+        representative=tuple(entry.representative),
+        origin=origin,
+    )
+
+
+def instruments() -> list[Instrument]:
+    """Every shipped instrument."""
+    return [load_instrument(found) for found in catalogue_files("instruments")]
+
+
+def load_instruments(
+    spool: str | Path = DEFAULT_SPOOL_INSTRUMENT, sleeve: str | Path = DEFAULT_SLEEVE_INSTRUMENT
+) -> Instruments:
+    """The two instruments of a measuring sheet.
+
+    Raises
+    ------
+    CatalogueError
+        no such instrument, or a file that does not say what it must.
+    InputError
+        an instrument that cannot reach that part: a micrometer in a bore.
+    """
+    return Instruments(load_instrument(spool), load_instrument(sleeve)).checked
+
+
+class InstrumentFile(Entry):
+    """The catalogue file; ``representative`` lists the keys whose values are no instrument's own certificate."""
+
+    measures: list[Part] = Field(min_length=1)
+    resolution_um: Positive
+    calibration_um: NonNegative
+    common_part: float = Field(ge=0, le=1)
+    repeatability_um: NonNegative | None = None
+    alike_inside_and_outside: bool = True
+    representative: list[Literal["resolution_um", "calibration_um", "common_part", "repeatability_um"]] = []

@@ -1,0 +1,330 @@
+"""Leakage at one condition: clearances, pressures and a fluid in; the flow of every gap, and of the pump, out.
+
+To change the physics read only this file. It calls the published equations of `atleak.equations` and adds nothing but
+the order in which they are used:
+
+1. The clearance of a gap grows with temperature (`GapGeometry.effective_clearance`).
+2. The pressures before and behind it follow from main and converter pressure (`GapGeometry.pressure_drop`); a negative
+   drop leaks nothing.
+3. The gap law gives the flow (`GapLaw.flow`), with the fluid's viscosity and density at that temperature.
+4. The pump delivers what it displaces less its slip (`PumpFlow.capacity`).
+
+`atleak.engine.series` computes the leakage of every sample of a log by other means, because going through this file for
+each
+gap and each sample would take a hundred times as long. It must give the same numbers:
+``tests/unit/engine/test_series.py``
+shows whether it does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, SECTIONS, Controller, Gap, Land, OperatingPoint, Pump
+from atleak.catalogue.fluid import Fluid
+from atleak.engine.profile import Profile
+from atleak.equations import clearance as clearance_equations
+from atleak.equations import gap as gap_equations
+from atleak.equations import pump as pump_equations
+from atleak.errors import Message
+from atleak.workshop_units import PERCENT, UM
+
+#: Part of the flow [-] from which on an entry loss that is not computed is reported: choice of this project.
+ENTRY_LOSS_WORTH_SAYING = 0.02
+
+
+class Clearance(Protocol):
+    """Hold what the engine needs to know of a land's measured or assumed state."""
+
+    land: Land
+    spool_diameter: float  # [m]
+    sleeve_diameter: float  # [m]
+    radial_clearance: float  # [m]
+
+
+@dataclass(frozen=True)
+class GapLeakage:
+    """One gap at one condition: every factor of its gap law, and the flow."""
+
+    gap: Gap
+    pressure_drop: float  # [Pa], as it is: a negative one leaks nothing
+    diameter: float  # [m], the one in the gap law
+    contact_length: float  # [m]
+    effective_clearance: float  # [m]
+    kinematic_viscosity: float  # [m²/s]
+    density: float  # [kg/m³]
+    leakage: float  # [m³/s]
+    drawn_from_pump: bool
+    reynolds_number: float
+
+
+# --- a gap
+
+
+@dataclass(frozen=True)
+class GapGeometry:
+    """A gap with the clearance of its land: what stays the same at every pressure and with every fluid."""
+
+    gap: Gap
+    spool_diameter: float  # [m]
+    contact_length: float  # [m]
+    radial_clearance: float  # [m], cold
+    thermal_rate: float  # [m/K]
+    drawn_from_pump: bool
+
+    def effective_clearance(self, temperature: Any) -> Any:
+        """Give the radial clearance [m] at a temperature [°C]: zero where the spool binds."""
+        rise = temperature - REFERENCE_TEMPERATURE
+        return clearance_equations.effective_clearance(self.radial_clearance, self.thermal_rate, rise)
+
+    def pressure_drop(self, pressures: dict[str, Any]) -> Any:
+        """Give the pressure before the gap minus that behind it [Pa] from the pressures of the sections."""
+        return sum(coefficient * pressures[section] for section, coefficient in self.drop_coefficients)
+
+    @cached_property
+    def drop_coefficients(self) -> tuple[tuple[str, float], ...]:
+        """List (section, coefficient) of the pressures that make up the drop: p_g to 0.1 p_g is 0.9 p_g."""
+        coefficients = dict.fromkeys(SECTIONS, 0.0)
+        for end, sign in ((self.gap.high, 1.0), (self.gap.low, -1.0)):
+            if end.section is not None:
+                coefficients[end.section] += sign * end.coefficient
+        return tuple((section, value) for section, value in coefficients.items() if value)
+
+
+@dataclass(frozen=True)
+class GapLaw:
+    """The law of the annular gap with the options of a profile: diameter, eccentricity and entry loss."""
+
+    profile: Profile
+
+    @property
+    def linear(self) -> bool:
+        """Tell whether the flow is in proportion to the pressure drop and to one over the dynamic viscosity."""
+        return not self.profile.entry_loss
+
+    @cached_property
+    def eccentricity_factor(self) -> float:
+        """Compute how much more than a concentric gap every gap leaks [-]."""
+        return float(gap_equations.eccentricity_factor(self.profile.eccentricity, 1.0))
+
+    def diameter(self, spool_diameter: Any, clearance: Any) -> Any:
+        """Give the diameter [m] on which the gap's circumference is taken."""
+        return spool_diameter + clearance if self.profile.diameter == "mean" else spool_diameter
+
+    def flow(
+        self,
+        pressure_drop: Any,
+        diameter: Any,
+        clearance: Any,
+        kinematic_viscosity: Any,
+        density: Any,
+        contact_length: Any,
+    ) -> Any:
+        """Give the volume flow [m³/s]; arguments as those of `atleak.equations.gap.annular_flow`."""
+        factors = (pressure_drop, diameter, clearance, kinematic_viscosity, density, contact_length)
+        if not self.linear:
+            return self.eccentricity_factor * gap_equations.entry_loss_flow(*factors)
+        eccentricity = self.profile.eccentricity * clearance if self.profile.eccentricity else 0.0
+        return gap_equations.annular_flow(*factors, eccentricity)
+
+
+# --- the pump
+
+
+@dataclass(frozen=True)
+class PumpFlow:
+    """What the pump delivers, with Wilson's slip or with a constant volumetric efficiency.
+
+    The pump's slip coefficient and efficiency may be arrays, as may every argument.
+    """
+
+    pump: Pump
+    with_slip: bool  # only of a pump with a slip coefficient
+
+    @property
+    def per_revolution(self) -> Any:
+        """Give what it delivers in one revolution before slip [m³]."""
+        return self.pump.displacement * (1.0 if self.with_slip else self.pump.volumetric_efficiency)
+
+    def slip(self, main_pressure: Any, dynamic_viscosity: Any) -> Any:
+        """Give the flow that slips back [m³/s] at any speed; zero where the efficiency is a constant."""
+        if not self.with_slip:
+            return 0.0
+        coefficient: Any = self.pump.slip_coefficient  # there is one: see `with_slip`
+        return pump_equations.slip_flow(self.pump.displacement, coefficient, main_pressure, dynamic_viscosity)
+
+    def capacity(self, engine_speed: Any, main_pressure: Any, dynamic_viscosity: Any) -> Any:
+        """Give what it delivers [m³/s] at an engine speed [1/s]; never below zero."""
+        if not self.with_slip:
+            return pump_equations.capacity(self.pump.displacement, engine_speed, self.pump.volumetric_efficiency)
+        displaced = pump_equations.capacity(self.pump.displacement, engine_speed, 1.0)
+        return np.maximum(displaced - self.slip(main_pressure, dynamic_viscosity), 0.0)
+
+    def minimum_speed(self, leakage: Any, main_pressure: Any, dynamic_viscosity: Any) -> Any:
+        """Give the lowest engine speed [1/s] at which it covers a leakage [m³/s] and its own slip."""
+        return pump_equations.minimum_speed(leakage, self.slip(main_pressure, dynamic_viscosity), self.per_revolution)
+
+
+# --- the whole
+
+
+@dataclass(frozen=True)
+class LeakageModel:
+    """A controller with given clearances, a fluid and a profile, ready to be evaluated at any condition.
+
+    Leakage is what the profile's ``pump_draw`` says: every gap, or what ends in the sump.
+    """
+
+    controller: Controller
+    clearances: tuple[Clearance, ...]
+    fluid: Fluid
+    profile: Profile
+
+    @cached_property
+    def law(self) -> GapLaw:
+        """Return the gap law as the profile has it."""
+        return GapLaw(self.profile)
+
+    @cached_property
+    def pump(self) -> PumpFlow:
+        """Return the pump as the profile counts it: with slip only where the controller states a coefficient."""
+        pump = self.controller.pump
+        return PumpFlow(pump, self.profile.pump_efficiency == "wilson" and pump.slip_coefficient is not None)
+
+    @cached_property
+    def geometries(self) -> tuple[GapGeometry, ...]:
+        """List every gap of the controller, in its order, with the clearance of its land."""
+        states = {state.land.key: state for state in self.clearances}
+        rates = {
+            key: state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter) for key, state in states.items()
+        }
+        every = self.profile.pump_draw == "all_gaps"
+        return tuple(
+            GapGeometry(
+                gap=gap,
+                spool_diameter=states[gap.key].spool_diameter,
+                contact_length=states[gap.key].land.contact_length,
+                radial_clearance=states[gap.key].radial_clearance,
+                thermal_rate=rates[gap.key],
+                drawn_from_pump=every or gap.into_sump,
+            )
+            for gap in self.controller.gaps
+        )
+
+    def gaps(self, condition: OperatingPoint) -> tuple[GapLeakage, ...]:
+        """Compute every gap of the condition's gear.
+
+        Raises
+        ------
+        DomainError
+            temperature outside the fluid's data.
+        """
+        temperature, model = condition.temperature, self.profile.viscosity
+        self.fluid.require(temperature, model)
+        viscosity = self.fluid.kinematic_viscosity(temperature, model)
+        density = self.fluid.density(temperature, model)
+        pressures = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
+        found = []
+        for geometry in self.geometries:
+            if condition.gear not in geometry.gap.gears:
+                continue
+            drop = float(geometry.pressure_drop(pressures))
+            clearance = float(geometry.effective_clearance(temperature))
+            diameter = float(self.law.diameter(geometry.spool_diameter, clearance))
+            flow = self.law.flow(max(drop, 0.0), diameter, clearance, viscosity, density, geometry.contact_length)
+            found.append(
+                GapLeakage(
+                    gap=geometry.gap,
+                    pressure_drop=drop,
+                    diameter=diameter,
+                    contact_length=geometry.contact_length,
+                    effective_clearance=clearance,
+                    kinematic_viscosity=viscosity,
+                    density=density,
+                    leakage=flow,
+                    drawn_from_pump=geometry.drawn_from_pump,
+                    reynolds_number=gap_equations.reynolds_number(flow, diameter, viscosity),
+                )
+            )
+        return tuple(found)
+
+    def dynamic_viscosity(self, temperature: Any) -> Any:
+        """Give μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data."""
+        return self.fluid.dynamic_viscosity(temperature, self.profile.viscosity)
+
+    def pump_capacity(self, engine_speed: Any, main_pressure: Any, temperature: Any) -> Any:
+        """Give what the pump delivers [m³/s] at an engine speed [1/s]; never below zero."""
+        return self.pump.capacity(engine_speed, main_pressure, self._viscosity_for_slip(temperature))
+
+    def pump_slip(self, main_pressure: Any, temperature: Any) -> Any:
+        """Give Wilson's slip flow [m³/s], which does not depend on speed."""
+        return self.pump.slip(main_pressure, self._viscosity_for_slip(temperature))
+
+    @property
+    def uses_slip(self) -> bool:
+        """Tell whether the pump's efficiency follows from slip rather than from a constant."""
+        return self.pump.with_slip
+
+    def minimum_speed(self, leakage: float, main_pressure: float, temperature: float) -> float:
+        """Give the lowest engine speed [1/s] at which the pump covers a leakage [m³/s] at that pressure."""
+        return float(self.pump.minimum_speed(leakage, main_pressure, self._viscosity_for_slip(temperature)))
+
+    def _viscosity_for_slip(self, temperature: Any) -> Any:
+        """Compute μ [Pa·s] only where there is slip to compute: over a log it takes longer than all the rest."""
+        return self.dynamic_viscosity(temperature) if self.uses_slip else None
+
+
+# --- what a reader must know
+
+
+def gap_messages(gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
+    """Report reversed drops, narrow gaps, entry loss and turbulence at one condition."""
+    found = []
+    at = condition.label
+
+    def names(chosen: list[GapLeakage]) -> str:
+        return ", ".join(sorted({f"{gap.gap.component} land {gap.gap.land}" for gap in chosen}))
+
+    reversed_ = [gap for gap in gaps if gap.pressure_drop < 0]
+    if reversed_:
+        text = f"{at}: the pressure drop is negative and counts as no leakage at {names(reversed_)}."
+        found.append(Message("warning", "reversed_pressure_drop", text))
+    regime = gap_equations.obliteration(np.array([gap.effective_clearance for gap in gaps]))
+    narrow = [gap for gap, state in zip(gaps, regime, strict=True) if state != "free"]
+    if narrow:
+        text = (
+            f"{at}: under {gap_equations.FREE_CLEARANCE * UM:g} µm the boundary layer partly closes a gap, so the "
+            f"leakage given is an upper bound: {names(narrow)}."
+        )
+        found.append(Message("info", "partly_closed_gap", text))
+    lossy = [gap for gap in gaps if entry_loss_share(gap) > ENTRY_LOSS_WORTH_SAYING]
+    if lossy:
+        part = f"{ENTRY_LOSS_WORTH_SAYING * PERCENT:g} %"
+        text = f"{at}: entry loss would take more than {part} off the flow at {names(lossy)}."
+        found.append(Message("info", "entry_loss", text))
+    fast = [gap for gap in gaps if gap.reynolds_number > gap_equations.LAMINAR_REYNOLDS]
+    if fast:
+        limit = f"{gap_equations.LAMINAR_REYNOLDS:g}"
+        text = f"{at}: Reynolds number over {limit}, the flow may not be laminar, at {names(fast)}."
+        found.append(Message("warning", "not_laminar", text))
+    return found
+
+
+def entry_loss_share(gap: GapLeakage) -> float:
+    """Give the fraction of the gap law's flow that the entry loss would take off [-]."""
+    if gap.pressure_drop <= 0 or gap.effective_clearance <= 0:
+        return 0.0
+    factors = (
+        gap.pressure_drop,
+        gap.diameter,
+        gap.effective_clearance,
+        gap.kinematic_viscosity,
+        gap.density,
+        gap.contact_length,
+    )
+    return 1.0 - gap_equations.entry_loss_flow(*factors) / gap_equations.annular_flow(*factors)

@@ -1,0 +1,131 @@
+"""Profiles: how the engine computes. ``paper`` as the source study printed, ``workshop`` the better physics."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields, replace
+from types import MappingProxyType
+from typing import Any, Literal
+
+from atleak.catalogue.fluid import VISCOSITY_MODELS, ViscosityModel
+from atleak.errors import InputError, nearest_name
+from atleak.written_numbers import decimal_number
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Say how the engine computes: a set of options.
+
+    Attributes
+    ----------
+    diameter
+        ``spool``: the gap law with the spool's diameter, as the study prints. ``mean``: with spool diameter plus
+        effective clearance, which agrees with the exact annulus to (c/r)²/60.
+    viscosity
+        ``tabulated``, ``d341`` or ``regression``: see `atleak.catalogue.fluid.Fluid.kinematic_viscosity`; the density
+        goes
+        with it.
+    pump_draw
+        ``all_gaps``: the sum of every gap, as the study. ``into_sump``: only what ends in the sump, so that flow into
+        another section is not counted a second time when it leaves that section.
+    pump_efficiency
+        ``constant``: the controller's volumetric efficiency. ``wilson``: with the controller's slip coefficient,
+        where it states one.
+    entry_loss
+        Whether the kinetic loss at a gap's entry is subtracted. It breaks linearity in pressure.
+    eccentricity
+        e/c, the same for every gap: 0 concentric, 1 touching (2.5 times the flow).
+    """
+
+    name: str
+    diameter: Literal["mean", "spool"]
+    viscosity: ViscosityModel
+    pump_draw: Literal["into_sump", "all_gaps"]
+    pump_efficiency: Literal["wilson", "constant"]
+    entry_loss: bool = False
+    eccentricity: float = 0.0
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Return every option but the name."""
+        return {name: value for name, value in asdict(self).items() if name != "name"}
+
+    @property
+    def label(self) -> str:
+        """Join the name and what was set apart from it: ``workshop, diameter=spool``."""
+        base = PROFILES[self.name].options
+        changed = [f"{name}={_text(value)}" for name, value in self.options.items() if base[name] != value]
+        return ", ".join([self.name, *changed])
+
+    def with_options(self, **options: Any) -> Profile:
+        """Return this profile with some options set.
+
+        Raises
+        ------
+        InputError
+            unknown option, or a value that it does not take: naming the nearest.
+        """
+        return replace(self, **{name: _checked(name, value) for name, value in options.items()})
+
+
+PAPER = Profile("paper", "spool", "tabulated", "all_gaps", "constant")
+WORKSHOP = Profile("workshop", "mean", "d341", "into_sump", "wilson")
+PROFILES = MappingProxyType({"workshop": WORKSHOP, "paper": PAPER})
+
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "diameter": ("mean", "spool"),
+    "viscosity": VISCOSITY_MODELS,
+    "pump_draw": ("into_sump", "all_gaps"),
+    "pump_efficiency": ("wilson", "constant"),
+}
+_SWITCH = {"on": True, "off": False, "true": True, "false": False, "1": True, "0": False}
+
+
+def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
+    """Find a profile by name, with options given as text (``{"entry_loss": "on"}``).
+
+    Raises
+    ------
+    InputError
+        unknown profile, option or value.
+    """
+    if name not in PROFILES:
+        raise InputError(
+            "no such profile",
+            value=name,
+            expected=f"one of {', '.join(PROFILES)}",
+            nearest=nearest_name(name, PROFILES),
+        )
+    return PROFILES[name].with_options(**(settings or {}))
+
+
+def _checked(name: str, value: Any) -> Any:
+    known = [field.name for field in fields(Profile) if field.name != "name"]
+    if name not in known:
+        raise InputError(
+            "no such option",
+            value=name,
+            expected=f"one of {', '.join(known)}",
+            nearest=nearest_name(name, known),
+        )
+    if name in _CHOICES:
+        if value not in _CHOICES[name]:
+            raise InputError(
+                f"option {name} does not take this value",
+                value=value,
+                expected=f"one of {', '.join(_CHOICES[name])}",
+                nearest=nearest_name(str(value), _CHOICES[name]),
+            )
+        return value
+    if name == "entry_loss":
+        switch = _SWITCH.get(str(value).lower())
+        if switch is None:
+            raise InputError("option entry_loss does not take this value", value=value, expected="on or off")
+        return switch
+    ratio = decimal_number(str(value))
+    if ratio is None or not 0.0 <= ratio <= 1.0:
+        raise InputError("option eccentricity does not take this value", value=value, expected="a number 0 to 1")
+    return ratio
+
+
+def _text(value: Any) -> str:
+    return {True: "on", False: "off"}.get(value, str(value)) if isinstance(value, bool) else str(value)

@@ -1,0 +1,152 @@
+"""The same controller at stated conditions: other temperatures and speeds, other wear, later mileages."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
+from atleak.equations.clearance import worn_clearance
+from atleak.errors import InputError, Message
+from atleak.readings import LandClearance
+
+
+@dataclass(frozen=True)
+class Projection:
+    """Leakage and pump at one stated condition."""
+
+    condition: OperatingPoint
+    pressures: dict[str, float]  # [Pa] by section
+    gaps: tuple[GapLeakage, ...]
+    leakage: float  # [m³/s] drawn from the pump, as the profile counts it
+    pump_capacity: float  # [m³/s]
+    minimum_speed: float  # [1/s] below which the pump cannot hold the pressure
+    messages: tuple[Message, ...]
+
+    @property
+    def share(self) -> float:
+        """Leakage / pump capacity; infinite where the pump delivers nothing."""
+        return self.share_of(self.leakage)
+
+    def share_of(self, leakage: float) -> float:
+        """Some leakage [m³/s] as a share of this condition's pump capacity; no leakage has no share of any."""
+        if self.pump_capacity > 0.0:
+            return leakage / self.pump_capacity
+        return math.inf if leakage > 0.0 else 0.0
+
+    def gaps_of(self, key: tuple[str, int]) -> tuple[GapLeakage, ...]:
+        """The gaps of one land."""
+        return tuple(gap for gap in self.gaps if gap.gap.key == key)
+
+    def leakage_of(self, key: tuple[str, int]) -> float:
+        """Leakage through every gap of one land [m³/s], whether or not it counts as drawn from the pump."""
+        return sum(gap.leakage for gap in self.gaps_of(key))
+
+    def drawn_by(self, key: tuple[str, int]) -> float:
+        """What of it counts in the total [m³/s]."""
+        return sum(gap.leakage for gap in self.gaps_of(key) if gap.drawn_from_pump)
+
+
+def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
+    """Leakage, pump and share at one condition.
+
+    Raises
+    ------
+    DomainError
+        temperature outside the fluid's data.
+    """
+    gaps = model.gaps(condition)
+    leakage = sum(gap.leakage for gap in gaps if gap.drawn_from_pump)
+    where = (condition.main_pressure, condition.temperature)
+    return Projection(
+        condition=condition,
+        pressures={
+            name: float(value)
+            for name, value in model.controller.section_pressures(
+                condition.main_pressure, condition.converter_pressure
+            ).items()
+        },
+        gaps=gaps,
+        leakage=leakage,
+        pump_capacity=float(model.pump_capacity(condition.engine_speed, *where)),
+        minimum_speed=model.minimum_speed(leakage, *where),
+        messages=(*gap_messages(gaps, condition), *_relation_messages(model.controller, condition)),
+    )
+
+
+def _relation_messages(controller: Controller, condition: OperatingPoint) -> Iterable[Message]:
+    for section, above in controller.above_main(condition.main_pressure).items():
+        if above:
+            text = f"{condition.label}: {section} would be above main pressure, where its relation does not hold."
+            yield Message("warning", "pressure_relation", text)
+
+
+def stated_condition(
+    controller: Controller,
+    *,
+    temperature: float | None = None,
+    engine_speed: float | None = None,
+    gear: int | None = None,
+) -> OperatingPoint:
+    """The controller's first operating point, with what is given put in its place.
+
+    Raises
+    ------
+    InputError
+        a gear the controller does not have, or a speed that is not positive.
+    """
+    point = controller.operating_points[0]
+    if temperature is None and engine_speed is None and gear is None:
+        return point
+    if gear is not None and gear not in controller.gears:
+        gears = ", ".join(map(str, controller.gears))
+        raise InputError(f"{controller.name} has no such gear", value=gear, expected=f"one of {gears}")
+    if engine_speed is not None and not (engine_speed > 0.0 and math.isfinite(engine_speed)):
+        raise InputError("engine speed not accepted", value=engine_speed * 60.0, expected="more than 0 rpm")
+    if temperature is not None and not math.isfinite(temperature):
+        raise InputError("temperature not accepted", value=temperature, expected="a number in °C")
+    point = replace(
+        point,
+        name="stated",
+        temperature=point.temperature if temperature is None else temperature,
+        engine_speed=point.engine_speed if engine_speed is None else engine_speed,
+        gear=point.gear if gear is None else gear,
+        source=f"set by the user; pressures of {point.label}",
+    )
+    label = f"gear {point.gear}, {point.temperature:g} °C, {point.engine_speed * 60.0:.0f} rpm"
+    return replace(point, label=label)
+
+
+def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[LandClearance, ...]:
+    """Every cold radial clearance grown by a fraction of itself: the sleeve opens, the spool keeps its diameter.
+
+    This is how the source study models wear (W3, W4): the thermal term is added afterwards and not scaled.
+    """
+    return tuple(
+        _with_clearance(state, worn_clearance(state.radial_clearance, increment * state.radial_clearance))
+        for state in clearances
+    )
+
+
+def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
+    """The same unit with some lands brought back to their mounting clearance."""
+    chosen = set(lands)
+    return tuple(
+        _with_clearance(state, state.land.mounting_clearance) if state.land.key in chosen else state
+        for state in clearances
+    )
+
+
+def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
+    sleeve = state.spool_diameter + 2.0 * radial_clearance
+    return replace(state, radial_clearance=radial_clearance, sleeve_diameter=sleeve)
+
+
+def mileage_at_wear(mileage: float, wear: float, limit: float) -> float | None:
+    """Mileage at which wear that grew in proportion to it reaches a limit, in the unit given; None without wear.
+
+    Proportional wear is an assumption of this project: wear accelerates with contaminated fluid.
+    """
+    return mileage * limit / wear if wear > 0.0 and mileage > 0.0 else None

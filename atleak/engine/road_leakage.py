@@ -1,0 +1,192 @@
+"""Leakage and pump over a road test: what the engine says of every sample, and the instants worth knowing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from atleak.catalogue.controller import SECTIONS, OperatingPoint
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.series import LeakageSeries, leakage_series
+from atleak.errors import Message, Place, RoadTestError
+from atleak.road_test import RoadTest
+
+
+@dataclass(frozen=True)
+class Instant:
+    """One sample of a log worth knowing."""
+
+    time: float  # [s]
+    leakage: float  # [m³/s]
+    pump_capacity: float | None  # [m³/s], None where no engine speed was logged
+    share: float | None
+
+
+@dataclass(frozen=True)
+class RoadLeakage:
+    """Leakage over a road test; arrays have shape (samples,) and are NaN where a channel was not usable."""
+
+    road_test: RoadTest
+    time: np.ndarray  # [s]
+    leakage: np.ndarray  # [m³/s]
+    sections: dict[str, np.ndarray]  # [m³/s]
+    pump_capacity: np.ndarray | None  # [m³/s]
+    gears: tuple[int, ...]
+    section_shares: dict[str, float | None]  # of the volume leaked
+    max_leakage: Instant | None
+    min_leakage: Instant | None
+    max_share: Instant | None
+    messages: tuple[Message, ...]
+
+    @property
+    def share(self) -> np.ndarray | None:
+        """Leakage / pump capacity of every sample; NaN where the pump stands."""
+        if self.pump_capacity is None:
+            return None
+        capacity = np.where(self.pump_capacity > 0.0, self.pump_capacity, np.nan)
+        return self.leakage / capacity
+
+
+def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadLeakage:
+    """The engine over a road test.
+
+    Parameters
+    ----------
+    model
+        controller with its clearances, fluid and profile.
+    road_test
+        needs main pressure. Converter pressure, temperature and gear are taken from ``assumed`` where the log has
+        none, and a message says so; without engine speed there is no pump capacity and no share.
+
+    Raises
+    ------
+    RoadTestError
+        where the log has no main pressure or no usable sample of it.
+    """
+    main = road_test.values("main_pressure")
+    if main is None or not np.isfinite(main).any():
+        found = "no main pressure" if main is None else "no usable sample of main pressure"
+        raise RoadTestError(
+            f"the log has {found}, without which leakage cannot be computed",
+            place=Place(file=road_test.file),
+            expected="a column p_g [kPa] (or bar, psi)",
+        )
+    messages: list[Message] = []
+
+    def channel(quantity: str, value: float, said: str) -> np.ndarray:
+        values = road_test.values(quantity)
+        if values is not None:
+            return values
+        text = f"The log has no {quantity.replace('_', ' ')}: {said} is assumed for all of it."
+        messages.append(Message("warning", f"assumed_{quantity}", text))
+        return np.full(len(road_test.time), value)
+
+    converter = channel(
+        "converter_pressure",
+        assumed.converter_pressure,
+        f"{assumed.converter_pressure / 1e3:g} kPa ({assumed.label})",
+    )
+    temperature = channel("atf_temperature", assumed.temperature, f"{assumed.temperature:g} °C ({assumed.label})")
+    gear = channel("gear", float(assumed.gear), f"gear {assumed.gear} ({assumed.label})")
+    series = leakage_series(model, main, converter, temperature, gear, sections=True)
+    if not np.isfinite(series.total).any():
+        low, high = model.fluid.span(model.profile.viscosity)
+        raise RoadTestError(
+            f"no sample of the log has usable values of pressure, temperature and gear together "
+            f"({series.other_gear} in a gear this controller does not have, {series.outside_fluid} at a temperature "
+            f"outside the fluid's data)",
+            place=Place(file=road_test.file),
+            expected=f"gears {', '.join(map(str, model.controller.gears))}, temperatures from {low:g} to {high:g} °C",
+        )
+    speed = road_test.values("engine_speed")
+    if speed is None:
+        text = "The log has no engine speed: pump capacity and share over the log are not known."
+        messages.append(Message("warning", "no_engine_speed", text))
+        capacity = None
+    else:
+        capacity = np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
+        idle = int(np.count_nonzero((capacity <= 0.0) & (series.total > 0.0)))
+        if idle:
+            text = (
+                f"In {idle} of {len(road_test.time)} samples the pump delivers nothing while pressure stands: no share "
+                "can be given there, and the largest share is that of the other samples."
+            )
+            messages.append(Message("warning", "pump_delivers_nothing", text))
+    messages += _series_messages(series, len(road_test.time), model)
+    for section, above in model.controller.above_main(main).items():
+        if above.any():
+            text = (
+                f"In {np.count_nonzero(above)} of {len(above)} samples {section} would be above main pressure, where "
+                "its relation does not hold: its leakage there is too high."
+            )
+            messages.append(Message("warning", "pressure_relation", text))
+    known = gear[np.isfinite(series.total)]
+    result = RoadLeakage(
+        road_test=road_test,
+        time=road_test.time,
+        leakage=series.total,
+        sections=series.sections,
+        pump_capacity=capacity,
+        gears=tuple(int(number) for number in np.unique(known)),
+        section_shares=_section_shares(series.sections, road_test.time),
+        max_leakage=None,
+        min_leakage=None,
+        max_share=None,
+        messages=tuple(messages),
+    )
+    share = result.share
+    instants = {
+        "max_leakage": _instant(result, int(np.nanargmax(series.total))),
+        "min_leakage": _instant(result, int(np.nanargmin(series.total))),
+        "max_share": None
+        if share is None or not np.isfinite(share).any()
+        else _instant(result, int(np.nanargmax(share))),
+    }
+    return replace(result, **instants)
+
+
+def _instant(result: RoadLeakage, index: int) -> Instant:
+    capacity = None if result.pump_capacity is None else float(result.pump_capacity[index])
+    if capacity is not None and not np.isfinite(capacity):
+        capacity = None
+    leakage = float(result.leakage[index])
+    return Instant(float(result.time[index]), leakage, capacity, leakage / capacity if capacity else None)
+
+
+def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[str, float | None]:
+    """Each section's part of the volume leaked; a sample stands for the time to the next, a gap for the usual step."""
+    steps = np.diff(time, append=np.nan)
+    forward = steps[steps > 0.0]
+    usual = float(np.median(forward)) if forward.size else 1.0
+    steps = np.where((steps > 0.0) & (steps <= 10.0 * usual), steps, usual)
+    volumes = {name: float(np.nansum(flow * steps)) for name, flow in sections.items()}
+    total = sum(volumes.values())
+    return {name: volumes[name] / total if total > 0.0 else None for name in SECTIONS}
+
+
+def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> list[Message]:
+    found = []
+    for section, count in series.reversed_samples.items():
+        if count:
+            text = (
+                f"In {count} of {size} samples a pressure drop of section {section} is negative and counts as no "
+                "leakage."
+            )
+            found.append(Message("warning", "reversed_pressure_drop", text))
+    if series.other_gear:
+        gears = ", ".join(map(str, model.controller.gears))
+        text = f"{series.other_gear} of {size} samples are in no gear of this controller ({gears}) and are left out."
+        found.append(Message("warning", "other_gear", text))
+    if series.outside_fluid:
+        low, high = model.fluid.span(model.profile.viscosity)
+        text = (
+            f"{series.outside_fluid} of {size} samples are at a temperature outside the data of {model.fluid.name} "
+            f"({low:g} to {high:g} °C) and are left out."
+        )
+        found.append(Message("warning", "outside_fluid", text))
+    missing = int(np.count_nonzero(~np.isfinite(series.total))) - series.other_gear - series.outside_fluid
+    if missing > 0:
+        text = f"{missing} of {size} samples lack a usable value of pressure, temperature or gear and are left out."
+        found.append(Message("info", "samples_left_out", text))
+    return found

@@ -1,0 +1,364 @@
+"""Leakage of every sample of a log: the same physics as `atleak.engine.leakage`, in an order that costs little.
+
+The physics is changed in ``leakage.py``. This file must agree with it, and ``tests/unit/engine/test_series.py`` shows
+whether
+it does: against a slow loop over samples and gaps, and against ``leakage.py`` at single conditions.
+
+Why it is quick
+---------------
+One gap leaks ``q = Δp · π D c³ / (12 μ l)``.
+
+1. *Polynomials.* The clearance is linear in temperature, ``c = c_r + a τ`` with ``τ = T − T₀``, and so is the diameter
+   D where it is the mean one. Hence ``π D c³ / 12 l = P(τ)``, a polynomial of degree 4: its five coefficients are
+   computed once and hold for every sample.
+2. *Groups.* Gaps whose pressure drops differ in size only (0.9 p_g and 0.5 p_g) leak ``μ q = p_g (0.9 P₁ + 0.5 P₂)``:
+   their polynomials are added up once. So 600 gaps cost what 6 do.
+3. *Powers.* The powers 1, τ … τ⁴ of all samples are the rows of a matrix. One product with the matrix of coefficients
+   gives the polynomials of all groups at all samples.
+4. *Straight lines.* p_s and p_m are straight lines in p_g up to the limit of their valves, and every drop is a sum of
+   section pressures. Where no limit begins among some samples, the total is therefore linear in the two measured
+   pressures: ``μ q = p_g M₁(τ) + p_k M₂(τ) + M₃(τ)``. Three polynomials, whatever the number of gaps and groups; the
+   viscosity of a sample costs more than its flow.
+
+What breaks it, and what is done then
+-------------------------------------
+- A drop that turns negative leaks nothing, so that a sum of drops is no straight line (4). A line is lowest at an end:
+  the lowest and highest pressures of some samples show whether any drop of theirs is negative. Where one is, or the
+  limit of a valve begins, those samples are computed group by group (3).
+- The flow of a section is a sum over groups: where sections are asked for, all samples are computed group by group.
+- A gap that closes in the cold leaves its polynomial (1): it is computed on its own, by the gap law of ``leakage.py``,
+  wherever the range of temperature of some samples reaches so far.
+- With entry loss a flow is not linear in its drop (2): every gap is computed on its own.
+
+A log is worked through in chunks that fit the processor's cache. The work rows are taken once, because fresh memory
+costs more than the sums.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, SECTIONS, Controller
+from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel
+from atleak.equations.clearance import effective_clearance
+
+_CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
+_RUNS = 32  # runs of one gear in a chunk, above which masks are quicker than slices
+
+_Drop = tuple[tuple[str, float], ...]  # (section, coefficient) …
+
+
+@dataclass
+class LeakageSeries:
+    """Leakage over a log [m³/s], shape (samples,); NaN where a channel was not usable.
+
+    ``sections`` is empty unless asked for. ``reversed_samples`` counts, per section, samples whose pressure drop was
+    negative in at least one gap of it: they count as zero flow there.
+    """
+
+    total: np.ndarray
+    sections: dict[str, np.ndarray]
+    reversed_samples: dict[str, int] = field(default_factory=lambda: dict.fromkeys(SECTIONS, 0))
+    outside_fluid: int = 0  # samples at a temperature the fluid's data do not cover
+    other_gear: int = 0  # samples in a gear the controller does not have
+
+
+def leakage_series(
+    model: LeakageModel,
+    main_pressure: Any,
+    converter_pressure: Any,
+    temperature: Any,
+    gear: Any,
+    *,
+    sections: bool = False,
+) -> LeakageSeries:
+    """Compute the leakage of every sample of a log.
+
+    Parameters
+    ----------
+    model
+        controller, clearances, fluid and profile.
+    main_pressure, converter_pressure
+        [Pa], shape (samples,) or scalar; NaN gives NaN.
+    temperature
+        [°C], likewise.
+    gear
+        Likewise; a gear the controller does not have, or NaN, gives NaN.
+    sections
+        Whether the totals of p_g, p_s, p_m and p_k are kept too.
+    """
+    arrays = [np.asarray(array, dtype=float) for array in (main_pressure, converter_pressure, temperature, gear)]
+    size = np.broadcast_shapes(*(array.shape for array in arrays), (1,))[0]
+    log = _Log(*(np.broadcast_to(array, (size,)) for array in arrays))
+    series = LeakageSeries(np.empty(size), {name: np.empty(size) for name in SECTIONS} if sections else {})
+    sums = _gear_sums(model)
+    rows = np.ones((8, min(_CHUNK, size)))
+    for start in range(0, size, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        _compute_chunk(model, sums, log.part(part), series, part, rows[:, : size - start])
+    return series
+
+
+# --- the gaps of one gear, added up
+
+
+@dataclass(frozen=True)
+class _Term:
+    """One gap as a polynomial times a pressure drop: ``μ q = drop · P(τ)``."""
+
+    geometry: GapGeometry
+    group: tuple[str, _Drop]  # its section, and its drop divided by the size of the first coefficient
+    polynomial: tuple[float, ...]  # of π D c³/12l times that size: coefficients of τ⁰ … τ⁴
+
+    @classmethod
+    def of(cls, geometry: GapGeometry, law: GapLaw) -> _Term:
+        """Expand π D c³/12l in powers of τ."""
+        c, a = geometry.radial_clearance, geometry.thermal_rate
+        cube = (c**3, 3.0 * c**2 * a, 3.0 * c * a**2, a**3, 0.0)  # of c + a τ
+        diameter, growth = law.diameter(geometry.spool_diameter, c), law.diameter(0.0, a)  # of diameter + growth τ
+        size = abs(geometry.drop_coefficients[0][1])
+        factor, scale = math.pi / (12.0 * geometry.contact_length), law.eccentricity_factor * size
+        before = (0.0, *cube[:4])
+        drop = tuple((section, round(value / size, 12)) for section, value in geometry.drop_coefficients)
+        return cls(
+            geometry,
+            (geometry.gap.section, drop),
+            tuple(scale * (factor * (here * diameter + low * growth)) for here, low in zip(cube, before, strict=True)),
+        )
+
+
+@dataclass(frozen=True)
+class _GearSum:
+    """The gaps of one gear: added up in groups of one drop, but for those that have to be computed on their own."""
+
+    terms: tuple[_Term, ...]
+    alone: tuple[GapGeometry, ...] = ()
+    always_open: bool = False  # no gap closes at any temperature that the fluid's data cover
+
+    @cached_property
+    def groups(self) -> tuple[tuple[str, _Drop], ...]:
+        """Section and drop of each group, in the order in which the controller names their first gap."""
+        return tuple(dict.fromkeys(term.group for term in self.terms))
+
+    @cached_property
+    def polynomials(self) -> np.ndarray:
+        """The polynomials of the gaps of each group, added up: shape (groups, 5)."""
+        sums, number = np.zeros((len(self.groups), 5)), {group: row for row, group in enumerate(self.groups)}
+        if self.terms:
+            np.add.at(sums, [number[term.group] for term in self.terms], [term.polynomial for term in self.terms])
+        return sums
+
+    @cached_property
+    def drops(self) -> np.ndarray:
+        """The drop of each group as coefficients of the section pressures, shape (groups, sections)."""
+        return np.array([[dict(drop).get(section, 0.0) for section in SECTIONS] for _, drop in self.groups])
+
+    def at(self, temperature: np.ndarray) -> _GearSum:
+        """Let the gaps that close somewhere between these temperatures [°C] stand alone; itself where none does."""
+        if self.always_open or not self.terms:
+            return self
+        open_ = _open(self.terms, *_span(temperature))
+        if open_.all():
+            return self
+        return _GearSum(
+            tuple(term for term, keep in zip(self.terms, open_, strict=True) if keep),
+            tuple(term.geometry for term, keep in zip(self.terms, open_, strict=True) if not keep),
+        )
+
+
+def _open(terms: Sequence[_Term], lowest: float, highest: float) -> np.ndarray:
+    """Tell which gaps are open at both ends of a range of temperature [°C], and so all through it."""
+    cold = np.array([term.geometry.radial_clearance for term in terms])
+    rate = np.array([term.geometry.thermal_rate for term in terms])
+    rises = np.array([[lowest], [highest]]) - REFERENCE_TEMPERATURE
+    return (effective_clearance(cold, rate, rises) > 0.0).all(axis=0)
+
+
+def _gear_sums(model: LeakageModel) -> dict[int, _GearSum]:
+    """Add up the gaps of each gear that count as drawn from the pump."""
+    gaps = [geometry for geometry in model.geometries if geometry.drawn_from_pump and geometry.drop_coefficients]
+    if not model.law.linear:
+        return {gear: _GearSum((), tuple(g for g in gaps if gear in g.gap.gears)) for gear in model.controller.gears}
+    terms = [_Term.of(geometry, model.law) for geometry in gaps]
+    always_open = bool(_open(terms, *model.fluid.span(model.profile.viscosity)).all())
+    return {
+        gear: _GearSum(tuple(t for t in terms if gear in t.geometry.gap.gears), (), always_open)
+        for gear in model.controller.gears
+    }
+
+
+# --- the samples
+
+
+@dataclass(frozen=True)
+class _Log:
+    """The channels of a log, or of a part of one; all of one length."""
+
+    main_pressure: np.ndarray
+    converter_pressure: np.ndarray
+    temperature: np.ndarray
+    gear: np.ndarray
+
+    def part(self, samples: Any) -> _Log:
+        """Give some of the samples."""
+        return _Log(
+            self.main_pressure[samples], self.converter_pressure[samples], self.temperature[samples], self.gear[samples]
+        )
+
+
+def _compute_chunk(
+    model: LeakageModel, sums: dict[int, _GearSum], log: _Log, series: LeakageSeries, part: slice, rows: np.ndarray
+) -> None:
+    """Fill one part of the series and add to its counts; ``rows`` is work space of shape (8, samples)."""
+    total = series.total[part]
+    sections = {name: flow[part] for name, flow in series.sections.items()}
+    viscosity = model.dynamic_viscosity(log.temperature)
+    powers, lines = rows[:5], rows[5:]  # μ q = p_g · lines[0] + p_k · lines[1] + lines[2]
+    _powers(log.temperature, powers)
+    matrices: dict[int | None, tuple[_GearSum, np.ndarray | None]] = {}
+    straight = None if sections else _straight_lines(model.controller, log)
+    one_by_one = []
+    for gear, samples in _by_gear(log.gear):
+        if gear not in sums:
+            lines[:, samples] = np.nan
+            viscosity[samples] = 1.0  # left out for its gear, not for its temperature too
+            if gear is not None:
+                series.other_gear += log.gear[samples].size
+            continue
+        if gear not in matrices:
+            gaps = sums[gear].at(log.temperature)
+            matrices[gear] = gaps, _matrix(gaps, straight)
+        gaps, matrix = matrices[gear]
+        if matrix is None:
+            one_by_one.append((gaps, samples))
+            lines[:, samples] = 0.0
+        elif isinstance(samples, slice):  # a view: nothing is copied
+            np.matmul(matrix, powers[:, samples], out=lines[:, samples])
+        else:
+            lines[:, samples] = matrix @ powers[:, samples]
+    lines[0] *= log.main_pressure
+    lines[1] *= log.converter_pressure
+    lines[0] += lines[1]
+    lines[0] += lines[2]
+    np.divide(lines[0], viscosity, out=total)
+    for flow in sections.values():
+        flow[:] = total
+    for gaps, samples in one_by_one:
+        flows, negative = _group_by_group(model, gaps, log.part(samples), viscosity[samples], powers[:, samples])
+        whole: Any = sum(flows.values())
+        missing = np.isnan(whole) if np.isnan(whole.sum()) else None
+        total[samples] = whole
+        for name, flow in sections.items():
+            flow[samples] = flows[name] if missing is None else np.where(missing, np.nan, flows[name])
+        for name, count in negative.items():
+            series.reversed_samples[name] += count
+    # μ is NaN outside the fluid's data, and only there or where there is no temperature: one sum shows whether
+    if np.isnan(viscosity.sum()):
+        series.outside_fluid += int(np.count_nonzero(np.isnan(viscosity) & np.isfinite(log.temperature)))
+
+
+def _straight_lines(controller: Controller, log: _Log) -> tuple[np.ndarray, np.ndarray] | None:
+    """Give every section pressure as a sum of p_g, p_k and 1, shape (sections, 3), and the ends of p_g, p_k and 1.
+
+    The ends are the four corners of what these samples span, shape (3, 4). None where the limit of a valve begins among
+    the samples.
+    """
+    main, converter = log.main_pressure, log.converter_pressure
+    low, high = float(main.min()), float(main.max())
+    lines = {"p_g": (1.0, 0.0, 0.0), "p_k": (0.0, 1.0, 0.0)}
+    for section in ("p_s", "p_m"):
+        line = controller.relations[section].line_between(low, high)
+        if line is None:
+            return None
+        lines[section] = (line[0], 0.0, line[1])
+    low_k, high_k = float(converter.min()), float(converter.max())
+    corners = np.array([(low, low, high, high), (low_k, high_k, low_k, high_k), (1.0, 1.0, 1.0, 1.0)])
+    return np.array([lines[section] for section in SECTIONS]), corners
+
+
+def _matrix(gaps: _GearSum, straight: tuple[np.ndarray, np.ndarray] | None) -> np.ndarray | None:
+    """Give M of ``μ q = (p_g, p_k, 1) · M · (1, τ, … τ⁴)``, shape (3, 5), from the straight lines of the pressures.
+
+    None where there are none, where a drop turns negative or a pressure is missing, and where gaps stand alone.
+    """
+    if straight is None or gaps.alone or not gaps.groups:
+        return None
+    pressures, corners = straight
+    drops = gaps.drops @ pressures  # of every group, as sums of p_g, p_k and 1
+    if not (drops @ corners).min() >= 0.0:
+        return None
+    return drops.T @ gaps.polynomials
+
+
+def _group_by_group(
+    model: LeakageModel, gaps: _GearSum, log: _Log, viscosity: np.ndarray, powers: np.ndarray
+) -> tuple[dict[str, np.ndarray], dict[str, int]]:
+    """Compute the flow of every section, and how many samples of each have a drop that is negative."""
+    pressures = model.controller.section_pressures(log.main_pressure, log.converter_pressure)
+    flows = {name: np.zeros(len(viscosity)) for name in SECTIONS}
+    negative: dict[str, np.ndarray] = {}
+
+    def above_zero(section: str, drop: np.ndarray) -> np.ndarray:
+        if not np.min(drop) >= 0.0:  # negative somewhere, or not a number
+            below = drop < 0.0
+            negative[section] = negative[section] | below if section in negative else below
+        return np.maximum(drop, 0.0)
+
+    for (section, coefficients), flow in zip(gaps.groups, gaps.polynomials @ powers, strict=True):
+        drop = sum(pressures[name] * coefficient for name, coefficient in coefficients)
+        flow *= above_zero(section, drop)
+        flow /= viscosity
+        flows[section] += flow
+    for single in gaps.alone:
+        clearance = single.effective_clearance(log.temperature)
+        density = model.fluid.density(log.temperature, model.profile.viscosity)
+        flows[single.gap.section] += model.law.flow(
+            above_zero(single.gap.section, single.pressure_drop(pressures)),
+            model.law.diameter(single.spool_diameter, clearance),
+            clearance,
+            viscosity / density,
+            density,
+            single.contact_length,
+        )
+    return flows, {section: int(np.count_nonzero(below)) for section, below in negative.items()}
+
+
+def _powers(temperature: np.ndarray, out: np.ndarray) -> None:
+    """Write τ, … τ⁴ as the rows after the first, with τ = T − T₀."""
+    np.subtract(temperature, REFERENCE_TEMPERATURE, out=out[1])
+    np.multiply(out[1], out[1], out=out[2])
+    np.multiply(out[2], out[1], out=out[3])
+    np.multiply(out[2], out[2], out=out[4])
+
+
+def _span(temperature: np.ndarray) -> tuple[float, float]:
+    """Give the lowest and highest temperature that are numbers."""
+    span = float(temperature.min()), float(temperature.max())
+    if np.isnan(span[0]):
+        finite = temperature[np.isfinite(temperature)]
+        return _span(finite) if finite.size else (REFERENCE_TEMPERATURE,) * 2
+    return span
+
+
+def _by_gear(gear: np.ndarray) -> Iterator[tuple[int | None, Any]]:
+    """Give (gear, samples): a slice for each run of one gear or, where they are many, a mask for each gear."""
+    starts = np.flatnonzero(gear[1:] != gear[:-1]) + 1
+    if len(starts) <= _RUNS:
+        bounds = [0, *starts.tolist(), len(gear)]
+        for start, stop in pairwise(bounds):
+            yield _gear_number(gear[start]), slice(start, stop)
+        return
+    for number in np.unique(gear):  # several NaN are one
+        yield _gear_number(number), np.isnan(gear) if np.isnan(number) else gear == number
+
+
+def _gear_number(value: float) -> int | None:
+    """Give the gear as the controller names it: −1 where it has none such, None where the gear is not known."""
+    return None if np.isnan(value) else int(value) if value.is_integer() else -1

@@ -1,0 +1,391 @@
+"""Results → plotly figures: transparent, units on the axes, signs and dashes besides colour, few points a trace.
+
+Nothing is computed here but what a picture needs. Figures are tested by their trace data.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+from tsdownsample import MinMaxDownsampler
+
+from atleak.catalogue.limits import Limits
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.events import Event
+from atleak.figures.frame import by_land, error_bars, framed
+from atleak.look import HATCHING, SCREEN, SUSPECT, look_of
+from atleak.road_test import QUANTITIES, Channel, RoadTest
+from atleak.uncertainty import TotalUncertainty
+from atleak.verdicts import VERDICTS, Band
+from atleak.views.road_series import RoadSeries, road_series
+from atleak.views.window import Scales
+from atleak.wording import signed
+from atleak.workshop_units import DM3_MIN, PERCENT, UM
+
+POINTS = 3000  # of a log that are drawn, edges of gaps aside
+EVENTS = 60  # of a log that are marked at most
+LABELLED = 20  # events whose names have room
+MARKED = 800  # suspect samples and breaks of a log that are marked at most
+_HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
+_INSTANTS = {
+    "max_leakage": ("largest leakage", "diamond", "leakage_dm3_min"),
+    "min_leakage": ("smallest leakage", "diamond-open", "leakage_dm3_min"),
+    "max_share": ("largest share", "star", "share_percent"),
+}
+
+
+def land_name(found: LandDiagnosis) -> str:
+    """``25 · 1``: component and land."""
+    return f"{found.state.land.component} · {found.state.land.land}"
+
+
+def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
+    """Lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
+
+    Parameters
+    ----------
+    lands
+        how many of the largest are drawn.
+    """
+    ranked = diagnosis.ranked[:lands]
+    figure = go.Figure()
+    for verdict in VERDICTS:
+        found = [land for land in ranked if land.verdict == verdict]
+        if not found:
+            continue
+        figure.add_bar(
+            x=[land.leakage * DM3_MIN for land in found],
+            y=[land_name(land) for land in found],
+            orientation="h",
+            name=signed(verdict),
+            marker={"color": look_of(verdict).screen, "pattern": _HATCH | {"shape": look_of(verdict).pattern}},
+            error_x=error_bars([land.leakage for land in found], [_interval(land) for land in found], DM3_MIN),
+            customdata=[
+                (
+                    diagnosis.controller.components[land.state.land.component],
+                    land.state.radial_clearance * UM,
+                    land.share * PERCENT,
+                )
+                for land in found
+            ],
+            hovertemplate="%{y} %{customdata[0]}<br>%{x:.3f} dm³/min, %{customdata[2]:.2f} % of pump flow"
+            "<br>radial clearance %{customdata[1]:.1f} µm<extra></extra>",
+        )
+    figure.add_scatter(
+        x=[max(land.leakage, *(_interval(land) or (0.0,))) * DM3_MIN for land in ranked],
+        y=[land_name(land) for land in ranked],
+        mode="text",
+        text=[f"  {look_of(land.verdict).sign} {land.share * PERCENT:.2f} %" for land in ranked],
+        textposition="middle right",
+        cliponaxis=False,
+        showlegend=False,
+        hoverinfo="skip",
+    )
+    largest = max((max(land.leakage, *(_interval(land) or (0.0,))) * DM3_MIN for land in ranked), default=0.0)
+    figure.update_xaxes(title="leakage [dm³/min]", range=[0.0, 1.25 * largest or 1.0])
+    return by_land(figure, [land_name(land) for land in ranked], 22, bargap=0.25)
+
+
+def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
+    return land.uncertainty.leakage_interval if land.uncertainty else None
+
+
+def total_share(diagnosis: Diagnosis) -> go.Figure:
+    """Total share at each condition and the worst of the road test, over the bands of the limit set.
+
+    Bars are the 95 % intervals of the measurement, where readings are there; the hover says how likely each band is.
+    """
+    unit = diagnosis.uncertainty
+    sure = [unit.total(point.condition.name) if unit else None for point in diagnosis.reported]
+    points = [
+        (point.condition.label, point.share, total.share_interval if total else None, _likely_bands(total))
+        for point, total in zip(diagnosis.reported, sure, strict=True)
+    ]
+    worst = diagnosis.road.max_share if diagnosis.road else None
+    if worst is not None and worst.share is not None:
+        points.append((f"worst of the road test, at {worst.time:.1f} s", worst.share, None, ""))
+    ends = [
+        end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
+    ]
+    figure = go.Figure()
+    right = _bands(figure, diagnosis.limits, max(ends, default=0.0))
+    shown = [point for point in points if math.isfinite(point[1])]
+    figure.add_scatter(
+        x=[share * PERCENT for _, share, _, _ in shown],
+        y=[_two_lines(label) for label, _, _, _ in shown],
+        mode="markers+text",
+        marker={"symbol": "diamond", "size": 14, "color": SCREEN.leakage, "line": {"width": 1.5, "color": "white"}},
+        text=[f"<b>{share * PERCENT:.1f} %</b>" for _, share, _, _ in shown],
+        textposition="top center",
+        error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
+        customdata=[likely for _, _, _, likely in shown],
+        hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",
+        showlegend=False,
+    )
+    figure.update_xaxes(title="leakage as a share of the pump's flow [%]", range=[0.0, right])
+    order = [_two_lines(label) for label, _, _, _ in points]
+    figure.update_yaxes(type="category", categoryarray=order, range=[len(points) - 0.4, -0.8])
+    return framed(figure, 100 + 56 * len(points), top=40)
+
+
+def _two_lines(label: str) -> str:
+    return label.replace(", ", ",<br>")
+
+
+def _likely_bands(total: TotalUncertainty | None) -> str:
+    """How likely each band is, those of half a percent and more."""
+    if total is None:
+        return ""
+    return ", ".join(f"{band} {PERCENT * p:.0f} %" for band, p in total.band_probabilities if p >= 0.005)
+
+
+def _bands(figure: go.Figure, limits: Limits, largest: float) -> float:
+    """Draw the bands of the total share as grounds with their signs and words; the right end of the axis [%]."""
+    edges = [0.0, *(level * PERCENT for _, level in limits.total_share.levels)]
+    right = max(1.2 * edges[-1], 1.1 * largest)
+    names = [Band.GREEN, *(name for name, _ in limits.total_share.levels)]
+    for name, low, high in zip(names, edges, [*edges[1:], right], strict=True):
+        look = look_of(name)
+        figure.add_vrect(x0=low, x1=high, fillcolor=look.screen, opacity=0.28, line_width=0, layer="below")
+        figure.add_annotation(
+            x=(low + high) / 2.0, y=1.0, yref="paper", yanchor="bottom", showarrow=False,
+            text=f"{look.sign}<br>{name}", font={"size": 11},
+        )  # fmt: skip
+    return right
+
+
+def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> go.Figure:
+    """Leakage, pump flow and share with the edges of its bands over a log, one above the other.
+
+    Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
+    """
+    series = road_series(road, points)
+    with_share = "share_percent" in series.columns
+    figure = make_subplots(rows=3 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    _line(figure, series, "leakage_dm3_min", "leakage", SCREEN.leakage, 1)
+    if with_share:
+        _line(figure, series, "pump_capacity_dm3_min", "pump flow", SCREEN.pump, 2, dash="dash")
+        _line(figure, series, "share_percent", "share", SCREEN.share, 3, dash="dashdot")
+        _band_edges(figure, limits, float(np.nanmax(series.columns["share_percent"], initial=0.0)))
+        figure.update_yaxes(title="pump flow<br>[dm³/min]", row=2, col=1)
+        figure.update_yaxes(title="share [%]", row=3, col=1)
+    _instants(figure, series)
+    figure.update_yaxes(title="leakage<br>[dm³/min]", row=1, col=1)
+    figure.update_yaxes(rangemode="tozero")
+    figure.update_xaxes(title="time [s]", row=3 if with_share else 1, col=1)
+    return framed(figure, 620 if with_share else 320, hovermode="x unified")
+
+
+def _line(
+    figure: go.Figure, series: RoadSeries, name: str, label: str, colour: str, row: int, dash: str = "solid"
+) -> None:
+    figure.add_trace(
+        go.Scatter(
+            x=series.columns["time_s"],
+            y=series.columns[name],
+            name=label,
+            mode="lines",
+            line={"color": colour, "dash": dash, "width": 2},
+            connectgaps=False,
+            hovertemplate="%{y:.2f}",
+        ),
+        row=row,
+        col=1,
+    )
+
+
+def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
+    """The edges of the bands that the log comes near, so that a low curve is not squeezed by a high limit."""
+    for number, (name, level) in enumerate(limits.total_share.levels):
+        edge = level * PERCENT
+        if number and edge > 1.5 * top:
+            break
+        figure.add_hline(
+            y=edge, line={"color": look_of(name).screen, "dash": "dot", "width": 1.5}, row=3, col=1,
+            annotation={"text": f"{name} from {edge:g} %", "font": {"size": 11}}, annotation_position="top right",
+        )  # fmt: skip
+
+
+def _instants(figure: go.Figure, series: RoadSeries) -> None:
+    for name, instant in series.instants.items():
+        label, symbol, column = _INSTANTS[name]
+        share = column == "share_percent"
+        value = instant.share if share else instant.leakage
+        if value is None:
+            continue
+        figure.add_trace(
+            go.Scatter(
+                x=[instant.time],
+                y=[value * (PERCENT if share else DM3_MIN)],
+                name=f"{label}, {instant.time:.2f} s",
+                mode="markers",
+                marker={
+                    "symbol": symbol,
+                    "size": 12,
+                    "color": SCREEN.share if share else SCREEN.leakage,
+                    "line": {"width": 1.5},
+                },
+                hovertemplate="%{y:.2f}",
+            ),
+            row=3 if share else 1,
+            col=1,
+        )
+
+
+def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:
+    """Wear of every measured land against the limits of the set, the most worn on top."""
+    chosen = diagnosis.lands if lands is None else lands
+    found = sorted((land for land in chosen if land.wear is not None), key=lambda land: land.wear)
+    figure = go.Figure()
+    for verdict in VERDICTS:
+        these = [land for land in found if land.verdict == verdict]
+        if these:
+            figure.add_scatter(
+                x=[land.wear * PERCENT for land in these],
+                y=[land_name(land) for land in these],
+                mode="markers",
+                name=signed(verdict),
+                marker={"color": look_of(verdict).screen, "symbol": look_of(verdict).marker, "size": 11},
+                hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
+            )
+    for name, level in diagnosis.limits.wear.levels if diagnosis.limits.wear else ():
+        figure.add_vline(
+            x=level * PERCENT, line={"color": look_of(name).screen, "dash": "dot"},
+            annotation={"text": f"{name} {level * PERCENT:g} %"},
+        )  # fmt: skip
+    figure.update_xaxes(title="wear against the mounting clearance [%]")
+    return by_land(figure, [land_name(land) for land in reversed(found)], 18)
+
+
+def road_channels(
+    test: RoadTest,
+    scales: Scales,
+    marked: Sequence[Event] = (),
+    over: tuple[RoadTest, float] | None = None,
+    points: int = 2000,
+) -> go.Figure:
+    """The channels of a log one above the other over a common time axis, suspect samples crossed, breaks dotted.
+
+    Parameters
+    ----------
+    scales
+        quantity → unit's name and the function from SI to that unit, for quantities shown in another unit than SI.
+    marked
+        events to mark where they begin and, if they last, to shade.
+    over
+        another log to lay over it, dashed, and by how much it is shifted [s].
+    points
+        of a channel that are drawn; every stretch keeps its lowest and highest sample.
+    """
+    channels = [channel for channel in test.channels.values() if channel.samples]
+    figure = make_subplots(rows=max(len(channels), 1), cols=1, shared_xaxes=True, vertical_spacing=0.02)
+    for row, channel in enumerate(channels, start=1):
+        unit, convert = scales.get(channel.quantity, (channel.unit, lambda value: value))
+        _channel(figure, channel, test, convert, row, points)
+        other = None if over is None else over[0].channel(channel.quantity)
+        if over is not None and other is not None and other.samples:
+            _line_of(figure, other, over[0], convert, row, points, shift=over[1])
+        label = QUANTITIES[channel.quantity].label
+        figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row, col=1)
+    _mark(figure, test, marked)
+    figure.update_xaxes(title="time [s]", row=max(len(channels), 1), col=1)
+    return framed(figure, 90 + 130 * max(len(channels), 1), hovermode="x unified", showlegend=False)
+
+
+def _mark(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
+    """Breaks and events over the whole height; set in one go, since plotly takes seconds to add some hundred."""
+    first, last = float(test.time[0]), float(test.time[-1])
+    upright = {"type": "line", "xref": "x", "yref": "paper", "y0": 0.0, "y1": 1.0}
+    shapes: list[dict[str, Any]] = []
+    notes: list[dict[str, Any]] = []
+    for before, after in pairwise(test.segments[:MARKED]):
+        at = (before.stop + after.start) / 2.0
+        shapes.append({**upright, "x0": at, "x1": at, "line": {"dash": "dot", "width": 1, "color": SCREEN.pump}})
+    inside = [event for event in marked if event.stop >= first and event.start <= last][:EVENTS]
+    for event in inside:
+        shift = event.kind == "gear_shift"
+        begin, end = max(event.start, first), min(event.stop, last)
+        if not shift:
+            shade = {"type": "rect", "fillcolor": SCREEN.share, "opacity": 0.08, "line": {"width": 0}}
+            shapes.append({**upright, **shade, "x0": begin, "x1": end})
+        shapes.append(
+            {**upright, "x0": begin, "x1": begin, "line": {"dash": "dash", "width": 1, "color": SCREEN.share}}
+        )
+        text = f"{event.from_gear}→{event.to_gear}" if shift else event.kind.replace("_", " ")
+        notes.append(
+            {"x": begin, "y": 1.0, "xref": "x", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
+             "showarrow": False, "font": {"size": 10}, "text": text}
+        )  # fmt: skip
+    figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
+
+
+def _channel(
+    figure: go.Figure, channel: Channel, test: RoadTest, convert: Callable[[Any], Any], row: int, points: int
+) -> None:
+    _line_of(figure, channel, test, convert, row, points)
+    doubtful = np.flatnonzero(channel.suspect & np.isfinite(channel.values))
+    if len(doubtful) and channel.source != "constant":
+        shown = doubtful[:: len(doubtful) // MARKED + 1]
+        figure.add_trace(
+            go.Scatter(
+                x=channel.time[shown],
+                y=convert(channel.values[shown]),
+                name="suspect",
+                mode="markers",
+                marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
+                hovertemplate="suspect: %{y:.5g}",
+            ),
+            row=row,
+            col=1,
+        )
+
+
+def _line_of(
+    figure: go.Figure,
+    channel: Channel,
+    test: RoadTest,
+    convert: Callable[[Any], Any],
+    row: int,
+    points: int,
+    shift: float | None = None,
+) -> None:
+    """A channel's good samples; ``shift`` [s] tells a log that is laid over another."""
+    constant = channel.source == "constant"
+    time = test.time[[0, -1]] if constant else channel.time
+    good = np.full(2, channel.values[0]) if constant else channel.good
+    keep = _kept(good, points)
+    name = QUANTITIES[channel.quantity].label
+    look = {"color": SCREEN.leakage} if shift is None else {"color": SCREEN.share, "dash": "dash"}
+    steps = channel.quantity in {"gear", "selector", "lock_up"}
+    figure.add_trace(
+        go.Scatter(
+            x=time[keep] + (shift or 0.0),
+            y=convert(good[keep]),
+            name=name if shift is None else f"{name}, {test.file}",
+            mode="lines",
+            line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
+            connectgaps=False,
+            hovertemplate="%{y:.5g}",
+        ),
+        row=row,
+        col=1,
+    )
+
+
+def _kept(values: np.ndarray, points: int) -> np.ndarray:
+    """Indices of about ``points`` samples: ends, extremes of every stretch, edges of what is missing."""
+    size = len(values)
+    if size <= points:
+        return np.arange(size)
+    chosen = MinMaxDownsampler().downsample(np.ascontiguousarray(values, dtype=float), n_out=points // 2 * 2)
+    known = np.isfinite(values)
+    edges = np.flatnonzero(known[1:] != known[:-1])
+    edges = np.concatenate([edges, edges + 1])[:MARKED]
+    return np.unique(np.concatenate([[0, size - 1], np.asarray(chosen, dtype=int), edges]))

@@ -1,0 +1,140 @@
+"""Which of a controller's components and lands a sheet means."""
+
+from __future__ import annotations
+
+import re
+from functools import cached_property
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.errors import ReadingsError, nearest_name
+from atleak.intake.readings.sheet import Cell
+from atleak.intake.readings.words import plain, plane_names, text_of
+
+_LEADING = re.compile(
+    r"^(?:no|nr|number|component|comp|valve|damper|item|pos|bauteil|ventil|element|#)[\s.:]*(?=\S)", re.I
+)
+_LISTED = 12  # valid names worth listing in a message
+
+
+class ControllerNames:
+    """The names that a sheet for one controller may use."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+        self._named: dict[str, bool] = {}
+        self._planes: dict[tuple[str, str], Land] = {
+            (land.component, plain(plane)): land for land in controller.lands for plane in land.planes
+        }
+
+    @cached_property
+    def with_lands(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(land.component for land in self.controller.lands))
+
+    @cached_property
+    def _spellings(self) -> dict[str, str]:
+        names = [plain(name) for name in self.controller.components.values()]
+        spelled = {
+            plain(name): component
+            for component, name in self.controller.components.items()
+            if names.count(plain(name)) == 1
+        }
+        for component in self.controller.components:
+            spelled[plain(component)] = component
+            spelled.setdefault(plain(component.replace("_", " ")), component)
+        return spelled
+
+    def component(self, cell: Cell) -> str | None:
+        """The component a cell names, by number or by name; also one without lands. None where there is none."""
+        text = text_of(cell)
+        for spelling in (text, _LEADING.sub("", text)):
+            found = self._spellings.get(plain(spelling))
+            if found is not None:
+                return found
+        head, _, tail = text.partition(" ")
+        number = self._spellings.get(plain(head.rstrip(".:,–-")))
+        named = self._spellings.get(plain(tail.lstrip("–-:, ")))
+        return number if number is not None and number == named else None
+
+    def is_named(self, text: str) -> bool:
+        """Whether a text names a component by more than a bare number."""
+        if text not in self._named:
+            self._named[text] = any(letter.isalpha() for letter in text) and self.component(text) is not None
+        return self._named[text]
+
+    def component_in(self, text: str) -> str | None:
+        """The component that a title speaks of: its name alone, behind a colon, or its number behind "valve" …"""
+        for said in (text, text.rpartition(":")[2].strip()):
+            if self.is_named(said):
+                return self.component(said)
+        folded = f" {plain(text)} "
+        found = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
+        return found.pop() if len(found) == 1 else None
+
+    def require_component(self, cell: Cell) -> str:
+        """As `component`, but one with lands or an error.
+
+        Raises
+        ------
+        ReadingsError
+            without place, naming the valid components and the nearest.
+        """
+        found = self.component(cell)
+        if found in self.with_lands:
+            return found
+        text = text_of(cell)
+        if found is not None:
+            name = self.controller.components[found]
+            raise ReadingsError(
+                f"component {found} ({name}) of {self.controller.id} has no precision pair to measure",
+                value=text,
+                expected=f"one of {_list(self.with_lands)}",
+            )
+        near = nearest_name(plain(text), [*map(plain, self.with_lands), *self._spellings])
+        raise ReadingsError(
+            f"unknown component of controller {self.controller.id}",
+            value=text,
+            expected=f"one of {_list(self.with_lands)}",
+            nearest=self._spellings.get(near) if near else None,
+        )
+
+    def plane(self, component: str, cell: Cell) -> str:
+        """The plane of that component that a cell names, as the controller spells it.
+
+        Raises
+        ------
+        ReadingsError
+            without place, naming the component's planes.
+        """
+        for name in plane_names(cell):
+            land = self._planes.get((component, plain(name)))
+            if land is not None:
+                return next(plane for plane in land.planes if plain(plane) == plain(name))
+        planes = [plane for land in self.controller.lands_of(component) for plane in land.planes]
+        raise ReadingsError(
+            f"component {component} has no such measurement plane",
+            value=text_of(cell),
+            expected=f"plane {_list(planes)}",
+            nearest=nearest_name(text_of(cell), planes),
+        )
+
+    def land(self, component: str, cell: Cell) -> Land:
+        """The land of that component with that number.
+
+        Raises
+        ------
+        ReadingsError
+            without place, naming the component's lands.
+        """
+        lands = {str(land.land): land for land in self.controller.lands_of(component)}
+        for name in plane_names(cell):
+            if name in lands:
+                return lands[name]
+        raise ReadingsError(
+            f"component {component} has no such land", value=text_of(cell), expected=f"land {_list(lands)}"
+        )
+
+
+def _list(names: object) -> str:
+    listed = list(names)  # type: ignore[call-overload]
+    more = f" … ({len(listed)} in all)" if len(listed) > _LISTED else ""
+    return ", ".join(listed[:_LISTED]) + more

@@ -1,0 +1,322 @@
+"""The tables of a sheet: where each begins and ends, what its title says, and whether it holds readings at all."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import zip_longest
+
+from atleak.catalogue.instruments import Part
+from atleak.errors import Place
+from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.counts import with_counts
+from atleak.intake.readings.headings import Column, Header, find_headers, settled
+from atleak.intake.readings.sheet import Sheet
+from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
+from atleak.intake.readings.words import (
+    ERRORS,
+    is_blank,
+    is_page_title,
+    number_of,
+    part_in,
+    part_of,
+    plain,
+    text_of,
+    vocabulary,
+)
+
+_ASIDE = vocabulary("aside")
+_READ = vocabulary("reading", "found")
+_WORD = re.compile(r"[^\W\d_]+")
+_TITLE_ROWS = 4
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table of a sheet.
+
+    ``sheet`` holds its cells at the places of the whole sheet, and nothing of the tables beside and below.
+    ``part`` and ``component`` are what the title or the sheet's name says, with ``said_by`` naming it. ``aside`` is why
+    a table holds no readings of this valve body, "" where it may.
+    """
+
+    sheet: Sheet
+    header: Header
+    part: Part | None = None
+    component: str | None = None
+    said_by: str = ""
+    aside: str = ""
+
+    @property
+    def title(self) -> str:
+        """The line of text above the headings, but no count of pages; "" where there is none."""
+        lines = [row for row in range(self.header.first) if any(not is_blank(cell) for cell in self.sheet.rows[row])]
+        cells = [cell for cell in self.sheet.rows[lines[-1]] if not is_blank(cell)] if lines else []
+        title = " ".join(map(str, cells)) if len(cells) == 1 and isinstance(cells[0], str) else ""
+        return "" if is_page_title(title) else title
+
+    @property
+    def columns(self) -> range:
+        """The columns that the table spans."""
+        wide = [index for index, text in enumerate(self.header.texts) if text]
+        return range(min(wide), max(wide) + 1) if wide else range(self.sheet.width)
+
+    @property
+    def rows(self) -> range:
+        """The rows under the headings."""
+        return range(self.header.last + 1, len(self.sheet.rows))
+
+    @property
+    def headings(self) -> Place:
+        """The place of the heading of its first value."""
+        column = self.header.values[0]
+        return self.sheet.place(max(self.header.last, 0), column.index, column.name)
+
+    @property
+    def block(self) -> range:
+        """The rows under the headings up to the first empty one."""
+        for row in self.rows[1:]:
+            if all(is_blank(self.sheet.cell(row, column)) for column in self.columns):
+                return range(self.header.last + 1, row)
+        return self.rows
+
+    def heading(self, index: int) -> str:
+        """The heading of a column on one line, "" where it has none."""
+        return self.header.text(index)
+
+    @property
+    def where(self) -> str:
+        """The rows from the headings to the last one, as a person counts them."""
+        first = self.sheet.row_number(max(self.header.first, 0))
+        rows = [row for row in self.block if any(not is_blank(cell) for cell in self.sheet.rows[row])]
+        last = self.sheet.row_number(rows[-1]) if rows else first
+        sheet = "" if self.sheet.name is None else f"sheet {self.sheet.name!r}, "
+        return f"{sheet}rows {first} to {last}"
+
+    @property
+    def has_part(self) -> bool:
+        """Whether a column, or every heading of a value, says the part; also one headed "component", by its cells."""
+        values = self.header.values
+        return (
+            bool(self.header.of("part"))
+            or (bool(values) and all(column.part for column in values))
+            or any(self._holds_parts(column) for column in self.header.of("component"))
+        )
+
+    def _holds_parts(self, column: Column) -> bool:
+        cells = [cell for row in self.rows if not is_blank(cell := self.sheet.cell(row, column.index))]
+        return 2 * sum(part_of(text_of(cell)) is not None for cell in cells) > len(cells)
+
+    @property
+    def readable(self) -> bool:
+        """Whether readings can be read from it at all."""
+        known = self.header.of("component") or self.component is not None
+        return bool(known and self.header.values and not self.aside)
+
+
+def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
+    """Every table of a sheet that has headings, from top to bottom and from left to right."""
+    return [
+        table
+        for strip in _strips(sheet, names)
+        for above in _stacked(strip, names)
+        for beside in _side_by_side(above)
+        for table in _sections(_titled(beside, names), names)
+    ]
+
+
+def continued(sheet: Sheet, table: Table, names: ControllerNames) -> Table | None:
+    """A sheet without headings whose columns are those of the table before it, as that table's continuation."""
+    components, values = table.header.of("component"), table.header.values
+    rows = [row for row, cells in enumerate(sheet.rows) if any(not is_blank(cell) for cell in cells)]
+    if not rows or not components or not values:
+        return None
+    for row in rows:
+        if not any(names.component(sheet.filled(row, column.index)) for column in components):
+            return None
+        for column in values:
+            cell = sheet.cell(row, column.index)
+            if not is_blank(cell) and isinstance(cell, str) and number_of(cell) is None:
+                return None
+    return Table(sheet, replace(table.header, first=-1, last=-1), table.part, table.component, table.said_by)
+
+
+def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
+    """The sheet, or its parts left and right of empty columns where each has headings of its own."""
+    used = sorted({index for row in sheet.rows for index, cell in enumerate(row) if not is_blank(cell)})
+    used_or_merged = {column for _, column in sheet.merged} | set(used)
+    ranges: list[list[int]] = []
+    for index in used:
+        if ranges and all(column in used_or_merged for column in range(ranges[-1][1], index)):
+            ranges[-1][1] = index + 1
+        else:
+            ranges.append([index, index + 1])
+    views = [_only(sheet, left, right) for left, right in ranges]
+    if len(views) < 2 or sum(any(_is_whole(each) for each in find_headers(view, names.is_named)) for view in views) < 2:
+        return [sheet]
+    return views
+
+
+def _is_whole(header: Header) -> bool:
+    return bool(header.values or header.of("specification")) and bool(_keys(header.columns))
+
+
+def _keys(columns: Sequence[Column]) -> list[Column]:
+    return [column for column in columns if column.role in ("component", "part", "plane", "land")]
+
+
+def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
+    rows = sheet.rows if end is None else sheet.rows[:end]
+    if left > 0 or right < sheet.width:
+        rows = [["" if index < left else cell for index, cell in enumerate(row[:right])] for row in rows]
+    return replace(sheet, rows=rows, faults={at: why for at, why in sheet.faults.items() if left <= at[1] < right})
+
+
+def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
+    headers = find_headers(sheet, names.is_named)
+    for header, following in zip_longest(headers, headers[1:]):
+        end = len(sheet.rows)
+        if following is not None:
+            titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
+            end = min([following.first, *titles])
+        view = _only(sheet, 0, sheet.width, end)
+        yield Table(view, _by_content(view, header, names))
+
+
+def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
+    """The headings without a "result" that is no diameter, and without raw readings beside others."""
+    kept = [
+        column for column in header.columns if not column.tentative or _holds_diameters(sheet, header, column, names)
+    ]
+    values = [column for column in kept if column.holds_value]
+    settled_columns = []
+    for column in kept:
+        others = [other for other in values if other.group == column.group and other is not column]
+        corrected = any(other.standing == "corrected" for other in others) and column.standing != "corrected"
+        if column.role == "diameter" and others and (column.standing == "raw" or corrected):
+            column = replace(column, role="raw")
+        settled_columns.append(column)
+    return with_counts(sheet, replace(header, columns=tuple(settled_columns)))
+
+
+def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: ControllerNames) -> bool:
+    sizes = Sizes(names.controller)
+    cells = [sheet.cell(row, column.index) for row in range(header.last + 1, len(sheet.rows))]
+    filled = [cell for cell in cells if not is_blank(cell)]
+    sized = [cell for cell in filled if any(sizes.near(value, (MM, UM, INCH)) for value in numbers_of(cell))]
+    return 2 * len(sized) > len(filled)
+
+
+def _is_single(sheet: Sheet, row: int) -> bool:
+    """Whether a row holds one text and nothing else: a title, or a line between the rows."""
+    cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+    return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
+
+
+def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
+    """The rows of text above the headings, the nearest first; not the readings of the table above."""
+    found = []
+    for row in range(first - 1, after, -1):
+        cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+        if not cells:
+            continue
+        if len(cells) > 2 or not isinstance(cells[0], str) or len(found) == _TITLE_ROWS:
+            break
+        found.append(row)
+    return found
+
+
+def _side_by_side(table: Table) -> Iterator[Table]:
+    """The table, or the several that share its rows: between empty headings, or where the first heading returns."""
+    header = table.header
+    starts = [
+        index
+        for index, text in enumerate(header.texts)
+        if text and (index == 0 or not header.texts[index - 1]) and index > 0
+    ]
+    keys = _keys(header.columns)
+    first = plain(keys[0].heading) if keys else None
+    starts += [column.index for column in keys[1:] if plain(column.heading) == first]
+    edges = [0]
+    for start in sorted(set(starts)):
+        left = [column for column in header.columns if edges[-1] <= column.index < start]
+        right = [column for column in header.columns if start <= column.index]
+        if all(_keys(side) and any(column.holds_size for column in side) for side in (left, right)):
+            edges.append(start)
+    if len(edges) == 1:
+        yield table
+        return
+    for left, right in zip(edges, [*edges[1:], table.sheet.width], strict=True):
+        columns = [column for column in header.columns if left <= column.index < right]
+        texts = tuple(text if left <= index < right else "" for index, text in enumerate(header.texts))
+        part = replace(header, columns=settled(columns), texts=texts)
+        yield replace(table, sheet=_only(table.sheet, left, right), header=part)
+
+
+def _titled(table: Table, names: ControllerNames) -> Table:
+    """The table with what its title lines and its sheet's name say of it."""
+    above = _title_rows(table.sheet, table.header.first, -1)
+    texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
+    lines = [(f"the title {text!r}", text) for text in texts]
+    if table.sheet.name is not None:
+        lines.append((f"the sheet's name {table.sheet.name!r}", table.sheet.name))
+    return replace(_said(table, lines, names), aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
+
+
+def _said(table: Table, lines: Sequence[tuple[str, str]], names: ControllerNames) -> Table:
+    """Part and component from the nearest line that says one, where no column does."""
+    part, component, said_by = table.part, table.component, []
+    if table.header.values and not table.has_part:
+        for line, text in lines:
+            if (found := part_in(text)) is not None:
+                part = found
+                said_by.append(line)
+                break
+    if not table.header.of("component"):
+        for line, text in lines:
+            named = names.component_in(text) or (names.component(text) if text == table.sheet.name else None)
+            if named is not None:
+                component = named
+                said_by.append(line)
+                break
+    return replace(table, part=part, component=component, said_by=" and ".join(dict.fromkeys(said_by)) or table.said_by)
+
+
+def _why_aside(table: Table, titles: Sequence[str]) -> str:
+    header = table.header
+    if not header.values:
+        return "no measured diameter by its headings"
+    for title in titles:
+        words = set(_WORD.findall(plain(title)))
+        if words & _ASIDE and not words & _READ and not words & ERRORS:
+            return f"by its title {title!r} no readings"
+    if not header.of("component") and header.of("gauge"):
+        return "a check of the instrument"
+    return ""
+
+
+def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
+    """The table, cut where a line between its rows names the part or the component that no column does."""
+    if table.aside or not table.header.values or (table.has_part and table.header.of("component")):
+        yield table
+        return
+    begin, said, sheet = table.header, table, table.sheet
+    for row in table.rows:
+        if not _is_single(sheet, row):
+            continue
+        text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
+        next_said = _said(table, [(f"the line {text!r}", text)], names)
+        if next_said.said_by == table.said_by:
+            # what an unknown line begins is not what the line before it said
+            next_said = replace(table, part=None, component=None, said_by="")
+        else:
+            next_said = replace(
+                next_said,
+                said_by=" and ".join(dict.fromkeys(text for text in (next_said.said_by, said.said_by) if text)),
+                part=next_said.part or said.part,
+                component=next_said.component or said.component,
+            )
+        yield replace(said, sheet=replace(sheet, rows=sheet.rows[:row]), header=begin)
+        begin, said = replace(table.header, first=row, last=row), next_said
+    yield replace(said, header=begin)

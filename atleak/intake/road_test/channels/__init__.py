@@ -1,0 +1,1 @@
+"""A table becomes the channels of a road test."""

@@ -1,0 +1,306 @@
+"""Columns → quantities: what the names offer is checked against units, values and each other.
+
+A doubt is shown, not settled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from atleak.errors import Message, Place, RoadTestError, nearest_name
+from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit, words
+from atleak.intake.road_test.names.unit_choice import Fit, fit, given
+from atleak.road_test import QUANTITIES, ChannelKind
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A column that may hold a quantity."""
+
+    heading: Heading
+    quantity: str
+    tier: Tier
+    kind: ChannelKind
+    unit: str | None
+    mapped: bool = False
+
+    @property
+    def label(self) -> str:
+        """The column's name in the file."""
+        return self.heading.label
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A column taken for a quantity: the file's numbers, the unit, and the stamps if it has its own."""
+
+    candidate: Candidate
+    values: np.ndarray
+    fit: Fit
+    time: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Ambiguous:
+    """A quantity for which the file offers more than can be decided: the user must choose."""
+
+    quantity: str
+    candidates: tuple[str, ...]
+    why: str = ""
+
+
+def match_heading(heading: Heading) -> Match | None:
+    """The quantity a heading stands for: the first of its names that is known."""
+    found: Match | None = None
+    for name in heading.names:
+        match = match_name(name)
+        if match and (found is None or match.tier < found.tier):
+            found = match
+    return found
+
+
+def candidates(headings: Sequence[Heading]) -> list[Candidate]:
+    """Every heading that may be a quantity, in file order."""
+    found = []
+    for heading in headings:
+        match = match_heading(heading)
+        if match:
+            found.append(Candidate(heading, match.quantity, match.tier, match.kind, heading.unit or match.unit))
+    return found
+
+
+def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading:
+    """The column a user names: by its full header, its name without unit, or ``column 3``.
+
+    Raises
+    ------
+    RoadTestError
+        naming the nearest column when there is none, or saying that several bear that name.
+    """
+    tests = (
+        lambda heading: heading.label == wanted.strip(),
+        lambda heading: words(heading.label) == words(wanted),
+        lambda heading: wanted.strip() in heading.names,
+        lambda heading: any(words(name) == words(wanted) for name in heading.names) and words(wanted) != "",
+        lambda heading: words(wanted) == f"column {heading.index + 1}" or wanted.strip() == str(heading.index + 1),
+    )
+    for test in tests:
+        hits = [heading for heading in headings if test(heading)]
+        if len(hits) > 1:
+            raise RoadTestError(
+                "several columns bear this name",
+                place=Place(file=file),
+                value=wanted,
+                expected="one of " + ", ".join(f"'column {hit.index + 1}'" for hit in hits),
+            )
+        if hits:
+            return hits[0]
+    labels = [heading.label for heading in headings]
+    raise RoadTestError(
+        "no column bears this name",
+        place=Place(file=file),
+        value=wanted,
+        expected="one of " + ", ".join(labels[:40]),
+        nearest=nearest_name(wanted, labels),
+    )
+
+
+def map_columns(
+    found: list[Candidate], headings: Sequence[Heading], mapping: Mapping[str, str], file: str
+) -> list[Candidate]:
+    """The candidates after the user has named columns: a named column replaces whatever names suggested.
+
+    Raises
+    ------
+    RoadTestError
+        for an unknown quantity or column.
+    """
+    for quantity, wanted in mapping.items():
+        if quantity not in QUANTITIES:
+            raise RoadTestError(
+                "unknown quantity",
+                place=Place(file=file),
+                value=quantity,
+                expected="one of " + ", ".join(QUANTITIES),
+                nearest=nearest_name(quantity, QUANTITIES),
+            )
+        heading = find_heading(headings, wanted, file)
+        kind = name_kind(heading.label) if QUANTITIES[quantity].unit_kind == "pressure" else "unknown"
+        match = match_heading(heading)
+        stated = heading.unit or (match.unit if match and match.quantity == quantity else None)
+        if match and match.quantity == quantity:
+            kind = match.kind
+        found = [one for one in found if one.quantity != quantity and one.heading.index != heading.index]
+        found.append(Candidate(heading, quantity, 0, kind, stated, mapped=True))
+    return found
+
+
+class Assigner:
+    """Collects the decisions about one file: signals taken, doubts, messages."""
+
+    def __init__(self, file: str, units: Mapping[str, str], neighbours: Iterable[str]) -> None:
+        self.file, self.units, self.neighbours = file, units, tuple(neighbours)
+        self.signals: dict[str, Signal] = {}
+        self.ambiguous: list[Ambiguous] = []
+        self.messages: list[Message] = []
+        self.base: np.ndarray | None = None  # stamps of signals that have none of their own
+
+    def say(self, code: str, text: str, level: str = "info", column: str | None = None) -> None:
+        """Adds a message."""
+        place = Place(file=self.file, column=column)
+        self.messages.append(Message(level, code, text, place))  # type: ignore[arg-type]
+
+    def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
+        """Takes one of the candidates for a quantity, or lists them as ambiguous.
+
+        Each candidate comes with its numbers and its own stamps (None: the rows').
+        """
+        fitting, misfits = [], []
+        for candidate, values, time in offered:
+            signal = self._fit(candidate, values, time)
+            if signal is None:
+                continue
+            (misfits if signal.fit.problem else fitting).append(signal)
+        for signal in misfits:
+            text = f"{signal.candidate.label!r} is not taken for {quantity}: {signal.fit.problem}"
+            self.say("column_misfit", text, "warning", signal.candidate.label)
+        taken = self._choose(quantity, fitting)
+        if taken is None:
+            if not fitting and (asked := [s for s in misfits if s.candidate.tier < 2 and not s.fit.foreign]):
+                labels = tuple(signal.candidate.label for signal in asked)
+                self.ambiguous.append(Ambiguous(quantity, labels, asked[0].fit.problem or ""))
+            return
+        self.signals[quantity] = taken
+        self._comment(taken)
+
+    def _fit(self, candidate: Candidate, values: np.ndarray, time: np.ndarray | None) -> Signal | None:
+        kind = QUANTITIES[candidate.quantity].unit_kind
+        part = values[:: max(1, len(values) // 10_000)]
+        if not np.isfinite(part).any() and not np.isfinite(values).any():
+            self.say("column_empty", f"{candidate.label!r} holds no values", "info", candidate.label)
+            return None
+        if not candidate.mapped and (dead := _dead_value(kind, part)) is not None and _only(values, dead):
+            text = f"{candidate.label!r} is {dead:g} throughout: the car or logger does not deliver it"
+            self.say("column_empty", text, "warning", candidate.label)
+            return None
+        if candidate.quantity in self.units:
+            return Signal(candidate, values, given(candidate.quantity, self.units[candidate.quantity]), time)
+        found = fit(candidate.quantity, candidate.unit, values, self.neighbours)
+        return Signal(candidate, values, found, time)
+
+    def _choose(self, quantity: str, fitting: list[Signal]) -> Signal | None:
+        if not fitting:
+            return None
+        mapped = [signal for signal in fitting if signal.candidate.mapped]
+        if mapped:
+            return mapped[0]
+        for tier in (0, 1):
+            tied = [signal for signal in fitting if signal.candidate.tier == tier]
+            measured = [signal for signal in tied if signal.candidate.kind == "measured"]
+            if (
+                len(tied) > 1
+                and len(measured) == 1
+                and all(signal.candidate.kind == "commanded" for signal in tied if signal is not measured[0])
+            ):
+                tied = measured
+            if len(tied) == 1:
+                others = [signal.candidate.label for signal in fitting if signal is not tied[0]]
+                if others:
+                    text = f"{quantity} is {tied[0].candidate.label!r}; also there: {', '.join(map(repr, others))}"
+                    self.say("other_candidates", text, "info", tied[0].candidate.label)
+                return tied[0]
+            if tied:
+                if same := self._same(tied):
+                    return same
+                labels = tuple(signal.candidate.label for signal in fitting if signal.candidate.tier <= tier)
+                self.ambiguous.append(Ambiguous(quantity, labels, "several columns may be meant"))
+                return None
+        labels = tuple(signal.candidate.label for signal in fitting)
+        self.ambiguous.append(Ambiguous(quantity, labels, "the name only resembles it"))
+        return None
+
+    def _same(self, tied: list[Signal]) -> Signal | None:
+        """One of several columns that hold the same thing, perhaps in other units."""
+        first = tied[0]
+        base = first.fit.to_si(first.values)
+        for other in tied[1:]:
+            values = other.fit.to_si(other.values)
+            if other.time is not first.time or len(values) != len(base):
+                if not self._same_name_elsewhere(first, other):
+                    return None
+                continue
+            both = np.isfinite(values) & np.isfinite(base)
+            if both.sum() < max(1, 0.9 * np.isfinite(base).sum()):
+                return None
+            scale = float(np.max(np.abs(base[both]), initial=0.0))
+            if np.max(np.abs(values[both] - base[both]), initial=0.0) > 0.006 * scale:
+                return None
+            labels = f"{first.candidate.label!r} and {other.candidate.label!r}"
+            self.say("same_twice", f"{labels} hold the same; the first is used", "info", first.candidate.label)
+        return first
+
+    def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
+        """The same channel in two groups with clocks of their own: it must run alike."""
+        own = self.base if first.time is None else first.time
+        base, values, time = first.fit.to_si(first.values), other.fit.to_si(other.values), other.time
+        if first.candidate.label != other.candidate.label or own is None or time is None or len(own) != len(base):
+            return False
+        if len(base) < 3 or len(values) < 3 or not np.all(np.diff(time) >= 0):
+            return False
+        apart = np.abs(np.interp(own, time, values) - base)
+        if np.nanmedian(apart) > 0.03 * max(float(np.nanmax(base) - np.nanmin(base)), 1e-9):
+            return False
+        self.say(
+            "same_twice", f"{first.candidate.label!r} stands twice; the first is used", "info", first.candidate.label
+        )
+        return True
+
+    def _comment(self, signal: Signal) -> None:
+        candidate, found = signal.candidate, signal.fit
+        quantity, label = candidate.quantity, candidate.label
+        if found.assumed and found.unit:
+            text = f"{label!r} states no unit; {found.unit.name} is assumed for {quantity}"
+            text += f" ({found.doubt})" if found.doubt else ""
+            self.say("unit_assumed", f"{text}: confirm or name the unit", "warning", label)
+        if candidate.tier == 1:
+            self.say("second_choice", f"{quantity} is taken from {label!r}, for want of a better", "warning", label)
+        if QUANTITIES[quantity].unit_kind == "pressure":
+            if candidate.kind == "commanded":
+                text = f"{label!r} is commanded by the gearbox computer, not measured by a gauge: no leak shows in it"
+                self.say("pressure_commanded", text, "warning", label)
+            elif candidate.kind == "unknown":
+                text = f"{label!r}: nothing says whether this pressure is measured or commanded"
+                self.say("pressure_unknown", text, "warning", label)
+            if found.absolute:
+                self.say("pressure_absolute", f"{label!r} is absolute; 101.325 kPa are taken off", "info", label)
+            else:
+                self.say("pressure_gauge", f"{label!r} is taken as gauge pressure", "info", label)
+
+
+def _dead_value(kind: str | None, part: np.ndarray) -> float | None:
+    """The value a sample of the column holds throughout, if it is one that stands for *no sensor*."""
+    dead = {"temperature": (0.0, -40.0, 215.0, 255.0), "pressure": (0.0,)}.get(kind or "", ())
+    return next((value for value in dead if _only(part, value)), None)
+
+
+def _only(values: np.ndarray, value: float) -> bool:
+    return bool(((values == value) | np.isnan(values)).all())
+
+
+def with_time(signal: Signal, time: np.ndarray | None) -> Signal:
+    """The signal with other stamps."""
+    return replace(signal, time=time)
+
+
+def stated_units(headings: Sequence[Heading]) -> list[str]:
+    """Every unit the headings state."""
+    return [heading.unit for heading in headings if heading.unit]
+
+
+def plain_name(label: str) -> str:
+    """A column's name without unit, for comparing repeated headers."""
+    return words(split_unit(label).text)

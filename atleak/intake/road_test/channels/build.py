@@ -1,0 +1,157 @@
+"""Signals and stamps → a `RoadTest`: units to SI, suspect samples, true rates, constants."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+from types import MappingProxyType
+
+import numpy as np
+
+from atleak.errors import RoadTestError
+from atleak.intake.road_test.channels import suspects
+from atleak.intake.road_test.channels.assign import Assigner, Signal
+from atleak.intake.road_test.clock.timeline import Timeline
+from atleak.road_test import QUANTITIES, Channel, Segment
+
+
+def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
+    """The channels of a road test, in the order of `QUANTITIES`."""
+    made: dict[str, Channel] = {}
+    speed = assigner.signals.get("engine_speed") or assigner.signals.get("vehicle_speed")
+    logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
+
+    def check(signal: Signal) -> _Checked:
+        return _checked(signal, timeline, speed if signal is not speed else None)
+
+    if len(timeline.time) > _LONG:  # numpy leaves the other cores free for the next channel
+        with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
+            checked = dict(zip(logged, pool.map(check, logged.values()), strict=True))
+    else:
+        checked = {name: check(signal) for name, signal in logged.items()}
+    for quantity in QUANTITIES:
+        if quantity in logged:
+            made[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
+        elif quantity in constants:
+            made[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
+    unknown = [name for name in constants if name not in QUANTITIES or name == "time"]
+    if unknown:
+        raise RoadTestError(
+            "unknown quantity for a constant", value=unknown[0], expected="one of " + ", ".join(QUANTITIES)
+        )
+    return MappingProxyType(made)
+
+
+_LONG = 200_000
+
+
+@dataclass(frozen=True)
+class _Checked:
+    raw: np.ndarray
+    si: np.ndarray
+    time: np.ndarray
+    found: dict[str, np.ndarray]
+
+
+def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Checked:
+    raw, time = signal.values, signal.time
+    if time is None:
+        time = timeline.time
+        if timeline.order is not None:
+            raw = raw[timeline.order]
+        if np.isnan(raw.sum()):
+            there = ~np.isnan(raw)
+            raw, time = raw[there], time[there]
+    si = signal.fit.to_si(raw)
+
+    def moving() -> np.ndarray | None:
+        if speed is None or speed.time is not None or signal.time is not None or len(raw) != len(timeline.time):
+            return None
+        beside = speed.values if timeline.order is None else speed.values[timeline.order]
+        return np.concatenate([[False], np.diff(beside) != 0])
+
+    return _Checked(raw, si, time, suspects.suspect(signal.candidate.quantity, raw, si, time, moving))
+
+
+def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:
+    candidate, raw, si, time, found = signal.candidate, checked.raw, checked.si, checked.time, checked.found
+    doubt = np.zeros(len(raw), bool)
+    for name, mask in found.items():
+        doubt |= mask
+        count = int(mask.sum())
+        text = f"{candidate.label!r}: {count} of {len(raw)} samples are suspect ({name}) and left out"
+        assigner.say("suspect_samples", text, "warning", candidate.label)
+    independent, held = _independent(candidate.quantity, raw, candidate.kind == "commanded")
+    span = _span(time, timeline.segments)
+    if held:
+        text = f"{candidate.label!r}: the logger repeats its last answer; {independent} of {len(raw)} are true samples"
+        assigner.say("sample_and_hold", text, "info", candidate.label)
+    return Channel(
+        candidate.quantity,
+        time,
+        si.astype(float, copy=False),
+        doubt,
+        candidate.label,
+        signal.fit.unit.name if signal.fit.unit else "",
+        signal.fit.assumed,
+        candidate.kind
+        if QUANTITIES[candidate.quantity].unit_kind == "pressure" or candidate.quantity == "lock_up"
+        else "unknown",
+        "logged",
+        independent,
+        (independent - 1) / span if span > 0 and independent > 1 else float("nan"),
+    )
+
+
+def _independent(quantity: str, values: np.ndarray, commanded: bool) -> tuple[int, bool]:
+    kind = QUANTITIES[quantity].unit_kind
+    if kind in ("rotational_speed", "pressure", "speed") and not commanded and suspects.is_sample_and_hold(values):
+        return int(len(values) - suspects.repeats(values).sum()), True
+    return len(values), False
+
+
+def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
+    """Time a channel's samples cover, gaps not counted."""
+    if not len(time):
+        return 0.0
+    breaks = sum(
+        later.start - earlier.stop
+        for earlier, later in pairwise(segments)
+        if earlier.stop >= time[0] and later.start <= time[-1]
+    )
+    return float(time[-1] - time[0]) - breaks
+
+
+def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timeline) -> Channel:
+    info = QUANTITIES[quantity]
+    if not info.low <= value <= info.high:
+        raise RoadTestError(
+            f"a constant outside what {info.label} can be", value=value, expected=f"{info.low:g} to {info.high:g} (SI)"
+        )
+    assigner.say("constant", f"{quantity} is not in the log: the given constant is used")
+    return Channel(
+        quantity, timeline.time[:1], np.array([float(value)]), np.zeros(1, bool), source="constant", independent=1
+    )
+
+
+def time_messages(assigner: Assigner, timeline: Timeline) -> None:
+    """What is to be said about the clock."""
+    if timeline.restarts:
+        count = timeline.restarts
+        text = f"the clock jumps back {count} time(s): the log consists of {count + 1} recordings, kept apart"
+        assigner.say("clock_restarted", text, "warning")
+    if timeline.gaps:
+        longest = max(timeline.gaps)
+        text = f"{len(timeline.gaps)} gap(s) in the recording, the longest {longest:.1f} s: nothing is filled in"
+        assigner.say("gaps", text, "warning")
+    if timeline.stale:
+        assigner.say("stray_stamps", f"{timeline.stale} row(s) with a stray time stamp are left out", "warning")
+    if timeline.unreadable:
+        assigner.say(
+            "unreadable_stamps", f"{timeline.unreadable} row(s) without a readable time are left out", "warning"
+        )
+    if timeline.reordered:
+        assigner.say("reordered", f"{timeline.reordered} row(s) stood out of turn and were put in order", "info")

@@ -1,0 +1,174 @@
+"""The long format: a row is a time, a name, a value and perhaps a unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from atleak.intake.road_test.channels.assign import Assigner, Candidate, candidates, map_columns
+from atleak.intake.road_test.channels.protocol import LogTable, TableResult
+from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
+from atleak.intake.road_test.clock.timeline import Timeline
+from atleak.intake.road_test.clock.timeline import build as build_timeline
+from atleak.intake.road_test.files.cells import kind_of
+from atleak.intake.road_test.files.delimited import numbers
+from atleak.intake.road_test.files.layout import Heading
+from atleak.intake.road_test.names import words_as_numbers
+from atleak.intake.road_test.names.matching import match_name, split_unit, words
+from atleak.road_test import QUANTITIES, Segment
+
+_NAME_HEADERS = {
+    "pid",
+    "name",
+    "signal",
+    "channel",
+    "parameter",
+    "sensor",
+    "kanal",
+    "key",
+    "item",
+    "variable",
+    "description",
+    "signal name",
+    "sensor name",
+    "measurement",
+    "parametr",
+    "parameter name",
+}
+_VALUE_HEADERS = {
+    "value",
+    "values",
+    "wert",
+    "messwert",
+    "reading",
+    "wartosc",
+    "valeur",
+    "valor",
+    "значение",
+    "data",
+    "physical value",
+}
+_UNIT_HEADERS = {"unit", "units", "einheit", "jednostka", "unite", "unidade", "единицы"}
+
+
+@dataclass(frozen=True)
+class _Long:
+    time: Candidate
+    name: Heading
+    value: Heading
+    unit: Heading | None
+
+
+def long_shape(table: LogTable, found: list[Candidate], mapping: Mapping[str, str]) -> _Long | None:
+    headings = [heading for heading in table.headings if heading.index < table.width]
+    if not 3 <= len(headings) <= 8 or not table.sample:
+        return None
+    times = [one for one in found if one.quantity == "time"]
+    if not times:
+        return None
+    plain = {heading.index: words(heading.names[0]) if heading.names else "" for heading in headings}
+    name = next((h for h in headings if plain[h.index] in _NAME_HEADERS and _wordy(table, h)), None)
+    value = next((h for h in headings if plain[h.index] in _VALUE_HEADERS), None)
+    if name is None and value is not None:
+        name = next((h for h in headings if h is not value and _names_quantities(table, h)), None)
+    if name is None or value is None or (any(quantity != "time" for quantity in mapping) and _names_in(table, mapping)):
+        return None
+    unit = next((h for h in headings if plain[h.index] in _UNIT_HEADERS), None)
+    return _Long(times[0], name, value, unit)
+
+
+def _names_in(table: LogTable, mapping: Mapping[str, str]) -> bool:
+    labels = {heading.label for heading in table.headings}
+    return all(column in labels for column in mapping.values())
+
+
+def _cells(table: LogTable, heading: Heading) -> list[str]:
+    return [row[heading.index] for row in table.sample if heading.index < len(row)]
+
+
+def _wordy(table: LogTable, heading: Heading) -> bool:
+    cells = _cells(table, heading)
+    return bool(cells) and sum(kind_of(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
+
+
+def _names_quantities(table: LogTable, heading: Heading) -> bool:
+    return _wordy(table, heading) and any(match_name(split_unit(cell).text) for cell in set(_cells(table, heading)))
+
+
+def read_long(table: LogTable, shape: _Long, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
+    columns = [shape.time.heading.index, shape.name.index, shape.value.index]
+    if shape.unit:
+        columns.append(shape.unit.index)
+    frame = table.read(sorted(set(columns)))
+    names = frame[shape.name.index].astype("str").str.strip()
+    keep = frame[shape.name.index].notna() & (names != shape.name.label)
+    frame, names = frame[keep], names[keep]
+    clock = clock_of(shape.time, frame, table, assigner, ())
+    if clock is None or not runs(clock.seconds):
+        raise no_time(table, assigner)
+    if clock.unit_assumed:
+        text = f"{shape.time.label!r} states no unit; {clock.unit} is assumed for time"
+        assigner.say("unit_assumed", f"{text}: confirm or name the unit", "warning", shape.time.label)
+    whole = build_timeline(clock.seconds)
+    ascending = np.full(len(frame), np.nan)
+    ascending[whole.order if whole.order is not None else slice(None)] = whole.time
+    values, _ = numbers(frame, shape.value.index, table.decimal)
+    texts = frame[shape.value.index]
+    codes, uniques = pd.factorize(names)
+    headings = []
+    for index, name in enumerate(uniques):
+        split = split_unit(str(name))
+        unit = split.unit
+        if unit is None and shape.unit is not None:
+            stated = frame[shape.unit.index].to_numpy(dtype=object)[codes == index]
+            unit = next((str(cell) for cell in stated if isinstance(cell, str) and cell.strip()), None)
+        headings.append(Heading(index, str(name), (split.text,), unit))
+    found = candidates(headings)
+    own_mapping = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
+    found = map_columns(found, headings, own_mapping, assigner.file)
+    assigner.neighbours = tuple(heading.unit for heading in headings if heading.unit)
+    stamps: list[np.ndarray] = []
+    for quantity in QUANTITIES:
+        offered = []
+        for one in found:
+            if one.quantity != quantity or quantity == "time":
+                continue
+            rows = codes == one.heading.index
+            own = values[rows]
+            if quantity in ("gear", "selector", "lock_up") and np.isnan(own).all():
+                own = words_as_numbers.as_numbers(quantity, texts[rows])
+            good = np.isfinite(own) & np.isfinite(ascending[rows])
+            time = ascending[rows][good]
+            turn = np.argsort(time, kind="stable")
+            offered.append((one, own[good][turn], time[turn]))
+        if offered:
+            assigner.decide(quantity, offered)
+            if quantity in assigner.signals:
+                stamps.append(assigner.signals[quantity].time)  # type: ignore[arg-type]
+    base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
+    timeline = _on_base(base, whole)
+    names_there = frozenset(map(str, uniques))
+    return TableResult(len(frame), timeline, shape.time.label, clock, True, names_there, whole.segments)
+
+
+def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:
+    segments = []
+    for segment in whole.segments:
+        low = int(np.searchsorted(base, segment.start, side="left"))
+        high = int(np.searchsorted(base, segment.stop, side="right"))
+        if high > low:
+            segments.append(Segment(low, high - low, float(base[low]), float(base[high - 1] - base[low])))
+    return Timeline(
+        base,
+        None,
+        tuple(segments),
+        whole.duration,
+        whole.unreadable,
+        whole.stale,
+        whole.reordered,
+        whole.restarts,
+        whole.gaps,
+    )

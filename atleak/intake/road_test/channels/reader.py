@@ -1,0 +1,172 @@
+"""A table with a time column (or one per channel, or long: time, name, value) → signals and a time base."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.channels.assign import (
+    Assigner,
+    Candidate,
+    candidates,
+    map_columns,
+)
+from atleak.intake.road_test.channels.column_values import column_numbers, without_other_lines
+from atleak.intake.road_test.channels.long import long_shape, read_long
+from atleak.intake.road_test.channels.protocol import LogTable, TableResult, reach
+from atleak.intake.road_test.channels.timing import best_clock, clock_of, motions_beside, no_time, runs
+from atleak.intake.road_test.clock.clocks import Clock, Motion
+from atleak.intake.road_test.clock.timeline import build as build_timeline
+from atleak.intake.road_test.files.cells import is_clock
+from atleak.intake.road_test.files.layout import Heading, named_by_a_date
+from atleak.intake.road_test.names.matching import clean_unit, words
+from atleak.intake.units import kinds_of
+from atleak.road_test import QUANTITIES
+
+
+def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
+    """Reads a table's time and quantities.
+
+    Raises
+    ------
+    RoadTestError
+        when no column tells the time, numbers are destroyed, another header begins in the middle, or the table has no
+        header and the user has not named columns.
+    """
+    headings = table.headings
+    if not table.has_header and not mapping:
+        raise RoadTestError(
+            "has no header: nothing tells what its columns are",
+            place=Place(file=assigner.file),
+            value="; ".join(table.sample[0][:8]) if table.sample else None,
+            expected="names for the columns, such as time = 'column 1' and engine_speed = 'column 2'",
+        )
+    found = map_columns(candidates(headings), headings, mapping, assigner.file)
+    if (shape := long_shape(table, found, mapping)) is not None:
+        return read_long(table, shape, assigner, mapping)
+    return _read_wide(table, found, assigner)
+
+
+# --- wide ---------------------------------------------------------------------------------------------------
+
+
+def _read_wide(table: LogTable, found: list[Candidate], assigner: Assigner) -> TableResult:
+    found = [one for one in found if one.heading.index < table.width]
+    _refuse_split_decimals(table, assigner)
+    times = _time_candidates(table, found)
+    channels = [one for one in found if one.quantity != "time"]
+    chosen = [one.heading.index for one in (*times, *channels)]
+    frame = table.read(sorted(set(chosen)) or [0])
+    frame, rows = without_other_lines(frame, times, channels, table, assigner)
+    columns = {one.heading.index: column_numbers(one, frame, table.decimal, assigner) for one in channels}
+    motions = motions_beside(channels, columns)
+    own = _own_times(table.headings, times, channels)
+    if own is not None:
+        return _read_own_times(own, frame, rows, columns, table, assigner, motions)
+    label, clock = best_clock(times, frame, table, assigner, motions, rows)
+    timeline = build_timeline(clock.seconds)
+    if not len(timeline.time):
+        raise no_time(table, assigner)
+    for quantity in QUANTITIES:
+        offered = [(one, columns[one.heading.index], None) for one in channels if one.quantity == quantity]
+        if offered:
+            assigner.decide(quantity, offered)
+    return TableResult(rows, timeline, label, clock, used=frozenset([label]))
+
+
+def _may_be_time(one: Candidate) -> bool:
+    """Whether the unit does not forbid it: a column T in °C is no time."""
+    kinds = kinds_of(clean_unit(one.unit or ""))
+    return not kinds or "time" in kinds or kinds == ["ratio"]
+
+
+def _refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
+    """Refuses rows in which a decimal comma has become a delimiter: nearly two cells for every name."""
+    named = reach([[heading.label for heading in table.headings if heading.names]])
+    filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
+    if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
+        raise RoadTestError(
+            "its rows have about twice as many cells as there are names: the decimal comma was used as delimiter too",
+            place=Place(file=assigner.file),
+            value=",".join(table.sample[-1][:8]),
+            expected="the log exported with ';' between cells or with a decimal point",
+        )
+
+
+def _time_candidates(table: LogTable, found: list[Candidate]) -> list[Candidate]:
+    times = [one for one in found if one.quantity == "time" and (one.mapped or _may_be_time(one))]
+    if not any(one.mapped for one in times):
+        for heading in table.headings[: table.width]:
+            if named_by_a_date(heading) and not any(one.heading is heading for one in times):
+                times.append(Candidate(heading, "time", 0, "unknown", None))
+    if not times and table.headings and table.sample:
+        # a column without a telling name that holds clock readings
+        for heading in table.headings[: table.width]:
+            cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
+            if cells and sum(is_clock(cell) for cell in cells) > 0.8 * len(cells):
+                times.append(Candidate(heading, "time", 0, "unknown", None))
+    return sorted(times, key=lambda one: (not one.mapped, one.tier))
+
+
+# --- a time column before each channel ----------------------------------------------------------------------
+
+
+def _own_times(
+    headings: Sequence[Heading], times: list[Candidate], channels: list[Candidate]
+) -> dict[int, Candidate] | None:
+    """Channel index → its time column, where a time column of one name stands before each channel or group."""
+    if any(one.mapped for one in times) and len(times) == 1:
+        return None
+    alike: dict[str, list[Candidate]] = {}
+    for one in times:
+        alike.setdefault(words(one.heading.names[0] if one.heading.names else ""), []).append(one)
+    group = max(alike.values(), key=len, default=[])
+    if len(group) < 2:
+        return None
+    group = sorted(group, key=lambda one: one.heading.index)
+    result = {}
+    for channel in channels:
+        before = [one for one in group if one.heading.index < channel.heading.index]
+        if not before:
+            return None
+        result[channel.heading.index] = before[-1]
+    return result or {-1: group[0]}
+
+
+def _read_own_times(
+    own: dict[int, Candidate], frame: pd.DataFrame, rows: int, columns: dict[int, np.ndarray],
+    table: LogTable, assigner: Assigner, motions: Sequence[Motion],
+) -> TableResult:  # fmt: skip
+    clocks_of: dict[int, Clock] = {}
+    stamps = sorted({one.heading.index: one for one in own.values()}.items())
+    for index, one in stamps:
+        clock = clock_of(one, frame, table, assigner, motions)
+        if clock is not None and runs(clock.seconds):
+            clocks_of[index] = clock
+    if not clocks_of:
+        raise no_time(table, assigner)
+    first = min(clocks_of)
+    base = build_timeline(clocks_of[first].seconds)
+    assigner.base = base.time if base.order is None else None
+    found = [one for one in candidates(table.headings) if one.heading.index in columns and one.quantity != "time"]
+    for quantity in QUANTITIES:
+        offered = []
+        for one in found:
+            stamp = own.get(one.heading.index)
+            if one.quantity != quantity or stamp is None or stamp.heading.index not in clocks_of:
+                continue
+            values = columns[one.heading.index]
+            if stamp.heading.index == first:
+                offered.append((one, values, None))
+                continue
+            timeline = build_timeline(clocks_of[stamp.heading.index].seconds)
+            values = values if timeline.order is None else values[timeline.order]
+            good = np.isfinite(values)
+            offered.append((one, values[good], timeline.time[good]))
+        if offered:
+            assigner.decide(quantity, offered)
+    label = dict(stamps)[first].label
+    return TableResult(rows, base, label, clocks_of[first], used=frozenset([label]))

@@ -1,0 +1,187 @@
+"""Chooses and reads a table's clock."""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+from atleak.errors import Place, RoadTestError
+from atleak.intake.road_test.channels.assign import Assigner, Candidate
+from atleak.intake.road_test.channels.protocol import LogTable
+from atleak.intake.road_test.clock import clocks
+from atleak.intake.road_test.clock.clocks import Clock, Motion
+from atleak.intake.road_test.files.cells import is_clock, is_destroyed, to_float
+from atleak.intake.road_test.files.delimited import numbers
+from atleak.intake.road_test.names.matching import split_unit
+from atleak.intake.road_test.names.unit_choice import given
+
+
+def motions_beside(channels: list[Candidate], columns: Mapping[int, np.ndarray]) -> list[Motion]:
+    limits = {"engine_speed": 12000.0, "vehicle_speed": 60.0}
+    return [Motion(columns[one.heading.index], limits[one.quantity]) for one in channels if one.quantity in limits]
+
+
+def clock_of(
+    one: Candidate, frame: pd.DataFrame, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
+) -> Clock | None:
+    column = frame[one.heading.index]
+    unit = assigner.units.get("time", one.unit)
+    if "time" in assigner.units:
+        unit = given("time", assigner.units["time"]).unit.name  # type: ignore[union-attr]
+    if column.dtype.kind == "M" or _typed(column):
+        return Clock(clocks.from_datetimes(column.tolist()), "clock", False, "date and time")
+    if column.dtype.kind not in "fiub":
+        texts = column.dropna().astype("str")
+        probe = texts.iloc[:200].tolist() + texts.iloc[-50:].tolist()
+        if sum(is_clock(text) for text in probe) > 0.5 * len(probe):
+            return clocks.text_clock(column)
+        destroyed = next((text for text in probe if is_destroyed(text)), None)
+        if destroyed:
+            assigner.say(
+                "column_refused",
+                f"{one.label!r}: a spreadsheet has destroyed its numbers ({destroyed})",
+                "warning",
+                one.label,
+            )
+            return None
+    values, strange = numbers(frame, one.heading.index, table.decimal)
+    whole = bool(np.isfinite(values.sum()))
+    if len(strange) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
+        return None
+    if _cut_short(one, table):
+        assigner.say(
+            "column_refused",
+            f"{one.label!r}: a spreadsheet has cut its numbers short ({_cell(table, one)})",
+            "warning",
+            one.label,
+        )
+        return None
+    return clocks.numeric_clock(values, unit, motions if whole else [])
+
+
+def _typed(column: pd.Series) -> bool:
+    if column.dtype != object:
+        return False
+    first = next((cell for cell in column.head(50) if cell is not None and cell == cell), None)
+    return isinstance(first, dt.datetime | dt.time | dt.timedelta)
+
+
+def _cell(table: LogTable, one: Candidate) -> str:
+    index = one.heading.index
+    return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
+
+
+def _cut_short(one: Candidate, table: LogTable) -> bool:
+    """1,51E+12 in row after row: three digits are left of a long number."""
+    index = one.heading.index
+    cells = [row[index] for row in table.sample if index < len(row) and row[index]]
+    return bool(cells) and sum(is_destroyed(cell) for cell in cells) > 0.3 * len(cells)
+
+
+def best_clock(
+    times: list[Candidate],
+    frame: pd.DataFrame,
+    table: LogTable,
+    assigner: Assigner,
+    motions: Sequence[Motion],
+    rows: int,
+) -> tuple[str, Clock]:
+    read: list[tuple[Candidate, Clock]] = []
+    for one in times:
+        clock = clock_of(one, frame, table, assigner, motions)
+        if clock is not None and runs(clock.seconds):
+            read.append((one, clock))
+            if one.mapped:
+                break
+    if not read:
+        counted = _clock_from_preamble(table, rows)
+        if counted is None:
+            raise no_time(table, assigner)
+        assigner.say(
+            "time_counted", f"no time column: time is counted from the interval in the file's head ({counted[1]:g} s)"
+        )
+        return "", Clock(np.arange(rows) * counted[1], "s", False, "counted")
+    best = read[0]
+    if len(read) > 1:
+        best = max(read, key=lambda pair: (pair[0].mapped, -pair[0].tier, _stamps(pair[1].seconds)))
+    if len(read) > 1:
+        _compare_clocks(best, read, assigner)
+    for note in best[1].notes:
+        assigner.say("clock", note, "warning", best[0].label)
+    if best[1].unit_assumed:
+        text = f"{best[0].label!r} states no unit; {best[1].unit} is assumed for time"
+        assigner.say("unit_assumed", f"{text}: confirm or name the unit", "warning", best[0].label)
+    return best[0].label, best[1]
+
+
+def runs(seconds: np.ndarray) -> bool:
+    """Whether a clock runs on: it gets anywhere, and seldom falls back."""
+    if len(seconds) < 2:
+        return bool(np.isfinite(seconds).all()) and len(seconds) == 1
+    onward = bool(seconds[-1] > seconds[0])  # spares the look at every stamp in the usual case
+    if not onward and not np.fmax.reduce(seconds) > np.fmin.reduce(seconds):
+        return False
+    steps = np.diff(seconds[:200_000])
+    return bool(np.count_nonzero(steps < 0) <= 0.3 * len(steps))
+
+
+def _stamps(seconds: np.ndarray) -> int:
+    return int((np.diff(seconds[np.isfinite(seconds)]) > 0).sum())
+
+
+def _compare_clocks(best: tuple[Candidate, Clock], read: list[tuple[Candidate, Clock]], assigner: Assigner) -> None:
+    span = np.ptp(best[1].seconds[np.isfinite(best[1].seconds)])
+    for one, clock in read:
+        if one is best[0]:
+            continue
+        other = np.ptp(clock.seconds[np.isfinite(clock.seconds)])
+        if abs(other - span) > max(2.0, 0.02 * span):
+            text = (
+                f"the clocks {best[0].label!r} and {one.label!r} disagree ({span:.1f} s and {other:.1f} s): "
+                "the first is used"
+            )
+            assigner.say("clocks_disagree", text, "warning", best[0].label)
+
+
+_INTERVAL = re.compile(
+    r"^(delta[_ ]?[xt]|wf_increment|sample ?interval|sampling ?interval|interval|increment|dt|abtastintervall"
+    r"|messintervall|okres próbkowania)\b",
+    re.IGNORECASE,
+)
+_RATE = re.compile(
+    r"^(sample[_ ]?rate|sampling[_ ]?rate|sampling[_ ]?frequency|sample[_ ]?frequency|abtastrate|abtastfrequenz"
+    r"|częstotliwość próbkowania)\b",
+    re.IGNORECASE,
+)
+
+
+def _clock_from_preamble(table: LogTable, rows: int) -> tuple[str, float] | None:
+    for row in table.preamble:
+        cells = [*re.split(r"[:=]", row[0], maxsplit=1), *row[1:]] if row else []
+        cells = [cell.strip() for cell in cells if cell.strip()]
+        if len(cells) < 2:
+            continue
+        number = next((to_float(cell.split()[0], table.decimal) for cell in cells[1:] if cell.split()), float("nan"))
+        if not number > 0:
+            continue
+        name = split_unit(cells[0])
+        unit = name.unit or (cells[1].split()[1] if len(cells[1].split()) > 1 else "")
+        if _INTERVAL.match(name.text):
+            return name.text, number * (1e-3 if unit.lower() in ("ms", "msec") else 1.0)
+        if _RATE.match(name.text):
+            return name.text, 1.0 / (number * (1e3 if unit.lower() == "khz" else 1.0))
+    return None
+
+
+def no_time(table: LogTable, assigner: Assigner) -> RoadTestError:
+    refused = [message.text for message in assigner.messages if message.code == "column_refused"]
+    return RoadTestError(
+        "no time column" + (": " + "; ".join(refused) if refused else ""),
+        place=Place(file=assigner.file),
+        value=", ".join(heading.label for heading in table.headings[:12]),
+        expected="a column such as 'Time (s)', or the name of the one that tells the time",
+    )

@@ -1,0 +1,1 @@
+"""A column of stamps becomes time in seconds."""

@@ -1,0 +1,113 @@
+"""The date beside a time of day, in the languages loggers write."""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Literal
+
+from atleak.intake.road_test.names.matching import words
+
+Order = Literal["dmy", "mdy"]
+
+# English, German, French, Polish, Portuguese, Spanish, Italian, Russian; compared by the first letters
+_MONTHS: tuple[tuple[str, ...], ...] = (
+    ("jan", "janv", "sty", "ene", "gen", "янв"),
+    ("feb", "fev", "fevr", "lut", "фев"),
+    ("mar", "maer", "mrz", "mars", "marz", "мар"),
+    ("apr", "avr", "kwi", "abr", "апр"),
+    ("may", "mai", "maj", "mag", "май", "мая", "maio", "mayo"),
+    ("jun", "juin", "cze", "giu", "июн"),
+    ("jul", "juil", "lip", "lug", "июл"),
+    ("aug", "aout", "sie", "ago", "авг"),
+    ("sep", "sept", "wrz", "set", "сен"),
+    ("oct", "okt", "paz", "out", "ott", "окт"),
+    ("nov", "lis", "ноя"),
+    ("dec", "dez", "gru", "dic", "дек"),
+)
+_HALF = re.compile(r"(?<![a-z])([ap])\.?\s?m\b\.?", re.IGNORECASE)
+
+
+def half_day(text: str) -> str | None:
+    """``am`` or ``pm`` where the text says so.
+
+    >>> half_day("05/05/2023  PM"), half_day("28.01.2016 ")
+    ('pm', None)
+    """
+    match = _HALF.search(text)
+    return f"{match[1].lower()}m" if match else None
+
+
+@lru_cache(maxsize=2048)
+def month(name: str) -> int | None:
+    """A month's number from its name, full or short, with or without a dot.
+
+    >>> month("oct."), month("März"), month("Tue")
+    (10, 3, None)
+    """
+    text = words(name)
+    best: tuple[int, int] | None = None
+    for number, starts in enumerate(_MONTHS, start=1):
+        for start in starts:
+            if text.startswith(start) and len(text) >= 3 and (best is None or len(start) > best[0]):
+                best = (len(start), number)
+    # "mar" is March, but "mardi" a day; "sam" and the like match nothing
+    if best and text in {"mardi", "mar dim", "martes", "martedi", "sobota", "lun"}:
+        return None
+    return best[1] if best else None
+
+
+def _numbers(text: str) -> list[str]:
+    return re.findall(r"\d+", text)
+
+
+def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> Order:
+    """Whether slashed dates put the day or the month first: by a number over 12, else by AM and PM."""
+    for text in dates:
+        match = re.search(r"(?<!\d)(\d{1,2})[/.\-](\d{1,2})[/.\-]\d{2,4}", text)
+        if match:
+            if int(match[1]) > 12:
+                return "dmy"
+            if int(match[2]) > 12:
+                return "mdy"
+    return "mdy" if any(halves) else "dmy"
+
+
+@lru_cache(maxsize=4096)
+def day_number(text: str, order: Order = "dmy") -> int | None:
+    """The day's ordinal, or None where the text holds no date.
+
+    >>> day_number("27-Sep-2014") - day_number("2014-09-26"), day_number("28-oct.-2021") - day_number("20211027")
+    (1, 1)
+    >>> day_number("Tue Aug 21  MESZ 2012") == day_number("21.08.2012"), day_number(" PM")
+    (True, None)
+    """
+    text = _HALF.sub(" ", text)
+    try:
+        return _day(text, order)
+    except ValueError:
+        return None
+
+
+def _day(text: str, order: Order) -> int | None:
+    if match := re.search(r"(?<!\d)(\d{4})[/.\-](\d{1,2})[/.\-](\d{1,2})(?!\d)", text):
+        return dt.date(int(match[1]), int(match[2]), int(match[3])).toordinal()
+    if match := re.search(r"(?<!\d)((?:19|20)\d{2})(\d{2})(\d{2})(?!\d)", text):
+        return dt.date(int(match[1]), int(match[2]), int(match[3])).toordinal()
+    if match := re.search(r"(?<!\d)(\d{1,2})[/.\-](\d{1,2})[/.\-](\d{4}|\d{2})(?!\d)", text):
+        first, second, year = int(match[1]), int(match[2]), int(match[3])
+        year += 2000 if year < 100 else 0
+        day, number = (first, second) if order == "dmy" else (second, first)
+        return dt.date(year, number, day).toordinal()
+    names = [found for found in map(month, re.findall(r"[^\W\d_]{3,}\.?", text)) if found]
+    digits = _numbers(text)
+    years = [int(piece) for piece in digits if len(piece) == 4]
+    days = [int(piece) for piece in digits if len(piece) <= 2]
+    if not names or not days:
+        return None
+    if not years and len(days) >= 2:
+        years, days = [2000 + days[-1]], days[:-1]
+    # the last month name counts: a weekday ("Mar" in French, Tuesday) stands before it
+    return dt.date(years[0] if years else 2000, names[-1], days[0]).toordinal()

@@ -1,0 +1,1 @@
+"""A logger's bytes become a table of cells."""

@@ -1,0 +1,309 @@
+"""Reads columns of delimited text fast, and row by row what the fast way cannot."""
+
+from __future__ import annotations
+
+import csv
+import io
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from atleak.intake.road_test.files.cells import MISSING, Decimal, kind_of
+from atleak.intake.road_test.files.decoding import LogText, to_text
+from atleak.intake.road_test.files.layout import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
+from atleak.intake.road_test.files.log_file import HEAD, LARGE, LogFile
+
+_LONG_HEAD = 1 << 18
+LOOK = 150
+"""Lines among which the table's beginning is sought first."""
+
+
+@dataclass(frozen=True)
+class Delimited:
+    """Delimited text whose table is found but not read yet.
+
+    ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
+    """
+
+    source: LogFile
+    text: LogText | None
+    codec: str
+    encoding: str
+    delimiter: str
+    decimal: Decimal
+    layout: Layout
+    offset: int
+    sample: tuple[Row, ...]
+    quoted: bool
+    spaced: bool
+
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        """The columns' headings."""
+        return self.layout.headings
+
+    @property
+    def has_header(self) -> bool:
+        """Whether any row names the columns."""
+        return self.layout.has_header
+
+    @property
+    def width(self) -> int:
+        """Cells of a data row."""
+        return self.layout.width
+
+    @property
+    def preamble(self) -> tuple[Row, ...]:
+        """The rows above the header."""
+        return self.layout.preamble
+
+    def read(self, columns: Sequence[int]) -> pd.DataFrame:
+        """These columns of every line from the first data row on: numbers as floats, anything else as text."""
+        clean, dirty = self._expected(columns)
+        rest = [index for index in columns if index not in dirty]
+        frame = self._read_numbers(rest, clean) if rest else pd.DataFrame()
+        if frame is None:  # a word where only numbers were expected
+            return self._in_pieces(columns, {*clean, *dirty})
+        odd = [index for index in columns if index in dirty or frame[index].dtype == object]
+        if not odd:
+            return frame
+        pieces = self._in_pieces(odd, {*clean, *dirty})
+        return frame.drop(columns=odd, errors="ignore").join(pieces, how="right") if rest else pieces
+
+    def _expected(self, columns: Sequence[int]) -> tuple[set[int], set[int]]:
+        """Columns that hold only numbers and blanks as far as the sample shows, and those with words for *missing*."""
+        clean, dirty = set(), set()
+        for index in columns:
+            cells = [row[index] for row in self.sample if index < len(row) and row[index]]
+            kinds = {kind_of(cell, self.decimal) for cell in cells}
+            if kinds == {"number"}:
+                clean.add(index)
+            elif kinds == {"number", "missing"}:
+                dirty.add(index)
+        return clean, dirty
+
+    def _read_numbers(self, columns: Sequence[int], clean: set[int]) -> pd.DataFrame | None:
+        numeric = {index: "float64" for index in columns if index in clean}
+        frame = self._read_file(columns, numeric) if self.text is None else None
+        if frame is not None:
+            return frame
+        try:
+            return self._read(self.text or prepared(self.source), columns, numeric)
+        except ValueError:
+            return None
+
+    def _in_pieces(self, columns: Sequence[int], numeric: set[int]) -> pd.DataFrame:
+        """The columns cell by cell: numbers as floats, and in ``attrs["words"]`` what stood between them.
+
+        In pieces, because the reader makes an object of every cell before it packs them.
+        """
+        text = self.text or prepared(self.source)
+        stream = io.BytesIO(text.data)
+        stream.seek(self.offset)
+        parts: dict[int, list[Any]] = {index: [] for index in columns}
+        words: dict[int, list[pd.Series]] = {index: [] for index in columns if index in numeric}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            options = {"encoding": text.codec, "encoding_errors": "replace", "dtype": "str", "chunksize": 25_000}
+            with pd.read_csv(stream, usecols=sorted(columns), **options, **self._options()) as reader:
+                for piece in reader:
+                    for index in columns:
+                        if index in numeric:
+                            values, strange = split_words(piece[index], self.decimal)
+                            parts[index].append(values)
+                            words[index].append(strange)
+                        else:
+                            parts[index].append(piece[index])
+        frame = pd.DataFrame(
+            {
+                index: np.concatenate(part) if index in numeric else pd.concat(part, ignore_index=True)
+                for index, part in parts.items()
+                if part
+            }
+        )
+        frame.attrs["words"] = {index: pd.concat(part) for index, part in words.items() if part}
+        return frame
+
+    def _read_file(self, columns: Sequence[int], numeric: dict[int, str]) -> pd.DataFrame | None:
+        """Lets pandas read the file itself, on several cores where it can; None where the text needs mending."""
+        whole = 2 * len(columns) >= self.layout.width
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", pd.errors.ParserWarning)
+                warnings.simplefilter("ignore", pd.errors.DtypeWarning)
+                frame = pd.read_csv(
+                    str(self.source.path),
+                    skiprows=self.layout.start,
+                    usecols=None if whole else sorted(columns),
+                    dtype=numeric,  # type: ignore[arg-type]
+                    encoding="utf-8",
+                    **self._options(),
+                )
+        except (ValueError, UnicodeDecodeError):  # pandas' parser errors are ValueErrors
+            return None
+        self.source.digest.start()
+        # a zero byte among numbers would have stopped the reader; in text it must be looked for
+        if any(frame[index].dtype.kind not in "fiub" for index in columns) and self.source.digest.has_nul:
+            return None
+        return frame[list(columns)] if whole and len(columns) < self.layout.width else frame
+
+    def _read(self, text: LogText, columns: Sequence[int], numeric: dict[int, str]) -> pd.DataFrame:
+        stream = io.BytesIO(text.data)
+        stream.seek(self.offset)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            warnings.simplefilter("ignore", pd.errors.DtypeWarning)
+            return pd.read_csv(
+                stream,
+                usecols=sorted(columns),
+                dtype=numeric,  # type: ignore[arg-type]
+                encoding=text.codec,
+                encoding_errors="replace",
+                **self._options(),
+            )
+
+    def _options(self) -> dict[str, Any]:
+        return {
+            "sep": r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
+            "decimal": self.decimal,
+            "header": None,
+            "names": list(range(self.layout.width)),
+            "index_col": False,
+            "engine": "c",
+            "skipinitialspace": self.spaced,
+            "quoting": csv.QUOTE_MINIMAL if self.quoted else csv.QUOTE_NONE,
+        }
+
+
+def _lines(data: bytes) -> list[bytes]:
+    if b"\n" not in data[:HEAD] and b"\r" in data[:HEAD]:
+        return data.split(b"\r")
+    return data.split(b"\n")
+
+
+def prepared(source: LogFile) -> LogText:
+    """The whole text of a log, mended: no zero bytes, line feeds at the ends of lines, no half-written cell."""
+    text = to_text(source.data)
+    if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
+        text = LogText(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
+    return without_cut_cell(text)
+
+
+def _plain_head(source: LogFile) -> LogText | None:
+    """The head of a large file that the fast reader can take as it is, else None."""
+    if source.in_memory or source.size <= LARGE:
+        return None
+    head = to_text(source.head)
+    tail = source.part(source.size - HEAD, source.size)
+    if head.codec != "utf-8" or not head.encoding.startswith("utf-8") or b"\n" not in source.head[:HEAD]:
+        return None
+    if b"\x00" in source.head or not tail.endswith(b"\n"):
+        return None
+    return head
+
+
+def open_delimited(source: LogFile) -> Delimited | None:
+    """Finds the table in a delimited text, or None when there is none."""
+    if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
+        return None  # one endless line
+    plain = _plain_head(source)
+    text = plain or prepared(source)
+    head = _lines(text.data[:_LONG_HEAD])
+    if source.size > _LONG_HEAD:
+        head = head[:-1]
+    dialect = find_dialect(_sample_lines(source, text, head, plain is not None))
+    if dialect is None:
+        return None
+    delimiter, decimal = dialect.delimiter, dialect.decimal
+    rows: list[Row] = []
+    layout = None
+    for count in (LOOK, 4 * LOOK, 16 * LOOK, len(head)):
+        rows += [split_line(text.decode(line), delimiter) for line in head[len(rows) : count]]
+        layout = find_table(rows, decimal, dialect.width)
+        if (layout is not None and layout.start < 0.8 * len(rows)) or count >= len(head):
+            break
+    if layout is None:
+        return None
+    offset = sum(len(line) + 1 for line in head[: layout.start])
+    end = source.part(source.size - HEAD, source.size) if plain else text.data[-HEAD:]
+    body = (text.data[offset : offset + HEAD], end)
+    quoted = any(b'"' in part for part in body)
+    spaced = any(delimiter.encode() + b" " in part for part in body)
+    sample = tuple(rows[layout.start :][:400])
+    return Delimited(
+        source,
+        None if plain else text,
+        text.codec,
+        text.encoding,
+        delimiter,
+        decimal,
+        layout,
+        offset,
+        sample,
+        quoted,
+        spaced,
+    )
+
+
+def _sample_lines(source: LogFile, text: LogText, head: list[bytes], plain: bool) -> list[str]:
+    """Lines from the head's end and from four places further on in the file."""
+    chosen = head[-80:]
+    size = source.size if plain else len(text.data)
+    if size > _LONG_HEAD:
+        for share in (0.3, 0.5, 0.75, 1.0):
+            at = min(int(size * share), size - 1) - (1 << 14)
+            part = source.part(at, at + (1 << 14)) if plain else text.data[at : at + (1 << 14)]
+            chosen += _lines(part)[1:-1][:20]
+    return [text.decode(line) for line in chosen]
+
+
+def without_cut_cell(text: LogText) -> LogText:
+    """A log whose last line breaks off: the last, perhaps cut, cell is taken away, the row stays."""
+    data = text.data
+    if data.endswith((b"\n", b"\r")) or b"\n" not in data[-HEAD:]:
+        return text
+    lines = data[-HEAD:].split(b"\n")
+    last, before = lines[-1], [line for line in lines[:-1] if line.strip()][-3:]
+    for delimiter in (b"\t", b";", b","):
+        usual = {line.count(delimiter) for line in before}
+        if len(usual) == 1 and min(usual) > 0:
+            if last.count(delimiter) < min(usual) and delimiter in last:
+                return LogText(data[: data.rindex(delimiter)], text.encoding, text.codec)
+            break
+    return text
+
+
+def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
+    """A column as floats, and those of its cells that are neither a number nor a word for *missing*."""
+    if column.dtype.kind in "fiub":
+        values = column.to_numpy(dtype=float)
+        if column.dtype.kind == "f" and not np.isfinite(values.sum()) and np.isinf(values).any():
+            values = np.where(np.isinf(values), np.nan, values)
+        return values, pd.Series([], dtype="str")
+    text = column.astype("str").str.strip().str.strip('"').str.strip()
+    plain = text
+    if decimal == ",":
+        dotted = text.str.contains(".", regex=False, na=False).to_numpy()
+        plain = text.str.replace(",", ".", regex=False).where(~dotted)
+    values = pd.to_numeric(plain, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
+    values = np.where(np.isinf(values), np.nan, values)
+    rest = text[np.isnan(values) & column.notna().to_numpy()]
+    return values, rest[~rest.str.lower().isin(MISSING)]
+
+
+def words_of(frame: pd.DataFrame, index: int, decimal: Decimal) -> pd.Series:
+    """The cells of a column that are no numbers, by row label."""
+    stored = frame.attrs.get("words", {}).get(index)
+    if stored is not None:
+        return stored[stored.index.isin(frame.index)] if len(stored) else stored
+    return split_words(frame[index], decimal)[1]
+
+
+def numbers(frame: pd.DataFrame, index: int, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
+    """A column as floats and its cells that are no numbers."""
+    values, rest = split_words(frame[index], decimal)
+    return values, words_of(frame, index, decimal) if index in frame.attrs.get("words", {}) else rest

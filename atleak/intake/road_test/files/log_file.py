@@ -1,0 +1,252 @@
+"""From a path or bytes to a log's bytes, with a word about what it is; refuses what is no log before reading it all."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import mmap
+import tempfile
+import threading
+import zlib
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Literal
+
+from atleak.errors import Place, RoadTestError
+
+HEAD = 1 << 16
+"""Bytes looked at to find out what a file is."""
+LARGE = 1 << 18
+"""Text files beyond this size are not read into memory as a whole unless they must be."""
+SPARE = 120 << 20
+"""Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
+GROWTH = 4
+
+Form = Literal["text", "workbook", "mdf"]
+
+_PICTURES = {
+    b"\x89PNG": "a PNG picture",
+    b"\xff\xd8\xff": "a JPEG picture",
+    b"GIF8": "a GIF picture",
+    b"BM": "a bitmap picture",
+    b"II*\x00": "a TIFF picture",
+    b"MM\x00*": "a TIFF picture",
+    b"%PDF": "a PDF document",
+    b"{\\rtf": "a formatted text document",
+    b"Rar!": "a RAR archive",
+    b"7z\xbc\xaf": "a 7z archive",
+    b"TDSm": "a TDMS file of LabVIEW",
+    b"\x7fELF": "a program",
+    b"MZ\x90": "a program",
+    b"SQLite format 3": "a database",
+    b"PAR1": "a Parquet file",
+    b"\x89HDF": "an HDF5 file",
+    b"MATLAB 5.0": "a MATLAB file",
+    b"MLVLG": "a binary log of MegaLogViewer",
+    b"<?xml": "an XML document",
+    b"<!DOCTYPE": "a web page",
+    b"<html": "a web page",
+}
+
+
+class Digest:
+    """SHA-256 of a file, computed beside the reading."""
+
+    def __init__(self, source: bytes | Path) -> None:
+        self._hash, self._source = hashlib.sha256(), source
+        self._error = ""
+        self.has_nul_unpacked = False
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._started = False
+
+    def start(self) -> None:
+        """Begins, if it has not begun yet: beside work that leaves a core free."""
+        if not self._started:
+            self._started = True
+            self._thread.start()
+
+    def _finish(self) -> None:
+        self.start()
+        self._thread.join()
+
+    def _run(self) -> None:
+        if isinstance(self._source, bytes):
+            self._hash.update(self._source)
+            self._source = b""
+            return
+        try:
+            with (
+                self._source.open("rb") as stream,
+                mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped,
+            ):
+                self._hash.update(mapped)
+        except OSError as error:
+            self._error = str(error.strerror)
+
+    def __str__(self) -> str:
+        self._finish()
+        if self._error:
+            raise RoadTestError(f"cannot be read: {self._error}")
+        return self._hash.hexdigest()
+
+    @property
+    def has_nul(self) -> bool:
+        """Whether the file on disk holds zero bytes; looked for only when asked."""
+        if isinstance(self._source, bytes):
+            return self.has_nul_unpacked
+        with self._source.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped:
+            return mapped.find(b"\x00") >= 0
+
+
+@dataclass(frozen=True)
+class LogFile:
+    """A log before anything is understood.
+
+    ``head`` are its first bytes, ``data`` all of them (unpacked when it came packed), read from ``path`` only when
+    asked for: a large clean file is read by the fast reader itself. What came packed lies in ``room`` until then.
+    """
+
+    file: str
+    digest: Digest
+    head: bytes
+    form: Form
+    size: int
+    path: Path | None = None
+    packed: bool = False
+    content: bytes | None = field(default=None, repr=False)
+    room: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)
+
+    @cached_property
+    def data(self) -> bytes:
+        """All bytes of the log."""
+        if self.content is not None:
+            return self.content
+        assert self.path is not None
+        return self.path.read_bytes()
+
+    @property
+    def in_memory(self) -> bool:
+        """Whether the bytes have been read already."""
+        return self.content is not None
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file as it was given."""
+        return str(self.digest)
+
+    def close(self) -> None:
+        """Takes away what was unpacked to disk."""
+        if self.room is not None:
+            self.room.cleanup()
+
+    def part(self, start: int, stop: int) -> bytes:
+        """Some bytes of the log."""
+        if self.content is not None or self.path is None:
+            return self.data[start:stop]
+        with self.path.open("rb") as stream:
+            stream.seek(start)
+            return stream.read(stop - start)
+
+
+def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
+    """Reads a log's bytes.
+
+    Raises
+    ------
+    RoadTestError
+        when the file is missing, empty, a picture or other thing that is no log, only zeros, or packed so
+        tightly that unpacking it would fill the memory.
+    """
+    if isinstance(source, bytes):
+        file = name or "log"
+        _refuse_what_is_no_log(source[:HEAD], file)
+        return _packed_or_not(source, file, Digest(source), None)
+    path = Path(source)
+    file = name or path.name
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(LARGE)
+            _refuse_what_is_no_log(head[:HEAD], file)
+            size = path.stat().st_size
+            if size > LARGE and _form_of(head) == "text" and head[:2] != b"\x1f\x8b":
+                return LogFile(file, Digest(path), head, "text", size, path)
+            data = head + stream.read()
+    except OSError as error:
+        raise RoadTestError(f"cannot be opened: {error.strerror}", place=Place(file=file)) from error
+    return _packed_or_not(data, file, Digest(data), path)
+
+
+def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) -> LogFile:
+    if data[:2] != b"\x1f\x8b":
+        return LogFile(file, digest, data[:LARGE], _form_of(data), len(data), path, False, data)
+    room = tempfile.TemporaryDirectory(prefix="atleak-")
+    try:
+        unpacked = Path(room.name) / "log"
+        digest.has_nul_unpacked = _unpack(data, file, unpacked)
+        size = unpacked.stat().st_size
+        with unpacked.open("rb") as stream:
+            head = stream.read(LARGE)
+        form = _form_of(head)
+        if form == "text" and size > LARGE:
+            return LogFile(file, digest, head, form, size, unpacked, True, None, room)
+        content = unpacked.read_bytes()
+    except BaseException:
+        room.cleanup()
+        raise
+    room.cleanup()
+    return LogFile(file, digest, head, form, size, None, True, content)
+
+
+def _form_of(data: bytes) -> Form:
+    if data[:4] == b"PK\x03\x04" or data[:8] == b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1":
+        return "workbook"
+    if data[:3] == b"MDF" or data[:8] == b"UnFinMF ":
+        return "mdf"
+    return "text"
+
+
+def _refuse_what_is_no_log(head: bytes, file: str) -> None:
+    place = Place(file=file)
+    if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):
+        if head.strip(b" \t\r\n"):
+            raise RoadTestError(
+                "holds nothing but zero bytes: the logger did not finish writing it, or the card is damaged",
+                place=place,
+            )
+        raise RoadTestError("is empty: the logger wrote nothing", place=place)
+    for magic, what in _PICTURES.items():
+        if head.startswith(magic) and (magic != b"BM" or b"\x00" in head[:32]):
+            raise RoadTestError(
+                f"is {what}, no road-test log, whatever its name says",
+                place=place,
+                expected="delimited text, xlsx or MDF4 as the logger exports it",
+            )
+
+
+def _unpack(data: bytes, file: str, target: Path) -> bool:
+    """Unpacks into a file; whether zero bytes were among what came out."""
+    limit, total, nul = GROWTH * len(data) + SPARE, 0, False
+    place = Place(file=file)
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream, target.open("wb") as out:
+            while part := stream.read(1 << 20):
+                if not total:
+                    _refuse_what_is_no_log(part[:HEAD], file)
+                    if part[:2] == b"\x1f\x8b":
+                        raise RoadTestError("is packed twice; unpack it first", place=place)
+                total += len(part)
+                nul = nul or b"\x00" in part
+                if total > limit:
+                    raise RoadTestError(
+                        f'unfolds to more than {limit >> 20} MB: this is no ordinary log (a "zip bomb"?)',
+                        place=place,
+                        expected="a log; if it really is one, unpack it first",
+                    )
+                out.write(part)
+    except (OSError, EOFError, zlib.error) as error:
+        raise RoadTestError(f"its gz packing is damaged: {error}", place=place) from error
+    if not total:
+        raise RoadTestError("is empty: the logger wrote nothing", place=place)
+    return nul

@@ -1,0 +1,176 @@
+"""Workbooks: a log on one sheet, or one signal per sheet with its own time."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from atleak.errors import RoadTestError
+from atleak.intake.native.process import WORKBOOK, read_apart
+from atleak.intake.native.workbooks import log_rows, stray_cells
+from atleak.intake.road_test.files.cells import MISSING, Decimal
+from atleak.intake.road_test.files.layout import Heading, Layout, Row, find_table
+from atleak.intake.road_test.files.log_file import LogFile
+from atleak.intake.road_test.names.matching import match_name, split_unit, words
+
+_LOOK = 2000
+
+
+@dataclass(frozen=True)
+class LogSheet:
+    """One sheet with its table found; a `protocol.LogTable`."""
+
+    name: str
+    rows: list[list[object]]
+    layout: Layout
+    decimal: Decimal
+    titled: bool = False
+
+    @cached_property
+    def headings(self) -> tuple[Heading, ...]:
+        """The columns' headings; a lone signal without a telling name bears the sheet's."""
+        if not self.titled:
+            return self.layout.headings
+        split = split_unit(self.name)
+        result = []
+        for heading in self.layout.headings:
+            known = any(match_name(name) for name in heading.names)
+            if not known and _plain(heading) in _GENERIC:
+                heading = Heading(heading.index, self.name, (split.text,), heading.unit or split.unit)
+            result.append(heading)
+        return tuple(result)
+
+    @property
+    def has_header(self) -> bool:
+        """Whether any row names the columns."""
+        return self.layout.has_header
+
+    @cached_property
+    def sample(self) -> tuple[Row, ...]:
+        """The first data rows as text."""
+        body = self.rows[self.layout.start : self.layout.start + 400]
+        return tuple([_text(cell, self.decimal) for cell in row] for row in body)
+
+    @property
+    def width(self) -> int:
+        """Cells of a data row."""
+        return self.layout.width
+
+    @property
+    def preamble(self) -> tuple[Row, ...]:
+        """The rows above the header."""
+        return self.layout.preamble
+
+    def read(self, columns: Sequence[int]) -> pd.DataFrame:
+        """These columns from the first data row on, as `delimited.Delimited.read` gives them."""
+        body = self.rows[self.layout.start :]
+        return pd.DataFrame(
+            {index: _column([row[index] if index < len(row) else None for row in body]) for index in columns}
+        )
+
+
+_GENERIC = {
+    "",
+    "value",
+    "values",
+    "wert",
+    "messwert",
+    "data",
+    "y",
+    "signal",
+    "reading",
+    "wartosc",
+    "valeur",
+    "valor",
+    "значение",
+}
+
+
+def _plain(heading: Heading) -> str:
+    text = words(heading.names[0]) if heading.names else ""
+    return "" if text.startswith("column ") else text
+
+
+def _text(cell: object, decimal: Decimal = ".") -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, bool):
+        return "1" if cell else "0"
+    if isinstance(cell, float):
+        text = str(int(cell)) if cell.is_integer() and abs(cell) < 1e15 else repr(cell)
+        return text.replace(".", ",") if decimal == "," else text
+    if isinstance(cell, dt.datetime):
+        return cell.isoformat(sep=" ")
+    if isinstance(cell, dt.time):
+        return cell.isoformat()
+    if isinstance(cell, dt.timedelta):
+        seconds = cell.total_seconds()
+        return f"{int(seconds // 3600)}:{int(seconds % 3600 // 60):02d}:{seconds % 60:06.3f}"
+    return str(cell).strip()
+
+
+def _column(cells: list[object]) -> pd.Series:
+    floats = np.full(len(cells), np.nan)
+    for index, cell in enumerate(cells):
+        if isinstance(cell, int | float):
+            floats[index] = cell
+        elif cell is None or (isinstance(cell, str) and cell.strip().lower() in MISSING):
+            continue
+        else:
+            break
+    else:
+        return pd.Series(floats)
+    if any(isinstance(cell, dt.date | dt.time | dt.timedelta) for cell in cells):
+        return pd.Series(cells, dtype=object)
+    return pd.Series([None if cell is None or cell == "" else _text(cell) for cell in cells], dtype="str")
+
+
+def open_sheets(source: LogFile) -> list[LogSheet]:
+    """Every sheet of a workbook that holds a table.
+
+    Raises
+    ------
+    RoadTestError
+        when the workbook cannot be read.
+    """
+    found: dict[str, list[list[object]]] = {}
+    for name, block in read_apart(log_rows, source.data, source.file, RoadTestError, WORKBOOK, stray_cells):
+        found.setdefault(name, []).extend(block)
+    sheets = []
+    for name, rows in found.items():
+        while rows and all(cell is None for cell in rows[-1]):
+            rows.pop()
+        sheet = _sheet(name, rows)
+        if sheet is not None:
+            sheets.append(sheet)
+    return sheets
+
+
+def _sheet(name: str, rows: list[list[object]]) -> LogSheet | None:
+    width = max((index + 1 for row in rows[:_LOOK] for index, cell in enumerate(row) if cell is not None), default=0)
+    if width < 2:
+        return None
+    for row in rows:
+        del row[width:]
+    for decimal in (".", ","):
+        look = [[_text(cell, decimal) for cell in row] for row in rows[:_LOOK]]
+        layout = find_table([_shorn(row) for row in look], decimal)
+        if layout is not None:
+            best: Decimal = decimal
+            text = [cell for row in rows[layout.start : _LOOK] for cell in row if isinstance(cell, str)]
+            commas = sum("," in cell and cell.replace(",", "", 1).lstrip("-").isdigit() for cell in text)
+            if decimal == "." and commas > 0.1 * max(len(text), 1):
+                continue
+            return LogSheet(name, rows, layout, best)
+    return None
+
+
+def _shorn(row: Row) -> Row:
+    """A row without the blank cells at its end, but never less than two cells wide."""
+    end = max((index + 1 for index, cell in enumerate(row) if cell), default=0)
+    return row if end > len(row) // 2 else row[: max(end, 1)]

@@ -1,0 +1,1 @@
+"""A column's name and unit give the quantity that it holds."""

@@ -1,0 +1,366 @@
+"""From what a logger calls a column to the quantity it may be.
+
+The unit is taken out of the name first; the rest is compared, as a whole and longest first, with the synonyms of
+``synonyms.toml``. Words that say nothing (*SAE*, *OBD*) are left out; a veto word (*target*, *duty*) forbids the match.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+import unicodedata
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib import resources
+from typing import Literal
+
+from atleak.intake.units import find_unit, kinds_of
+from atleak.road_test import QUANTITIES, ChannelKind
+
+Tier = Literal[0, 1, 2]
+"""0 the name itself, 1 a second choice (a GPS speed), 2 only offered, never taken by itself."""
+
+# units of other things a logger records: they end a name in brackets without being part of it
+_OTHER_UNITS = frozenset(
+    [
+        "v",
+        "mv",
+        "volt",
+        "volts",
+        "%",
+        "g/s",
+        "kg/h",
+        "g",
+        "lb/min",
+        "nm",
+        "ft-lb",
+        "lb-ft",
+        "lbft",
+        "hp",
+        "ps",
+        "kw",
+        "a",
+        "ma",
+        "ppm",
+        "°",
+        "deg",
+        "degree",
+        "degrees",
+        "λ",
+        "lambda",
+        "afr",
+        "none",
+        "index",
+        "gear",
+        "on/off",
+        "raw",
+        "count",
+        "counts",
+        "steps",
+        "mg/stk",
+        "mg/cyl",
+        "mg/s",
+        "ml",
+        "l",
+        "gal",
+        "miles",
+        "km",
+        "m",
+        "ft",
+        "g/rev",
+        "g/cyl",
+        "l/100km",
+        "l/h",
+        "mpg",
+        "gph",
+        "€",
+        "rpm/s",
+        "kpa/s",
+        "km/l",
+        "bit",
+        "bool",
+        "boolean",
+        "enum",
+        "state",
+        "code",
+        "text",
+        "n/a",
+        "unitless",
+        "mm",
+        "cm",
+        "in",
+        "µm",
+        "n",
+        "kn",
+        "db",
+        "j",
+        "wh",
+        "ohm",
+        "ω",
+        "f/c",
+        "psi/bar",
+        "°btdc",
+        "°ca",
+        "multiplier",
+        "inhg",
+        "in.hg",
+        "inh2o",
+        "mmhg",
+        "torr",
+        "mg/m3",
+        "sat/s",
+        "l/min",
+        "gpm",
+        "°/s",
+        "kg",
+        "kg/s",
+        "btdc",
+        "deg/s",
+        "g/l",
+        "uv",
+        "w",
+        "var",
+        "°crk",
+        "%pwm",
+    ]
+)
+_GROUP = re.compile(r"^(.*?)[\s_]*[(\[{]([^()\[\]{}]*(?:\([^()]*\))?[^()\[\]{}]*)[)\]}]\s*$", re.DOTALL)
+_FOOTNOTE = re.compile(r"(?<=[)\]])\s*\*\s*\w*$")
+_TRANSLATE = str.maketrans(
+    {"ß": "ss", "ä": "ae", "ö": "oe", "ü": "ue", "ł": "l", "ø": "o", "æ": "ae", "№": "no", "đ": "d"}
+)
+_CAMEL = re.compile(r"(?<=[a-zа-яё])(?=[A-ZА-ЯЁ])|(?<=[A-Z])(?=[A-Z][a-z]{2})")
+# digits between letters are kept with them: "n2", "o2"
+_SEPARATORS = re.compile(r"[^0-9a-zа-яёͰ-Ͽ一-鿿]+")
+
+
+def words(name: str) -> str:
+    """A name in lower-case words parted by one blank; umlauts written out, accents dropped, Cyrillic kept.
+
+    >>> words("Getriebeöltemperatur"), words("VehicleSpeed"), words("P/L Solenoid_Valve-Pressure")
+    ('getriebeoeltemperatur', 'vehicle speed', 'p l solenoid valve pressure')
+    """
+    text = unicodedata.normalize("NFKC", name)
+    text = _CAMEL.sub(" ", text).lower().translate(_TRANSLATE)
+    text = unicodedata.normalize("NFKD", text)
+    # й and ё stay letters of their own
+    text = "".join(c for c in text if not unicodedata.combining(c) or c in "\u0306\u0308")
+    text = unicodedata.normalize("NFKC", text)
+    return _SEPARATORS.sub(" ", text).strip()
+
+
+@dataclass(frozen=True)
+class Name:
+    """A column's name without its unit, and the unit's text (None where the name states none)."""
+
+    text: str
+    unit: str | None
+
+
+@lru_cache(maxsize=4096)
+def split_unit(name: str) -> Name:
+    """Takes the unit out of a column's name.
+
+    Only the last group in brackets can be the unit, and only if it is one: ``Speed (OBD)(km/h)``.
+
+    >>> split_unit("Catalyst Temperature (Bank 1 Sensor 1)(°C)")
+    Name(text='Catalyst Temperature (Bank 1 Sensor 1)', unit='°C')
+    >>> split_unit("Speed (OBD)")
+    Name(text='Speed (OBD)', unit=None)
+    """
+    text = name.replace("\ufeff", "").strip().strip('"').strip()
+    if text.count("|") >= 2:  # "Name"|"unit"|min|max|rate
+        parts = [part.strip().strip('"').strip() for part in text.split("|")]
+        return Name(parts[0], parts[1] or None)
+    text = _FOOTNOTE.sub("", text)  # "Engine Speed (rpm) *OBD"
+    unit: str | None = None
+    while match := _GROUP.match(text):
+        inside = match[2].strip().strip('"').strip()
+        if unit is not None and inside.lower() != unit.lower():
+            break
+        if not (inside == "" or is_unit(inside)):
+            break
+        text, unit = match[1].strip(), inside
+        if not text:
+            return Name(name.strip(), None)
+    return Name(text, unit or None)
+
+
+@lru_cache(maxsize=4096)
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of anything a logger records."""
+    bare = clean_unit(text)
+    if _ABSOLUTE.match(bare) or _ABSOLUTE.match(text.strip()):
+        return True
+    return bool(bare) and (bare.lower() in _OTHER_UNITS or bool(kinds_of(bare)))
+
+
+_ABSOLUTE = re.compile(r"^(?:k?pa|m?bar|mpa|hpa|psi)\s*[ (_]?\s*(?:a|abs\.?|absolute?|g|gauge)\s*\)?$", re.IGNORECASE)
+
+
+def clean_unit(text: str) -> str:
+    """A unit without the brackets and quotes some loggers put round it.
+
+    >>> clean_unit(" [°C] ")
+    '°C'
+    """
+    return text.strip().strip('"').strip("[](){}").strip()
+
+
+@dataclass(frozen=True)
+class Match:
+    """What a name may be. ``unit`` is one that the name holds as its last word (``engine_speed_rpm``)."""
+
+    quantity: str
+    tier: Tier
+    kind: ChannelKind = "unknown"
+    unit: str | None = None
+
+
+@dataclass(frozen=True)
+class _Table:
+    exact: dict[str, tuple[str, Tier, ChannelKind]]
+    neutral: tuple[str, ...]
+    veto: tuple[str, ...]
+    commanded: tuple[str, ...]
+    measured: tuple[str, ...]
+
+
+@cache
+def synonyms() -> _Table:
+    """The table of synonyms, by squashed spelling."""
+    data = tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
+    exact: dict[str, tuple[str, Tier, ChannelKind]] = {}
+    lists: tuple[tuple[str, Tier, ChannelKind], ...] = (
+        ("names", 0, "unknown"),
+        ("measured", 0, "measured"),
+        ("commanded", 0, "commanded"),
+        ("offered", 2, "commanded"),
+        ("second_choice", 1, "unknown"),
+    )
+    for quantity in QUANTITIES:
+        for key, tier, kind in lists:
+            for name in data.get(quantity, {}).get(key, ()):
+                exact[_squash(words(name))] = (quantity, tier, kind)
+    lexicon = {key: tuple(words(word) for word in value) for key, value in data["words"].items()}
+    lexicon["neutral"] = tuple(sorted(lexicon["neutral"], key=len, reverse=True))
+    return _Table(exact, **lexicon)
+
+
+def _squash(text: str) -> str:
+    return text.replace(" ", "")
+
+
+def _holds(text: str, word: str) -> bool:
+    return f" {word} " in f" {text} "
+
+
+def _without(text: str, unwanted: tuple[str, ...]) -> str:
+    padded = f" {text} "
+    for word in unwanted:
+        while f" {word} " in padded:
+            padded = padded.replace(f" {word} ", " ", 1)
+    return padded.strip()
+
+
+def unit_at_the_end(name: str, kind: str | None) -> Name | None:
+    """``engine_speed_rpm``, ``Vehicle speed, km/h``: a last word that is a unit of the quantity's kind."""
+    if kind is None:
+        return None
+    match = re.match(r"^(.*\S)[\s_,;:.\-]+(\S+)$", name.strip())
+    if not match:
+        return None
+    for head, tail in ((match[1], match[2]), *_two_words(match[1], match[2])):
+        if find_unit(clean_unit(tail), kind):
+            return Name(head.strip(" ,;:_-"), clean_unit(tail))
+    return None
+
+
+def _two_words(head: str, tail: str) -> list[tuple[str, str]]:
+    match = re.match(r"^(.*\S)[\s_,]+(\S+)$", head)
+    return [(match[1], f"{match[2]} {tail}")] if match else []
+
+
+@lru_cache(maxsize=4096)
+def match_name(name: str) -> Match | None:
+    """The quantity a name (without its bracketed unit) stands for, or None.
+
+    >>> match_name("Engine RPM (SAE)").quantity, match_name("Line Pressure Correction")
+    ('engine_speed', None)
+    """
+    table, text = synonyms(), words(name)
+    if not text:
+        return None
+    found = table.exact.get(_squash(text))
+    bare = text
+    if found is None:
+        bare = _without(text, table.neutral)
+        found = table.exact.get(_squash(bare)) if bare else None
+    if found is not None:
+        quantity, tier, kind = found
+        return Match(quantity, tier, _pressure_kind(quantity, text, kind), _own_unit(name, quantity))
+    for quantity in QUANTITIES.values():
+        ending = unit_at_the_end(name, quantity.unit_kind)
+        if ending is None or not ending.text:
+            continue
+        inner = match_name(ending.text)
+        if inner and inner.quantity == quantity.name:
+            return Match(inner.quantity, inner.tier, inner.kind, ending.unit)
+    return _offer(text, bare)
+
+
+def _own_unit(name: str, quantity: str) -> str | None:
+    kind = QUANTITIES[quantity].unit_kind
+    if kind is None:
+        return None
+    if find_unit(name, kind):  # a column called "mph" or "RPM"
+        return name.strip()
+    ending = unit_at_the_end(name, kind)
+    if ending is None and "/" in name and find_unit(name.rsplit("/", 1)[1], kind):  # a path: "engine/rpm"
+        return name.rsplit("/", 1)[1]
+    return ending.unit if ending else None
+
+
+def _pressure_kind(quantity: str, text: str, kind: ChannelKind) -> ChannelKind:
+    if kind != "unknown" or QUANTITIES[quantity].unit_kind != "pressure":
+        return kind
+    return name_kind(text)
+
+
+def name_kind(name: str) -> ChannelKind:
+    """Whether a pressure's name says that it is commanded or measured."""
+    table, text = synonyms(), words(name)
+    if any(_holds(text, word) for word in table.commanded):
+        return "commanded"
+    if any(_holds(text, word) for word in table.measured):
+        return "measured"
+    return "unknown"
+
+
+_NOT_OFFERED = {"time", "gear", "selector", "lock_up", "coolant_temperature"}
+
+
+def _offer(text: str, bare: str) -> Match | None:
+    """A name that holds a synonym of two or more words among others: shown as a candidate, never taken."""
+    table = synonyms()
+    if any(_holds(text, word) for word in table.veto):
+        return None
+    best: tuple[int, str, ChannelKind] | None = None
+    for synonym, (quantity, tier, kind) in _phrases():
+        if quantity in _NOT_OFFERED or tier == 1 or " " not in synonym:
+            continue
+        if _holds(bare, synonym) and (best is None or len(synonym) > best[0]):
+            best = (len(synonym), quantity, kind)
+    if best is None:
+        return None
+    return Match(best[1], 2, _pressure_kind(best[1], text, best[2]))
+
+
+@cache
+def _phrases() -> tuple[tuple[str, tuple[str, Tier, ChannelKind]], ...]:
+    data = tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
+    table, phrases = synonyms(), []
+    for quantity in QUANTITIES:
+        for names in data.get(quantity, {}).values():
+            phrases += [(words(name), table.exact[_squash(words(name))]) for name in names]
+    return tuple(phrases)

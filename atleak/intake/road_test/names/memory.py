@@ -1,0 +1,118 @@
+"""Remembers how a workshop settled a log's columns, by the signature of the log's header."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from atleak.errors import OutputError, Place
+from atleak.files import PRIVATE, replace_file
+from atleak.intake.road_test.names.matching import words
+
+_PATIENCE = 30  # [s] for other writers
+_POLL = 0.01  # [s]
+
+
+@dataclass(frozen=True)
+class Settled:
+    """What was settled: quantity → column, quantity → unit."""
+
+    mapping: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+
+
+def signature(labels: Iterable[str]) -> str:
+    """A header's signature: the same for every log with these column names in this order.
+
+    >>> signature(["Time (s)", "RPM"]) == signature(["time (s) ", "rpm"])
+    True
+    """
+    text = "\x1f".join(words(label) for label in labels)
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()[:16]
+
+
+def default_path(environment: Mapping[str, str] | None = None, home: Path | None = None) -> Path:
+    """Where mappings are kept: under %APPDATA% on Windows, else under XDG_CONFIG_HOME or ~/.config."""
+    environment = os.environ if environment is None else environment
+    if folder := environment.get("APPDATA"):
+        return Path(folder) / "atleak" / "road-test-columns.json"
+    if folder := environment.get("XDG_CONFIG_HOME"):
+        return Path(folder) / "atleak" / "road-test-columns.json"
+    return (home or Path.home()) / ".config" / "atleak" / "road-test-columns.json"
+
+
+def recall(path: Path, header: str) -> Settled | None:
+    """What was settled for a header's signature, or None. A damaged file counts as empty."""
+    entry = _readable(path).get(header)
+    if not isinstance(entry, dict):
+        return None
+    parts = [entry.get(key) for key in ("mapping", "units")]
+    if not all(isinstance(part, dict) for part in parts):
+        return None
+    return Settled(*({str(key): str(value) for key, value in part.items()} for part in parts))  # type: ignore[union-attr]
+
+
+def remember(path: Path, header: str, mapping: Mapping[str, str], units: Mapping[str, str] | None = None) -> None:
+    """Keeps what was settled for a header's signature; replaces what was kept before.
+
+    Raises
+    ------
+    OutputError
+        where nothing can be kept there.
+    """
+    with _rewritten(path) as entries:
+        entries[header] = {"mapping": dict(mapping), "units": dict(units or {})}
+
+
+def forget(path: Path, header: str) -> None:
+    """Drops what was kept for a header's signature.
+
+    Raises
+    ------
+    OutputError
+        where it cannot be dropped.
+    """
+    if header in _readable(path):
+        with _rewritten(path) as entries:
+            entries.pop(header, None)
+
+
+@contextmanager
+def _rewritten(path: Path) -> Iterator[dict[str, object]]:
+    """What is kept, to be changed and kept anew; no other process or thread writes it meanwhile."""
+    from filelock import FileLock, Timeout  # 40 ms, and most runs remember nothing
+
+    place = Place(file=str(path))
+    lock = FileLock(path.with_suffix(".lock"), timeout=_PATIENCE, mode=PRIVATE)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with lock.acquire(poll_interval=_POLL):
+            entries = _load(path)
+            yield entries
+            replace_file(path, json.dumps(entries, ensure_ascii=False, indent=1).encode("utf-8"), mode=PRIVATE)
+    except Timeout:
+        raise OutputError(f"another program has kept it locked for {_PATIENCE} s", place=place) from None
+    except (OSError, NotImplementedError) as error:  # the latter: a file system without locks
+        raise OutputError(f"cannot be written: {getattr(error, 'strerror', None) or error}", place=place) from error
+
+
+def _readable(path: Path) -> dict[str, object]:
+    """What is kept; nothing where the file cannot be read."""
+    try:
+        return _load(path)
+    except OSError:
+        return {}
+
+
+def _load(path: Path) -> dict[str, object]:
+    """What is kept; nothing where there is no file yet or it is damaged."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,204 @@
+"""Which unit a column is in: as stated, or by the range of its values; and whether the two can both be true."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from atleak.errors import InputError
+from atleak.intake.road_test.names.matching import clean_unit
+from atleak.intake.units import Unit, find_unit, kinds_of, unit
+from atleak.road_test import QUANTITIES
+
+ATMOSPHERE = 101325.0
+_ABSOLUTE = re.compile(r"^((?:0\.1 )?k?pa|m?bar|mpa|hpa|psi)\s*[ (_]?\s*(?:a|abs\.?|absolute?)\s*\)?$", re.IGNORECASE)
+_SAYS_NOTHING = frozenset({"", "-", "none", "index", "gear", "raw", "n/a", "unitless", "?", "value"})
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A column's unit: None with a ``problem`` where the column cannot be taken.
+
+    ``foreign``: the stated unit is of another kind. ``absolute`` pressures are turned into gauge pressures by `to_si`.
+    """
+
+    unit: Unit | None
+    assumed: bool = False
+    absolute: bool = False
+    problem: str | None = None
+    doubt: str | None = None
+    foreign: bool = False
+
+    def to_si(self, values: np.ndarray) -> np.ndarray:
+        """File's numbers → SI (gauge for pressures)."""
+        if self.unit is None or (self.unit.factor == 1.0 and not self.unit.offset):
+            result = values
+        else:
+            result = self.unit.to_si(values)
+        return result - ATMOSPHERE if self.absolute else result
+
+
+def split_absolute(text: str) -> tuple[str, bool]:
+    """The unit without the word that makes it absolute.
+
+    >>> split_absolute("kPa abs"), split_absolute("bar(a)"), split_absolute("kPa")
+    (('kPa', True), ('bar', True), ('kPa', False))
+    """
+    match = _ABSOLUTE.match(clean_unit(text)) or _ABSOLUTE.match(text.strip())
+    return (match[1], True) if match else (text, False)
+
+
+def given(quantity: str, name: str) -> Fit:
+    """The unit the user states for a quantity.
+
+    Raises
+    ------
+    InputError
+        when the quantity has no units or none of that name.
+    """
+    kind = QUANTITIES[quantity].unit_kind
+    if kind is None:
+        raise InputError(f"{quantity} is a plain number and has no unit", value=name)
+    base, absolute = split_absolute(name) if kind == "pressure" else (name, False)
+    return Fit(unit(base, kind), absolute=absolute)
+
+
+def fit(quantity: str, stated: str | None, values: np.ndarray, neighbours: Iterable[str] = ()) -> Fit:
+    """The unit of a column from what the file states, else from its values.
+
+    ``neighbours`` are the units stated elsewhere in the file: a log in °F and mph is likely to be so throughout.
+    """
+    kind = QUANTITIES[quantity].unit_kind
+    part = values[:: max(1, len(values) // 20_000)]
+    good = part[np.isfinite(part)]
+    if not len(good):
+        good = values[np.isfinite(values)]
+    if kind is None:
+        return _number(quantity, stated, good)
+    text = clean_unit(stated or "")
+    base, absolute = split_absolute(stated or "") if kind == "pressure" else (text, False)
+    if absolute:
+        text = base
+    found = find_unit(text, kind) if text.lower() not in _SAYS_NOTHING else None
+    if found is None and text.lower() not in _SAYS_NOTHING:
+        what = " or ".join(name.replace("_", " ") for name in kinds_of(text)) or "something else"
+        if text.lower() in ("v", "mv", "volt", "volts"):
+            what = "a sensor's voltage: its characteristic curve is needed"
+        return Fit(None, problem=f"unit {text!r} is {what}, not a unit of {kind.replace('_', ' ')}", foreign=True)
+    if found is not None:
+        result = Fit(found, absolute=absolute)
+        return (
+            Fit(None, problem=_misfit(quantity, result.to_si(good), found))
+            if _misfit(quantity, result.to_si(good), found)
+            else result
+        )
+    return _guess(quantity, good, tuple(neighbours))
+
+
+def _number(quantity: str, stated: str | None, good: np.ndarray) -> Fit:
+    text = clean_unit(stated or "")
+    if quantity == "lock_up":
+        for kind in ("pressure", "ratio"):
+            found = find_unit(text, kind) if text else None
+            if found is not None:
+                return Fit(found)
+        return Fit(None)
+    if quantity == "gear" and len(good):
+        inside = np.mean((good >= -3) & (good <= 12) & (good == np.round(good)))
+        # a sentinel among gears is fine, ratios and speeds are not gears
+        if inside < 0.9:
+            return Fit(None, problem="its values are no gear numbers")
+        if text and text.lower() not in _SAYS_NOTHING | {"text", "gears"} and kinds_of(text):
+            return Fit(None, problem=f"unit {text!r} does not belong to a gear")
+    return Fit(None)
+
+
+def _inside(quantity: str, si: np.ndarray) -> float:
+    info = QUANTITIES[quantity]
+    return float(np.mean((si >= info.low) & (si <= info.high))) if len(si) else 1.0
+
+
+def _misfit(quantity: str, si: np.ndarray, stated: Unit) -> str | None:
+    if not len(si):
+        return None
+    if _inside(quantity, si) < 0.5:
+        return f"most of its values cannot be {QUANTITIES[quantity].label} in {stated.name}"
+    kind = QUANTITIES[quantity].unit_kind
+    if kind == "temperature" and float(np.median(si)) > 165.0:
+        return f"its values are too high for {stated.name}: °F?"
+    if kind == "rotational_speed" and stated.name == "rpm":
+        top = float(np.percentile(si, 99.5)) * 60
+        if 0 < top < 15 and not np.allclose(si * 60, np.round(si * 60)):
+            return "its values are too small for rpm: thousands of rpm?"
+    if quantity == "main_pressure" and stated.name in ("kPa", "psi", "bar", "MPa"):
+        top = float(np.percentile(si, 99.5))
+        if 0 < top < 20e3:
+            return f"its values are too small for a main pressure in {stated.name}"
+    return None
+
+
+_IMPERIAL = {"°f", "f", "mph", "psi", "miles", "mi", "ft-lb", "lb-ft", "lb/min", "mpg", "inhg", "degf", "gal", "ft"}
+_METRIC = {"°c", "c", "km/h", "kph", "kpa", "bar", "km", "nm", "l", "l/100km", "hpa", "mbar", "degc", "℃", "kmh"}
+
+
+def imperial(neighbours: Iterable[str]) -> bool | None:
+    """Whether the file's other units are imperial, metric, or (None) do not say."""
+    lowered = [clean_unit(text).lower() for text in neighbours]
+    imperial_count = sum(text in _IMPERIAL for text in lowered)
+    metric_count = sum(text in _METRIC for text in lowered)
+    if imperial_count and not metric_count:
+        return True
+    if metric_count and not imperial_count:
+        return False
+    return None
+
+
+def _guess(quantity: str, good: np.ndarray, neighbours: tuple[str, ...]) -> Fit:
+    kind = QUANTITIES[quantity].unit_kind
+    assert kind is not None
+    if not len(good):
+        return Fit(
+            unit({"temperature": "°C", "pressure": "kPa"}.get(kind, "rpm"), kind)
+            if kind in ("temperature", "pressure")
+            else None,
+            assumed=True,
+        )
+    top, middle = float(np.percentile(good, 99)), float(np.median(good))
+    if kind == "temperature":
+        return _guess_temperature(top, middle, imperial(neighbours))
+    if kind == "rotational_speed":
+        if top > 200 or top <= 0:
+            return Fit(unit("rpm", kind), assumed=True)
+        return Fit(None, problem="its values are too small for rpm and no unit is stated")
+    if kind == "speed":
+        name = "mph" if imperial(neighbours) else "km/h"
+        return Fit(unit(name, kind), assumed=True, doubt="km/h or mph cannot be told from the values")
+    for limit, name in (
+        (0.25, None),
+        (2.8, "MPa"),
+        (35.0, "bar"),
+        (300.0, "psi"),
+        (4000.0, "kPa"),
+        (40000.0, "mbar"),
+        (1e7, "Pa"),
+    ):
+        if top <= limit:
+            if name is None:
+                break
+            if name == "MPa" and top < 0.4:
+                break
+            return Fit(unit(name, kind), assumed=True)
+    return Fit(None, problem="no unit is stated and its values fit none")
+
+
+def _guess_temperature(top: float, middle: float, is_imperial: bool | None) -> Fit:
+    if middle > 330 and top < 470:
+        return Fit(unit("K", "temperature"), assumed=True)
+    if top > 150 or (is_imperial and top > 60):
+        return Fit(unit("°F", "temperature"), assumed=True)
+    if top > 170:
+        return Fit(None, problem="no unit is stated and its values fit none")
+    return Fit(unit("°C", "temperature"), assumed=True)

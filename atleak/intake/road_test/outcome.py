@@ -1,0 +1,84 @@
+"""What was understood of a log, and how its assigned columns become a road test."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from atleak.errors import Message, RoadTestError
+from atleak.intake.road_test.channels import build
+from atleak.intake.road_test.channels.assign import Ambiguous, Assigner
+from atleak.intake.road_test.channels.protocol import TableResult
+from atleak.intake.road_test.files.layout import Heading
+from atleak.road_test import RoadTest, Segment
+
+
+@dataclass(frozen=True)
+class Understood:
+    """What was understood of a log; there even when questions are open.
+
+    ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
+    rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
+    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows.
+    """
+
+    file: str
+    sha256: str
+    format: str
+    encoding: str | None
+    delimiter: str | None
+    decimal: str | None
+    headings: tuple[Heading, ...]
+    preview: tuple[tuple[str, ...], ...]
+    signature: str
+    ambiguous: tuple[Ambiguous, ...] = ()
+    unused: tuple[str, ...] = ()
+    messages: tuple[Message, ...] = ()
+    road_test: RoadTest | None = None
+    problem: RoadTestError | None = None
+    time_label: str = ""
+    time_unit: str = ""
+    time_assumed: bool = False
+    segments: tuple[Segment, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """Data rows of the file, 0 while it is not read."""
+        return self.road_test.rows if self.road_test else 0
+
+
+def labels_of(headings: Sequence[Heading]) -> list[str]:
+    """The names of the columns."""
+    return [heading.label for heading in headings]
+
+
+def finish(blank: Understood, assigner: Assigner, reading: TableResult, constants: Mapping[str, float]) -> Understood:
+    """Signals and clock → the road test and everything to be said about it."""
+    timeline = reading.timeline
+    build.time_messages(assigner, timeline)
+    channels = build.channels(assigner, timeline, constants)
+    used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
+    asked = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
+    labels = list(reading.used) if reading.long else labels_of(blank.headings)
+    unused = tuple(dict.fromkeys(label for label in labels if label not in used | asked))
+    if not assigner.signals and not assigner.ambiguous:
+        text = "none of the columns is a known quantity: name them, such as engine_speed or main_pressure"
+        assigner.say("no_quantity", text, "warning")
+    for ambiguous in assigner.ambiguous:
+        text = f"{ambiguous.quantity}: {ambiguous.why}: {', '.join(map(repr, ambiguous.candidates))}; choose one"
+        assigner.say("ambiguous", text, "warning")
+    road_test = RoadTest(
+        blank.file, blank.sha256, reading.rows, timeline.duration, timeline.time, channels, timeline.segments,
+        tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal,
+    )  # fmt: skip
+    return replace(
+        blank,
+        ambiguous=tuple(assigner.ambiguous),
+        unused=unused,
+        messages=road_test.messages,
+        road_test=road_test,
+        time_label=reading.time_label,
+        time_unit=reading.clock.unit,
+        time_assumed=reading.clock.unit_assumed,
+        segments=timeline.segments if reading.file_segments is None else reading.file_segments,
+    )

@@ -1,0 +1,1 @@
+"""A job: what the workshop writes down, and all of it in one file."""

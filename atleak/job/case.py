@@ -1,0 +1,353 @@
+"""A job: its files and choices in one frozen object, and the only way in which they become a diagnosis.
+
+The command line, the dashboard, job files and batches all make a `Case` and call `Case.diagnose`. A choice from the
+catalogue is an id, a path, or a file of the workshop's own that is at hand as bytes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from types import MappingProxyType
+from typing import Any, Protocol, TypeVar
+
+from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.instruments import (
+    DEFAULT_SLEEVE_INSTRUMENT,
+    DEFAULT_SPOOL_INSTRUMENT,
+    Instruments,
+    load_instrument,
+)
+from atleak.catalogue.limits import load_limits
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.profile import PROFILES, Profile, find_profile
+from atleak.engine.projection import stated_condition
+from atleak.errors import InputError, Place
+from atleak.intake.readings import read_readings
+from atleak.intake.road_test import Understood, default_path, recall, understand
+from atleak.intake.road_test.names.matching import words
+from atleak.readings import Readings
+from atleak.road_test import RoadTest
+from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
+
+Loaded = TypeVar("Loaded")
+Pairs = tuple[tuple[str, Any], ...]
+
+
+def plain_name(name: str) -> str:
+    """A file's name without any folder: for messages, never for a path."""
+    return PurePosixPath(name.replace("\\", "/")).name or "file"
+
+
+@dataclass(frozen=True)
+class SourceFile:
+    """A file of a job: its name and its bytes, or the path at which they are read when they are needed."""
+
+    name: str
+    data: bytes | None = field(default=None, repr=False)
+    path: Path | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", plain_name(self.name))
+
+    @classmethod
+    def at(cls, path: str | Path) -> SourceFile:
+        """The file at a path; nothing is read yet."""
+        return cls(Path(path).name, path=Path(path))
+
+    @property
+    def given(self) -> bytes | Path:
+        """What the intake reads: the path where there is one, or else the bytes."""
+        return self.path if self.path is not None else self.content
+
+    @cached_property
+    def content(self) -> bytes:
+        """The bytes.
+
+        Raises
+        ------
+        InputError
+            a path that cannot be read.
+        """
+        if self.data is not None:
+            return self.data
+        try:
+            return Path(self.path or self.name).read_bytes()
+        except OSError as error:
+            raise InputError(f"cannot be read: {error.strerror}", place=Place(file=self.name)) from error
+
+    @cached_property
+    def sha256(self) -> str:
+        """Of the bytes, as hexadecimal digits."""
+        return hashlib.sha256(self.content).hexdigest()
+
+
+Choice = str | SourceFile
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One thing that a job takes from the catalogue."""
+
+    name: str  # of the field of `Case`
+    label: str  # for people
+    folder: str  # of the catalogue
+    load: Callable[[str | Path], Any]
+    required: bool  # in a job file: an instrument may be one that was made in Python
+
+
+SLOTS: Mapping[str, Slot] = MappingProxyType(
+    {
+        slot.name: slot
+        for slot in (
+            Slot("controller", "Controller", "controllers", load_controller, True),
+            Slot("fluid", "Fluid", "fluids", load_fluid, True),
+            Slot("limits", "Limits", "limits", load_limits, True),
+            Slot("spool_instrument", "Spools measured with", "instruments", load_instrument, False),
+            Slot("sleeve_instrument", "Sleeves measured with", "instruments", load_instrument, False),
+        )
+    }
+)
+
+
+class Loader(Protocol):
+    """How the files of a job are read; the dashboard hands in one that keeps what it has read."""
+
+    def entry(self, slot: Slot, choice: Choice) -> Any: ...
+
+    def readings(self, case: Case, controller: Controller) -> Readings: ...
+
+    def log(self, case: Case) -> Understood: ...
+
+
+@dataclass(frozen=True)
+class Case:
+    """Files and choices of one job. The defaults of every choice stand here and nowhere else."""
+
+    readings: SourceFile | None = None  # the measuring sheet
+    road_test: SourceFile | None = None  # the log
+    controller: Choice = "four_speed_2023"
+    fluid: Choice = "hipol_atf_iid"
+    limits: Choice = "project_default"
+    spool_instrument: Choice = DEFAULT_SPOOL_INSTRUMENT
+    sleeve_instrument: Choice = DEFAULT_SLEEVE_INSTRUMENT
+    profile: str = "workshop"
+    options: Pairs = ()  # of the profile, where they differ from it
+    temperature: float | None = None  # [°C]; None: the controller's first operating point
+    engine_speed: float | None = None  # [1/s]
+    gear: int | None = None
+    point: OperatingPoint | None = None  # in place of the controller's first operating point
+    mileage: float | None = None  # [km]
+    sheet_name: str | None = None  # of the workbook, where several hold readings
+    sheet_unit: str | None = None  # of the diameters, where the sheet does not say
+    sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
+    columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user chose it
+    units: tuple[tuple[str, str], ...] = ()  # quantity → unit
+    constants: tuple[tuple[str, float], ...] = ()  # quantity → value in SI of a channel that the log lacks
+    remember: bool = True  # whether what this computer remembers of such logs is consulted
+    assumptions: Pairs = ()  # where they are not the usual ones
+    guard_factor: float | None = None
+
+    @property
+    def key(self) -> str:
+        """What a result of this job can be kept by: equal files and choices have equal keys, others have not."""
+        files = {name: (found.name, found.sha256) for name, found in self._files()}
+        said = {name: files.get(name, value) for name, value in vars(self).items() if not name.startswith("_")}
+        return hashlib.sha256(repr(sorted(said.items())).encode("utf-8", "backslashreplace")).hexdigest()
+
+    def _files(self) -> list[tuple[str, SourceFile]]:
+        named = ((name, getattr(self, name)) for name in ("readings", "road_test", *SLOTS))
+        return [(name, found) for name, found in named if isinstance(found, SourceFile)]
+
+    @property
+    def engine_profile(self) -> Profile:
+        """The profile with its options.
+
+        Raises
+        ------
+        InputError
+            no such profile or option, or a value that it does not take.
+        """
+        return find_profile(self.profile, {name: str(value) for name, value in self.options})
+
+    @property
+    def sheet_choices(self) -> dict[str, Any]:
+        """How the measuring sheet is read, as `read_readings` takes it."""
+        return {"sheet": self.sheet_name, "unit": self.sheet_unit, "where": dict(self.sheet_where)}
+
+    @property
+    def log_choices(self) -> dict[str, Any]:
+        """How the log's columns are read, as `read_road_test` takes it."""
+        return {"mapping": dict(self.columns), "units": dict(self.units), "constants": dict(self.constants)}
+
+    def condition(self, controller: Controller) -> OperatingPoint:
+        """The stated condition.
+
+        Raises
+        ------
+        InputError
+            a gear the controller does not have, or a speed that is not positive.
+        """
+        base = controller if self.point is None else replace(controller, operating_points=(self.point,))
+        return stated_condition(base, temperature=self.temperature, engine_speed=self.engine_speed, gear=self.gear)
+
+    def with_condition(self, condition: OperatingPoint, controller: Controller) -> Case:
+        """This job at a condition: by what differs from the controller's own, or else as a whole."""
+        own = controller.operating_points[0]
+        differ: dict[str, Any] = {
+            name: None if getattr(condition, name) == getattr(own, name) else getattr(condition, name)
+            for name in ("temperature", "engine_speed", "gear")
+        }
+        bare = replace(self, point=None, temperature=None, engine_speed=None, gear=None)
+        if condition == own:
+            return bare
+        if condition.gear in controller.gears and stated_condition(controller, **differ) == condition:
+            return replace(bare, **differ)
+        return replace(bare, point=condition)
+
+    def diagnose(self, loader: Loader | None = None) -> Diagnosis:
+        """The verdict on this job.
+
+        Parameters
+        ----------
+        loader
+            by which the files are read; each is read anew unless given.
+
+        Raises
+        ------
+        AtleakError
+            saying what of the job cannot be used.
+        """
+        loader = loader or Reader()
+        controller, fluid, limits, spool, sleeve = (
+            loader.entry(slot, getattr(self, name)) for name, slot in SLOTS.items()
+        )
+        return diagnose(
+            controller,
+            fluid,
+            limits,
+            readings=None if self.readings is None else loader.readings(self, controller),
+            road_test=None if self.road_test is None else _road_test(loader.log(self)),
+            profile=self.engine_profile,
+            condition=self.condition(controller),
+            mileage=self.mileage,
+            instruments=Instruments(spool, sleeve).checked,
+            assumptions=DEFAULTS.with_settings(dict(self.assumptions)),
+            guard_factor=GUARD_FACTOR if self.guard_factor is None else self.guard_factor,
+        )
+
+
+def _road_test(log: Understood) -> RoadTest:
+    """The road test of a log, or the reason why there is none."""
+    if log.road_test is None:
+        raise log.problem or InputError("the log's columns cannot be told", place=Place(file=log.file))
+    return log.road_test
+
+
+class Reader:
+    """Read every file of a job anew."""
+
+    def entry(self, slot: Slot, choice: Choice) -> Any:
+        """A controller, fluid, limit set or instrument by id, path or bytes.
+
+        Raises
+        ------
+        CatalogueError
+            naming file, table, key and value.
+        """
+        return load_source(slot.load, choice) if isinstance(choice, SourceFile) else slot.load(choice)
+
+    def readings(self, case: Case, controller: Controller) -> Readings:
+        """The readings of the job's measuring sheet.
+
+        Raises
+        ------
+        ReadingsError
+            as `read_readings`.
+        """
+        sheet = case.readings
+        assert sheet is not None
+        return read_readings(sheet.given, controller, name=sheet.name, **case.sheet_choices)
+
+    def log(self, case: Case) -> Understood:
+        """What is understood of the job's log, open questions included.
+
+        Raises
+        ------
+        RoadTestError
+            what is no log.
+        """
+        log = case.road_test
+        assert log is not None
+        remembered = default_path() if case.remember else None
+        return understand(log.given, name=log.name, remembered=remembered, **case.log_choices)
+
+
+def with_log_choices(case: Case, log: Understood) -> Case:
+    """The job with its log's columns as they were chosen, now or earlier, so that it reads the same elsewhere.
+
+    Parameters
+    ----------
+    case
+        what was chosen with it goes before what is remembered.
+    log
+        as its log was understood: what is remembered counts only where it was consulted.
+    """
+    consulted = any(message.code == "remembered" for message in log.messages)
+    earlier = recall(default_path(), log.signature) if consulted and case.remember else None
+    if earlier is None:
+        return replace(case, remember=False)
+    taken = {words(column) for _, column in case.columns}
+    columns = {name: column for name, column in earlier.mapping.items() if words(column) not in taken}
+    return replace(
+        case,
+        columns=pairs_of({**columns, **dict(case.columns)}),
+        units=pairs_of({**earlier.units, **dict(case.units)}),
+        remember=False,
+    )
+
+
+def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:
+    """What a loader of the catalogue makes of a file that is at hand as bytes.
+
+    The name that a user gave is only shown, in messages and records; no file of that name is written.
+
+    Raises
+    ------
+    InputError
+        as ``load``, naming the file as the user does.
+    """
+    with tempfile.TemporaryDirectory(prefix="atleak-") as folder:
+        path = Path(folder) / "own.toml"
+        path.write_bytes(source.content)
+        try:
+            entry: Any = load(path)
+        except InputError as error:
+            for fault in (*error.others, error):
+                if fault.place.file == path.name:
+                    fault.place = replace(fault.place, file=source.name)
+                fault.args = (str(fault),)
+            raise
+    named: Loaded = replace(entry, origin=replace(entry.origin, path=Path(source.name)))
+    return named
+
+
+def differing_options(profile: Profile) -> Pairs:
+    """The options in which a profile differs from the shipped one of its name."""
+    shipped = PROFILES[profile.name].options
+    return tuple((name, value) for name, value in profile.options.items() if value != shipped[name])
+
+
+def pairs_of(values: Mapping[str, Any] | None) -> Pairs:
+    """A mapping as the pairs that a case keeps."""
+    return tuple((values or {}).items())
+
+
+def settings_of(point: OperatingPoint) -> dict[str, Any]:
+    """A condition as plain values, in SI."""
+    return asdict(point)

@@ -1,0 +1,436 @@
+"""The job record from a TOML or JSON file; the whole job as a zip that another atleak opens to the same verdict."""
+
+from __future__ import annotations
+
+import io
+import json
+import tomllib
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.entries import Origin
+from atleak.diagnosis import Diagnosis
+from atleak.engine.profile import find_profile
+from atleak.errors import InputError, Place, nearest_name
+from atleak.job.case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
+from atleak.job.record import Job, picture_name
+from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
+from atleak.version import __version__
+from atleak.views.diagnosis_record import diagnosis_record
+
+FORMAT = 1
+_OWN_FILES = ("readings", "road_test")
+SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
+_PICTURE_LIMIT = 40 << 20
+_RECORD_LIMIT = 16 << 20
+_ENTRIES = 1000
+_STAMP = (1980, 1, 1, 0, 0, 0)  # of every file in the zip: the same job gives the same bytes
+_LISTED = 8  # faults of a record that are named
+
+
+# --- the record alone
+
+
+def load_job(path: str | Path) -> Job:
+    """A job record from a ``.toml`` or ``.json`` file, with the pictures that lie beside it.
+
+    Raises
+    ------
+    InputError
+        naming file, table and key: what cannot be read, an unknown key, a value of the wrong kind, a picture that is
+        missing.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"cannot be read: {error.strerror}", place=Place(file=str(path)), expected="a job record in TOML or JSON"
+        ) from error
+    if len(content) > _RECORD_LIMIT:
+        raise InputError("too large for a job record", place=Place(file=path.name))
+    job = parse_job(content, path.name)
+    return job.with_pictures({name: _picture_beside(path, name) for name in job.picture_names})
+
+
+def parse_job(content: bytes, name: str) -> Job:
+    """A job record from the bytes of a TOML or JSON file, without its pictures.
+
+    Raises
+    ------
+    InputError
+        as `load_job`.
+    """
+    try:
+        text = content.decode("utf-8-sig")
+        data = json.loads(text) if Path(name).suffix.lower() == ".json" else tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        problem = f"is not valid: {str(error)[:200]}"
+        raise InputError(problem, place=Place(file=name), expected="a job record in TOML or JSON, UTF-8") from error
+    return _validated(Job, data, name)
+
+
+def _picture_beside(record: Path, name: str) -> bytes:
+    folder = record.resolve().parent
+    path = (folder / name).resolve()
+    place = Place(file=record.name, key=name)
+    if not path.is_relative_to(folder):
+        raise InputError("picture outside the job's folder", place=place)
+    try:
+        if path.stat().st_size > _PICTURE_LIMIT:
+            raise InputError("picture too large", place=place, expected=f"at most {_PICTURE_LIMIT >> 20} MB")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"picture cannot be read: {error.strerror}", place=place, expected="a file beside the job record"
+        ) from error
+
+
+# --- the job with everything it rests on
+
+
+@dataclass(frozen=True)
+class JobFile:
+    """A job as its zip held it: the record, the case to diagnose anew, and the result as it was written."""
+
+    job: Job
+    case: Case
+    result: dict[str, Any]
+
+    def diagnose(self) -> Diagnosis:
+        """The diagnosis of this job by the atleak that reads it.
+
+        Raises
+        ------
+        AtleakError
+            a file that cannot be used.
+        """
+        return self.case.diagnose()
+
+
+def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case = Case()) -> bytes:  # noqa: B008 - frozen
+    """The zip's bytes: job record, measuring sheet, log, pictures, catalogue files and result.
+
+    Parameters
+    ----------
+    diagnosis
+        the result.
+    job
+        what the workshop wrote down.
+    case
+        the files and choices that the result follows from, the log's columns as `with_log_choices` settles them.
+
+    Raises
+    ------
+    InputError
+        files that are missing, or not those that the diagnosis rests on.
+    """
+    job = job or Job()
+    entries = _catalogue_files(diagnosis, case)
+    sheet = _source(case.readings, diagnosis.readings, "the measuring sheet")
+    log = _source(case.road_test, diagnosis.road.road_test if diagnosis.road else None, "the road-test log")
+    sure = diagnosis.uncertainty
+    choices = Choices(
+        format=FORMAT,
+        atleak=__version__,
+        job=job,
+        profile=diagnosis.profile.name,
+        options=diagnosis.profile.options,
+        condition=Condition(**settings_of(diagnosis.projection.condition)),
+        mileage=diagnosis.mileage,
+        readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
+        road_test={name: value for name, value in case.log_choices.items() if value or name != "constants"}
+        if log
+        else {},
+        assumptions=sure.assumptions.settings if sure else {},
+        guard_factor=sure.guard_factor if sure else None,
+        files=_names(sheet, log, entries),
+    )
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as bundle:
+        _add(bundle, "job.json", choices.model_dump_json(indent=2, exclude_defaults=True).encode())
+        _add(bundle, "result.json", json.dumps(diagnosis_record(diagnosis), ensure_ascii=False, indent=2).encode())
+        for name, source in (("readings", sheet), ("road_test", log)):
+            if source is not None:
+                _add(bundle, name, source.content)
+        for name, source in entries.items():
+            _add(bundle, f"catalogue/{name}.toml", source.content)
+        for name, content in sorted(job.pictures.items()):
+            _add(bundle, f"pictures/{name}", content)
+    return target.getvalue()
+
+
+def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_limit: int = SIZE_LIMIT) -> JobFile:
+    """A job from its zip. Nothing is written to disk and no path of the zip is followed.
+
+    Parameters
+    ----------
+    source
+        a path, or the zip's bytes (then ``name`` names it in messages).
+    size_limit
+        bytes that it may unpack to.
+
+    Raises
+    ------
+    InputError
+        what is no job file, is damaged, would unpack to more than ``size_limit`` bytes, or holds entries that no job
+        has.
+    """
+    name = name if isinstance(source, bytes) else Path(source).name
+    place = Place(file=name)
+    try:
+        content = source if isinstance(source, bytes) else Path(source).read_bytes()
+        with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+            entries = dict(_entries(bundle, name, size_limit))
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", place=place, expected="a job file (zip)") from error
+    except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, RuntimeError, ValueError) as error:
+        raise InputError(
+            f"is no sound zip: {str(error)[:100]}", place=place, expected="a job file of atleak"
+        ) from error
+    return _job_file(entries, name)
+
+
+def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
+    if "job.json" not in entries:
+        raise InputError("holds no job.json", place=Place(file=name), expected="a job file of atleak")
+    data = _json(entries["job.json"], f"{name}: job.json")
+    made = data.get("format") if isinstance(data, dict) else None
+    if made != FORMAT:
+        raise InputError("job file of another format", place=Place(file=name), value=made, expected=f"format {FORMAT}")
+    choices = _validated(Choices, data, f"{name}: job.json")
+    result = _json(entries.get("result.json", b"{}"), f"{name}: result.json")
+    sources = {}
+    for slot, called in choices.files.items():
+        entry = f"catalogue/{slot}.toml" if slot in SLOTS else slot
+        if entry not in entries:
+            raise InputError(f"holds no {entry}, which its record names", place=Place(file=name))
+        sources[slot] = SourceFile(called, entries[entry])
+    missing = [name for name, slot in SLOTS.items() if slot.required and name not in sources]
+    if missing:
+        raise InputError(f"names no {missing[0]}", place=Place(file=name), expected="a complete job file")
+    pictures = {
+        entry.removeprefix("pictures/"): content for entry, content in entries.items() if entry.startswith("pictures/")
+    }
+    return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result)
+
+
+# --- what stands in job.json
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def _known_slot(name: str) -> str:
+    """One of the files that a job can hold."""
+    if name not in (*_OWN_FILES, *SLOTS):
+        raise ValueError(f"one of {', '.join((*_OWN_FILES, *SLOTS))}")
+    return name
+
+
+class Condition(_Strict):
+    """The stated condition, in SI."""
+
+    name: str
+    label: str
+    temperature: float
+    engine_speed: float
+    gear: int
+    main_pressure: float
+    converter_pressure: float
+    source: str
+
+
+class ReadingChoices(_Strict):
+    """What `read_readings` was told of the measuring sheet."""
+
+    sheet: str | None = None
+    unit: str | None = None
+    where: dict[str, str] = {}
+
+
+class Choices(_Strict):
+    """Everything of a job but its files."""
+
+    format: Literal[1]
+    atleak: str
+    job: Job = Job()
+    profile: str
+    options: dict[str, bool | float | str] = {}
+    condition: Condition
+    mileage: Annotated[float, Field(ge=0)] | None = None
+    readings: ReadingChoices = ReadingChoices()
+    road_test: dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None] = {}
+    assumptions: dict[str, float] = {}
+    guard_factor: float | None = None
+    files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
+
+    def case(self, sources: Mapping[str, SourceFile]) -> Case:
+        """The case that these choices and files make up; nothing that a computer remembers is consulted."""
+        profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
+        return Case(
+            **sources,
+            profile=profile.name,
+            options=differing_options(profile),
+            point=OperatingPoint(**self.condition.model_dump()),
+            mileage=self.mileage,
+            sheet_name=self.readings.sheet,
+            sheet_unit=self.readings.unit,
+            sheet_where=pairs_of(self.readings.where),
+            columns=pairs_of(self.road_test.get("mapping")),
+            units=pairs_of(self.road_test.get("units")),
+            constants=pairs_of(self.road_test.get("constants")),
+            remember=False,
+            assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
+            guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
+        )
+
+
+# --- in and out of the zip
+
+
+def _add(bundle: zipfile.ZipFile, name: str, content: bytes) -> None:
+    entry = zipfile.ZipInfo(name, _STAMP)
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    entry.external_attr = 0o600 << 16
+    bundle.writestr(entry, content)
+
+
+def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tuple[str, bytes]]:
+    infos = bundle.infolist()
+    place = Place(file=name)
+    if len(infos) > _ENTRIES:
+        raise InputError("holds too many files", place=place, value=len(infos), expected=f"at most {_ENTRIES}")
+    names = [info.filename for info in infos]
+    if len(set(names)) != len(names):
+        raise InputError("holds a file twice", place=place, value=max(names, key=names.count))
+    total = sum(info.file_size for info in infos)
+    if total > size_limit:
+        expected = f"at most {size_limit} bytes unpacked"
+        raise InputError("too large", place=place, value=total, expected=expected)
+    for info in infos:
+        if info.is_dir():
+            continue  # left by programs that zip folders
+        if info.flag_bits & 0x1:
+            raise InputError("is encrypted", place=place, value=info.filename)
+        if not _known_entry(info.filename):
+            raise InputError("holds a file that no job has", place=place, value=info.filename)
+        yield info.filename, bundle.read(info)
+
+
+def _known_entry(name: str) -> bool:
+    if name in ("job.json", "result.json", "readings", "road_test"):
+        return True
+    if name in {f"catalogue/{slot}.toml" for slot in SLOTS}:
+        return True
+    if not name.startswith("pictures/"):
+        return False
+    picture = name.removeprefix("pictures/")
+    try:
+        return picture_name(picture) == picture
+    except ValueError:
+        return False
+
+
+def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
+    """What of the catalogue the diagnosis rests on, each file still as it was when it was loaded."""
+    sure = diagnosis.uncertainty
+    used: dict[str, Any] = {name: getattr(diagnosis, name) for name, slot in SLOTS.items() if slot.required}
+    if sure is not None:
+        used |= {"spool_instrument": sure.instruments.spool, "sleeve_instrument": sure.instruments.sleeve}
+    files = {}
+    for name, entry in used.items():
+        origin, choice = entry.origin, getattr(case, name)
+        if origin is None:
+            continue  # an instrument made in Python: the catalogue's defaults are taken instead
+        source = SourceFile(origin.file, choice.content if isinstance(choice, SourceFile) else _still(name, origin))
+        if source.sha256 != origin.sha256:
+            what = f"the file of the {name.replace('_', ' ')}"
+            raise InputError(f"{what} has changed since it was loaded", value=origin.file)
+        files[name] = source
+    return files
+
+
+def _still(name: str, origin: Origin) -> bytes:
+    try:
+        return origin.path.read_bytes()
+    except OSError as error:
+        what = f"the file of the {name.replace('_', ' ')}"
+        raise InputError(f"{what} is no longer there", value=origin.file) from error
+
+
+def _source(source: SourceFile | None, used: Any, called: str) -> SourceFile | None:
+    if used is None:
+        return None
+    if source is None:
+        raise InputError(f"{called} is missing", value=used.file, expected="the bytes the diagnosis was read from")
+    if source.sha256 != used.sha256:
+        raise InputError(f"{called} is not the one the diagnosis was read from", value=used.file)
+    return SourceFile(used.file, source.content)
+
+
+def _names(sheet: SourceFile | None, log: SourceFile | None, catalogue: Mapping[str, SourceFile]) -> dict[str, str]:
+    sources = {"readings": sheet, "road_test": log, **catalogue}
+    return {slot: source.name for slot, source in sources.items() if source is not None}
+
+
+def _json(content: bytes, name: str) -> Any:
+    if len(content) > _RECORD_LIMIT:
+        raise InputError("too large", place=Place(file=name))
+    try:
+        return json.loads(content.decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"is not valid JSON: {str(error)[:200]}", place=Place(file=name)) from error
+
+
+# --- what is wrong with a record
+
+
+def _validated(model: type[Any], data: Any, name: str) -> Any:
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        faults = error.errors(include_url=False)
+        told = [_fault(fault, model, name) for fault in faults[:_LISTED]]
+        first = told[0]
+        if len(faults) > 1:
+            more = "; ".join(str(found) for found in told[1:])
+            first.problem += f" (and {len(faults) - 1} more: {more})"
+            first.args = (str(first),)
+        raise first from None
+
+
+def _fault(fault: Any, model: type[BaseModel], name: str) -> InputError:
+    location = [str(part + 1) if isinstance(part, int) else str(part) for part in fault["loc"]]
+    table, key = " ".join(location[:-1]), location[-1] if location else None
+    place = Place(file=name, table=table or None, key=key)
+    if fault["type"] == "extra_forbidden":
+        known = _keys(model, fault["loc"][:-1])
+        expected = f"one of {', '.join(known)}" if known else None
+        return InputError("unknown key", place=place, expected=expected, nearest=nearest_name(key or "", known))
+    expected = fault["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    value = fault["input"]
+    shown = value if isinstance(value, int | float | bool) else str(value)[:80]
+    return InputError("value not accepted", place=place, value=shown, expected=expected)
+
+
+def _keys(model: type[BaseModel], location: tuple[Any, ...]) -> list[str]:
+    current: Any = model
+    for part in location:
+        if isinstance(part, str) and current is not None:
+            found = current.model_fields.get(part)
+            current = _model_of(found.annotation) if found else None
+    return list(current.model_fields) if current is not None else []
+
+
+def _model_of(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for inner in getattr(annotation, "__args__", ()) if (found := _model_of(inner))), None)

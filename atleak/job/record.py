@@ -1,0 +1,220 @@
+"""The job record: whose car, what was complained of, what was found and what was decided.
+
+Every field is optional. The measured diameters and the log are not part of the record: they stay in their own files.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Mapping
+from functools import partial
+from pathlib import PurePosixPath
+from types import MappingProxyType
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
+
+from atleak.written_numbers import MILEAGE, TEMPERATURE, AskedNumber, read_number
+
+RepairState = Literal["proposed", "done", "declined", "deferred"]
+Grade = Literal["none", "light", "moderate", "heavy"]
+
+PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp")
+_SURROGATES = re.compile("[\ud800-\udfff]")
+_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+
+
+def clean_text(text: str) -> str:
+    """Text without what no file can hold: lone surrogates and control characters other than tab and new line."""
+    return _CONTROL.sub("", _SURROGATES.sub("\ufffd", text))
+
+
+def _text(value: Any) -> Any:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        value = str(value)  # a customer number or a year typed without quotes
+    return clean_text(value).strip() if isinstance(value, str) else value
+
+
+def _number(asked: AskedNumber, value: Any) -> Any:
+    """What a record holds as text is read as in a field; a number is one already."""
+    if not isinstance(value, str):
+        return value
+    found = read_number(value, asked)
+    if found.value is None:
+        raise ValueError(found.doubt.removesuffix("."))
+    return found.value
+
+
+def picture_name(name: str) -> str:
+    """A picture's name inside the job: relative, with ``/``, never out of the job's folder.
+
+    Raises
+    ------
+    ValueError
+        for an absolute path, one with ``..``, or a file that is no picture by its name.
+    """
+    path = PurePosixPath(name.replace("\\", "/"))
+    if not name or path.is_absolute() or ".." in path.parts or ":" in name:
+        raise ValueError("a file beside the job's own, named without '..' or a drive")
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        raise ValueError(f"a picture: {', '.join(PICTURE_SUFFIXES)}")
+    return str(path)
+
+
+CleanText = Annotated[str, BeforeValidator(_text)]
+Picture = Annotated[CleanText, AfterValidator(picture_name)]
+Kilometres = Annotated[
+    float,
+    BeforeValidator(partial(_number, MILEAGE)),
+    Field(ge=MILEAGE.limits[0], le=MILEAGE.limits[1], allow_inf_nan=False),
+]
+Celsius = Annotated[
+    float,
+    BeforeValidator(partial(_number, TEMPERATURE)),
+    Field(ge=TEMPERATURE.limits[0], le=TEMPERATURE.limits[1], allow_inf_nan=False),
+]
+
+
+class Record(BaseModel):
+    """A table of the job: unknown keys are errors, nothing is changed after it was made."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing was filled in."""
+        return not self.model_dump(exclude_defaults=True)
+
+
+class Workshop(Record):
+    """The letterhead."""
+
+    name: CleanText = ""
+    address: CleanText = ""
+    phone: CleanText = ""
+    email: CleanText = ""
+    website: CleanText = ""
+    registration: CleanText = ""  # tax or trade register number
+    logo: Picture | None = None
+
+
+class Customer(Record):
+    name: CleanText = ""
+    number: CleanText = ""
+    address: CleanText = ""
+    phone: CleanText = ""
+    email: CleanText = ""
+
+
+class Vehicle(Record):
+    make: CleanText = ""
+    model: CleanText = ""
+    year: CleanText = ""
+    engine: CleanText = ""
+    registration: CleanText = ""
+    vin: CleanText = ""
+    mileage_km: Kilometres | None = None
+
+
+class Transmission(Record):
+    maker: CleanText = ""
+    code: CleanText = ""
+    serial: CleanText = ""
+    note: CleanText = ""
+
+
+class InstrumentUsed(Record):
+    """What was measured with; ``calibrated`` is the date of its last calibration."""
+
+    name: CleanText = ""
+    serial: CleanText = ""
+    calibrated: dt.date | None = None
+    note: CleanText = ""
+
+
+class FluidCondition(Record):
+    """The oil as it was found in the car."""
+
+    product: CleanText = ""
+    changed_at_km: Kilometres | None = None
+    level: CleanText = ""
+    colour: CleanText = ""
+    smell: CleanText = ""
+    note: CleanText = ""
+
+
+class Contamination(Record):
+    grade: Grade | None = None
+    particles: CleanText = ""
+    note: CleanText = ""
+
+
+class Scratch(Record):
+    component: CleanText = ""
+    land: Annotated[int, Field(ge=1, le=9)] | None = None
+    part: CleanText = ""
+    description: CleanText = ""
+    photo: Picture | None = None
+
+
+class Photo(Record):
+    file: Picture
+    caption: CleanText = ""
+    component: CleanText = ""
+
+
+class RepairDecision(Record):
+    """What was proposed for a pair, and what became of it."""
+
+    component: CleanText = ""
+    land: Annotated[int, Field(ge=1, le=9)] | None = None
+    work: CleanText = ""
+    decision: RepairState | None = None
+    reason: CleanText = ""
+    date: dt.date | None = None
+
+
+class Job(Record):
+    """Everything a workshop writes down about one controller on its bench."""
+
+    number: CleanText = ""
+    date: dt.date | None = None
+    technician: CleanText = ""
+    workshop: Workshop = Workshop()
+    customer: Customer = Customer()
+    vehicle: Vehicle = Vehicle()
+    transmission: Transmission = Transmission()
+    complaint: CleanText = ""
+    fault_codes: tuple[CleanText, ...] = ()
+    fluid_condition: FluidCondition = FluidCondition()
+    contamination: Contamination = Contamination()
+    measuring_temperature_c: Celsius | None = None
+    instruments: tuple[InstrumentUsed, ...] = ()
+    scratches: tuple[Scratch, ...] = ()
+    photos: tuple[Photo, ...] = ()
+    repair_decisions: tuple[RepairDecision, ...] = ()
+    notes: CleanText = ""
+
+    _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def pictures(self) -> Mapping[str, bytes]:
+        """The bytes of the pictures that are at hand, by name."""
+        return self._pictures
+
+    @property
+    def picture_names(self) -> tuple[str, ...]:
+        """Every picture the record names: logo, photos, scratches."""
+        names = [self.workshop.logo, *(photo.file for photo in self.photos), *(s.photo for s in self.scratches)]
+        return tuple(dict.fromkeys(name for name in names if name))
+
+    def with_pictures(self, pictures: Mapping[str, bytes]) -> Job:
+        """The same record with the bytes of its pictures; those it does not name are left out."""
+        job = self.model_copy()
+        job._pictures = MappingProxyType({name: pictures[name] for name in self.picture_names if name in pictures})
+        return job
+
+    def record(self) -> dict[str, Any]:
+        """What was filled in, as JSON values."""
+        return self.model_dump(mode="json", exclude_defaults=True)

@@ -1,0 +1,97 @@
+"""Reports of many jobs, one after another, with a word after each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from atleak.catalogue.limits import Verdict
+from atleak.diagnosis import Diagnosis
+from atleak.errors import AtleakError
+from atleak.files import replace_file
+from atleak.job.file import read_job_file
+from atleak.job.record import Job
+from atleak.marks import Kind
+from atleak.report.pdf import write_pdf
+from atleak.report.xlsx import write_workbook
+from atleak.views.diagnosis_record import diagnosis_record, to_json
+
+KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
+FORMATS = tuple(KINDS)
+
+
+@dataclass(frozen=True)
+class Reported:
+    """What became of one job: the files written, or why there are none."""
+
+    source: Path
+    written: tuple[Path, ...] = ()
+    verdict: Verdict | None = None
+    error: AtleakError | None = None
+
+
+def report_paths(sources: Sequence[Path], folder: Path, formats: Iterable[str] = ("pdf",)) -> list[dict[str, Path]]:
+    """Where `write_reports` puts the reports: format → path, for every job file."""
+    taken: set[str] = set()
+    stems = [_free(source.stem, taken) for source in sources]
+    return [{form: folder / f"{stem}.{form}" for form in formats} for stem in stems]
+
+
+def write_reports(
+    sources: Sequence[Path],
+    folder: Path,
+    *,
+    formats: Iterable[str] = ("pdf",),
+    language: str = "en",
+    paper: str = "a4",
+    progress: Callable[[int, int, Reported], None] | None = None,
+) -> list[Reported]:
+    """The reports of every job file; a job that cannot be read is told and does not stop the others.
+
+    What stands in the place of a report is replaced, whole: ask `report_paths` where that must not be.
+
+    Parameters
+    ----------
+    sources
+        job files (zip), as `atleak.job.file.write_job_file` makes them.
+    folder
+        where the reports go, named as their job files; two of one name are numbered.
+    formats
+        any of `FORMATS`.
+    progress
+        called after every job with how many are done, how many there are and what became of this one.
+    """
+    done = []
+    folder.mkdir(parents=True, exist_ok=True)
+    for source, paths in zip(sources, report_paths(sources, folder, tuple(formats)), strict=True):
+        try:
+            job_file = read_job_file(source)
+            diagnosis = job_file.diagnose()
+            written = []
+            for form, path in paths.items():
+                replace_file(path, _report(form, diagnosis, job_file.job, language, paper))
+                written.append(path)
+            found = Reported(source, tuple(written), diagnosis.verdict)
+        except AtleakError as error:
+            found = Reported(source, error=error)
+        done.append(found)
+        if progress is not None:
+            progress(len(done), len(sources), found)
+    return done
+
+
+def _report(form: str, diagnosis: Diagnosis, job: Job, language: str, paper: str) -> bytes:
+    if form == "pdf":
+        return write_pdf(diagnosis, job, language=language, paper=paper)
+    if form == "xlsx":
+        return write_workbook(diagnosis, job, paper=paper)
+    return to_json(diagnosis_record(diagnosis)).encode()
+
+
+def _free(stem: str, taken: set[str]) -> str:
+    name, number = stem, 2
+    while name.casefold() in taken:
+        name, number = f"{stem}-{number}", number + 1
+    taken.add(name.casefold())
+    return name

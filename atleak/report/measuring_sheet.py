@@ -1,0 +1,393 @@
+"""The measuring sheet of a controller as a workbook, empty or filled in.
+
+Its form is that of the source study's Table 1; `atleak.intake.readings.read_readings` reads it back.
+"""
+
+from __future__ import annotations
+
+import datetime
+import io
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import xlsxwriter
+from xlsxwriter.format import Format
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.instruments import Part
+from atleak.look import SHEET_COLOURS
+from atleak.marks import PROPERTY, sealed, unsealed
+from atleak.readings import Reading
+
+SHEET = "Measurements"
+INSTRUCTIONS = "How to measure"
+DIRECTIONS = (0.0, 90.0)  # [°]
+REPEATS = 2
+
+_HEADINGS = (  # heading, width in characters
+    ("No.", 8),
+    ("Component", 24),
+    ("Part", 9),
+    ("Plane", 7),
+    ("Direction", 10),
+    ("Repeat", 8),
+    ("Coordinate\nx1 (y1) [mm]", 14),
+    ("Coordinate\nx2 (y2) [mm]", 14),
+    ("Diameter [mm]", 14),
+    ("Nominal\ndiameter [mm]", 13),
+    ("Mounting\nclearance [µm]", 13),
+    ("Nominal values\nare", 24),
+    ("Deviation from\nnominal [µm]", 14),
+)
+FIELDS = ("Job", "Vehicle", "Mileage", "Date", "Measured by", "Instrument")
+_HEADER = 6  # row of the headings, from 0
+_FAR = 500  # [µm] from the nominal diameter, coloured
+_CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
+
+_HOW_TO = (
+    ("Before", "Clean and dry spools and bores. Let the parts and the instrument lie together at 20 °C for an hour."),
+    (
+        "Where",
+        "Every row of the sheet names a component, its part (spool or piston, sleeve), a plane and a direction. "
+        "A plane is half-way along a cylindrical section; 0° and 90° are two directions at right angles.",
+    ),
+    (
+        "How often",
+        "Measure twice. Lift the part off and set it up afresh in between: writing the same two coordinates in the "
+        "other order is no second measurement.",
+    ),
+    (
+        "What to write",
+        "With a microscope the two coordinates, with a micrometer or bore gauge the diameter: one of the two is "
+        "enough. Millimetres, to 0.001. Decimal point or comma, as your program writes them.",
+    ),
+    (
+        "Bores",
+        "A bore wears to one side. Measured in one direction only, its wear may be missed; the report then says "
+        "that the clearance is a lower bound.",
+    ),
+    (
+        "Not measured",
+        "Leave the cells empty, or delete the rows. Such a pair is computed with its mounting clearance and marked "
+        "as not measured. With only one part measured the other one's nominal diameter is taken, and that is said too.",
+    ),
+    (
+        "More rows",
+        "For a third repeat or another direction insert a row inside the block and number the repeat. Columns may "
+        "stand in any order; their headings must stay.",
+    ),
+    (
+        "Check",
+        "The last column shows how far each diameter is from the nominal one. It turns red from 500 µm on: another "
+        "plane, a slip of the pen, or inches.",
+    ),
+    (
+        "Refused",
+        "A sleeve smaller than its spool, a clearance over 0.5 mm, a number that is off by 10, 25.4 or 1000, and a "
+        "component that the controller does not have. The message names sheet, row and column.",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class _Row:
+    land: Land
+    part: Part
+    plane: str
+    direction: float | None
+    repeat: int
+    reading: Reading | None
+
+    @property
+    def nominal(self) -> float:
+        """Nominal diameter of the part [m]."""
+        return self.land.nominal_diameter if self.part == "spool" else self.land.nominal_sleeve_diameter
+
+
+def write_template(controller: Controller) -> bytes:
+    """An empty measuring sheet: two directions and two repeats in every plane of every land.
+
+    Parameters
+    ----------
+    controller
+        whose lands are to be measured.
+
+    Returns
+    -------
+    bytes
+        of an .xlsx workbook; the same controller gives the same bytes.
+    """
+    return write_readings(controller, ())
+
+
+def write_readings(
+    controller: Controller,
+    readings: Iterable[Reading],
+    *,
+    fields: Mapping[str, str] | None = None,
+    blank_rows: bool = True,
+) -> bytes:
+    """A measuring sheet with readings filled in.
+
+    Parameters
+    ----------
+    controller
+        whose lands the sheet holds, in its order.
+    readings
+        to fill in; coordinates are written where a reading has them, its diameter otherwise. A reading of a plane that
+        the controller does not have is left out.
+    fields
+        what to write at the head of the sheet: "Job", "Vehicle", "Mileage", "Date", "Measured by", "Instrument".
+    blank_rows
+        whether planes, directions and repeats without a reading get an empty row.
+
+    Returns
+    -------
+    bytes
+        of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
+    """
+    readings = list(readings)
+    empty = not readings and not fields
+    rows = list(_rows(controller, readings, blank_rows))
+    buffer = io.BytesIO()
+    options = {
+        "in_memory": True,
+        "strings_to_formulas": False,
+        "strings_to_urls": False,
+        "strings_to_numbers": False,
+    }
+    with xlsxwriter.Workbook(buffer, options) as book:
+        book.set_properties({"title": f"Measuring sheet: {controller.name}", "created": _CREATED})
+        if empty:
+            book.set_custom_property(PROPERTY, unsealed("measuring sheet"))
+        formats = _formats(book)
+        sheet = _Sheet(book.add_worksheet(SHEET), formats, controller)
+        sheet.head(fields or {})
+        sheet.body(rows)
+        sheet.set_up(len(rows))
+        _instructions(book.add_worksheet(INSTRUCTIONS), formats, controller)
+    return sealed(buffer.getvalue()) if empty else buffer.getvalue()
+
+
+def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> Iterator[_Row]:
+    given: dict[tuple[Any, ...], dict[int, Reading]] = defaultdict(dict)
+    directions: dict[tuple[str, Part, str], list[float | None]] = defaultdict(list)
+    for reading in readings:
+        repeats = given[reading.station]
+        repeats[reading.repeat if reading.repeat not in repeats else max(repeats) + 1] = reading
+        known = directions[reading.component, reading.part, reading.plane]
+        if reading.direction not in known:
+            known.append(reading.direction)
+    components = dict.fromkeys(land.component for land in controller.lands)
+    parts: tuple[Part, ...] = ("spool", "sleeve")
+    for component in components:
+        for part in parts:
+            for land in controller.lands_of(component):
+                for plane in land.planes:
+                    found = directions[component, part, plane]
+                    wanted = [angle for angle in DIRECTIONS if angle not in found] if blank_rows else []
+                    angles = sorted([*found, *wanted], key=lambda angle: -1.0 if angle is None else angle)
+                    for direction in angles:
+                        repeats = given[component, part, plane, direction]
+                        numbers = {*repeats, *(range(1, REPEATS + 1) if blank_rows else ())}
+                        for repeat in sorted(numbers):
+                            yield _Row(land, part, plane, direction, repeat, repeats.get(repeat))
+
+
+def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
+    cell = {"border": 1, "border_color": SHEET_COLOURS["border"], "valign": "vcenter"}
+    given = {**cell, "bg_color": SHEET_COLOURS["given"]}
+    return {
+        "title": book.add_format({"bold": True, "font_size": 14}),
+        "label": book.add_format({"bold": True}),
+        "field": book.add_format({"bottom": 1, "bg_color": SHEET_COLOURS["entry"]}),
+        "note": book.add_format({"italic": True, "font_color": SHEET_COLOURS["note"]}),
+        "heading": book.add_format(
+            {
+                **cell,
+                "bold": True,
+                "text_wrap": True,
+                "align": "center",
+                "bg_color": SHEET_COLOURS["heading"],
+                "font_color": SHEET_COLOURS["on_heading"],
+            }
+        ),
+        "text": book.add_format({**given, "text_wrap": True, "align": "left"}),
+        "number": book.add_format({**given, "align": "center"}),
+        "angle": book.add_format({**given, "align": "center", "num_format": '0"°"'}),
+        "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.000", "locked": False}),
+        "nominal": book.add_format({**given, "num_format": "0.000", "font_color": SHEET_COLOURS["soft"]}),
+        "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
+        "origin": book.add_format({**given, "font_color": SHEET_COLOURS["soft"], "italic": True}),
+        "deviation": book.add_format({**given, "num_format": "0"}),
+        "alarm": book.add_format(
+            {"bg_color": SHEET_COLOURS["alarm"], "font_color": SHEET_COLOURS["on_heading"], "bold": True}
+        ),
+        "wrap": book.add_format({"text_wrap": True, "valign": "top"}),
+        "topic": book.add_format({"bold": True, "valign": "top"}),
+    }
+
+
+class _Sheet:
+    """Writes the sheet of measurements."""
+
+    def __init__(self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller) -> None:
+        self.sheet, self.formats, self.controller = sheet, formats, controller
+
+    def head(self, fields: Mapping[str, str]) -> None:
+        sheet, formats, controller = self.sheet, self.formats, self.controller
+        sheet.write_string(0, 0, f"Measuring sheet: {controller.name}", formats["title"])
+        sheet.write_string(1, 0, f"Controller {controller.id}. Yellow cells are to be filled in. All dimensions in mm")
+        if controller.representative:
+            sheet.write_string(2, 0, controller.representative, formats["note"])
+        for number, field in enumerate(FIELDS):
+            row, (label, first, last) = 3 + number // 3, ((0, 1, 1), (3, 5, 6), (8, 9, 11))[number % 3]
+            sheet.write_string(row, label, field, formats["label"])
+            if last > first:
+                sheet.merge_range(row, first, row, last, "", formats["field"])
+            sheet.write_string(row, first, fields.get(field, ""), formats["field"])
+        for column, (heading, width) in enumerate(_HEADINGS):
+            sheet.write_string(_HEADER, column, heading, formats["heading"])
+            sheet.set_column(column, column, width)
+        sheet.set_row(_HEADER, 32)
+
+    def body(self, rows: Sequence[_Row]) -> None:
+        numbered = list(enumerate(rows, start=_HEADER + 1))
+        for first, last, entry in _blocks(numbered, _component):
+            self._label(first, last, 0, entry.land.component, "text")
+            self._label(first, last, 1, self.controller.components[entry.land.component], "text")
+        for first, last, entry in _blocks(numbered, _part):
+            self._label(first, last, 2, entry.land.part if entry.part == "spool" else "sleeve", "text")
+        for first, last, entry in _blocks(numbered, _plane):
+            self._label(first, last, 3, entry.plane, "number")
+            self._label(first, last, 9, _mm(entry.nominal), "nominal")
+            self._label(first, last, 10, round(entry.land.mounting_clearance * 1e6, 6), "clearance")
+            self._label(first, last, 11, _origin(entry.land), "origin")
+            for row in range(first, last + 1):
+                self._deviation(row, first, rows[row - _HEADER - 1])
+        for first, last, entry in _blocks(numbered, _direction):
+            self._label(first, last, 4, entry.direction, "angle")
+        for row, entry in numbered:
+            self.sheet.write_number(row, 5, entry.repeat, self.formats["number"])
+            for column, metres in zip((6, 7, 8), _values(entry.reading), strict=True):
+                if metres is None:
+                    self.sheet.write_blank(row, column, None, self.formats["input"])
+                else:
+                    self.sheet.write_number(row, column, _mm(metres), self.formats["input"])
+
+    def _label(self, first: int, last: int, column: int, value: str | float | None, name: str) -> None:
+        """One value over several rows, merged as in Table 1."""
+        form = self.formats[name]
+        if last > first:
+            self.sheet.merge_range(first, column, last, column, "", form)
+        if value is None:
+            self.sheet.write_blank(first, column, None, form)
+        elif isinstance(value, str) and not (value.isdecimal() and str(int(value)) == value):
+            self.sheet.write_string(first, column, value, form)
+        else:
+            self.sheet.write_number(first, column, float(value), form)
+
+    def _deviation(self, row: int, first: int, entry: _Row) -> None:
+        one, other, size, nominal = f"G{row + 1}", f"H{row + 1}", f"I{row + 1}", f"$J${first + 1}"
+        measured = f"IF(ISNUMBER({size}),{size},ABS({one}-{other}))"
+        filled = f"OR(ISNUMBER({size}),AND(ISNUMBER({one}),ISNUMBER({other})))"
+        known = "" if entry.reading is None else round((entry.reading.diameter - entry.nominal) * 1e6, 6)
+        self.sheet.write_formula(
+            row, 12, f'=IF({filled},1000*({measured}-{nominal}),"")', self.formats["deviation"], known
+        )
+
+    def set_up(self, rows: int) -> None:
+        """What a person filling it in on a screen or on paper needs."""
+        sheet, first, last = self.sheet, _HEADER + 1, _HEADER + max(rows, 1)
+        sheet.freeze_panes(first, 3)
+        sheet.data_validation(
+            first,
+            6,
+            last,
+            8,
+            {
+                "validate": "decimal",
+                "criteria": ">",
+                "value": 0,
+                "error_title": "Not a dimension",
+                "error_message": "A number in millimetres, larger than 0, such as 9.939. "
+                "Leave empty what was not measured.",
+            },
+        )
+        alarm = {"type": "cell", "criteria": "not between", "minimum": -_FAR, "maximum": _FAR}
+        empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER($M{first + 1}))", "stop_if_true": True}
+        sheet.conditional_format(first, 12, last, 12, empty)
+        sheet.conditional_format(first, 12, last, 12, {**alarm, "format": self.formats["alarm"]})
+        sheet.set_landscape()
+        sheet.set_paper(9)  # A4
+        sheet.fit_to_pages(1, 0)
+        sheet.repeat_rows(_HEADER)
+        sheet.print_area(0, 0, last, len(_HEADINGS) - 1)
+        sheet.set_margins(left=0.4, right=0.4, top=0.5, bottom=0.6)
+        sheet.set_footer(f"&L{self.controller.name.replace('&', '&&')[:120]}&RPage &P of &N")
+        sheet.ignore_errors({"number_stored_as_text": f"A{first + 1}:E{last + 1}"})
+
+
+def _instructions(sheet: Worksheet, formats: Mapping[str, Format], controller: Controller) -> None:
+    sheet.set_column(0, 0, 18)
+    sheet.set_column(1, 1, 96)
+    sheet.write_string(0, 0, INSTRUCTIONS, formats["title"])
+    rows = list(_HOW_TO)
+    if controller.representative:
+        rows.append(("Nominal values", f"{controller.representative} They are there for orientation only."))
+    for row, (topic, text) in enumerate(rows, start=2):
+        sheet.write_string(row, 0, topic, formats["topic"])
+        sheet.write_string(row, 1, text, formats["wrap"])
+    sheet.set_landscape()
+    sheet.set_paper(9)
+    sheet.fit_to_pages(1, 0)
+
+
+def _component(entry: _Row) -> tuple[Any, ...]:
+    return (entry.land.component,)
+
+
+def _part(entry: _Row) -> tuple[Any, ...]:
+    return *_component(entry), entry.part
+
+
+def _plane(entry: _Row) -> tuple[Any, ...]:
+    return *_part(entry), entry.plane
+
+
+def _direction(entry: _Row) -> tuple[Any, ...]:
+    return *_plane(entry), entry.direction
+
+
+def _blocks(
+    numbered: Sequence[tuple[int, _Row]], key: Callable[[_Row], tuple[Any, ...]]
+) -> Iterator[tuple[int, int, _Row]]:
+    """First row, last row and first entry of every run with the same key."""
+    for _, block in groupby(numbered, key=lambda pair: key(pair[1])):
+        inside = list(block)
+        yield inside[0][0], inside[-1][0], inside[0][1]
+
+
+def _values(reading: Reading | None) -> tuple[float | None, float | None, float | None]:
+    if reading is None:
+        return None, None, None
+    if reading.coordinates is not None:
+        return *reading.coordinates, None
+    return None, None, reading.diameter
+
+
+def _mm(metres: float) -> float:
+    return round(metres * 1e3, 7)  # a tenth of a nanometre: the decimal digits as they were typed
+
+
+def _origin(land: Land) -> str:
+    diameter, clearance = (key in land.representative for key in ("nominal_diameter_mm", "mounting_clearance_um"))
+    if diameter and clearance:
+        return "representative"
+    if diameter or clearance:
+        return f"{'diameter' if diameter else 'clearance'} representative"
+    return "as stated"

@@ -1,0 +1,231 @@
+"""Charts of the printed report: matplotlib figures as SVG, told apart in greyscale by dashes, shades and hatches."""
+
+from __future__ import annotations
+
+import io
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib import font_manager
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from atleak.look import PAPER, look_of
+from atleak.verdicts import Band, Verdict
+from atleak.views.road_series import RoadSeries
+from atleak.wording import Wording
+
+FONTS = Path(__file__).parent / "fonts"
+_LOCK = threading.Lock()  # matplotlib's settings are the process's own
+_SETTINGS = {
+    "svg.hashsalt": "atleak",
+    "svg.fonttype": "none",
+    "font.family": ["Noto Sans", "DejaVu Sans"],
+    "font.size": 8.0,
+    "axes.edgecolor": PAPER.ink,
+    "axes.labelcolor": PAPER.ink,
+    "axes.linewidth": 0.6,
+    "xtick.color": PAPER.ink,
+    "ytick.color": PAPER.ink,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "hatch.linewidth": 0.5,
+    "path.simplify_threshold": 0.2,
+}
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One land in the chart of shares, in percent; ``low`` and ``high`` where the uncertainty is known."""
+
+    label: str
+    share: float
+    verdict: Verdict
+    low: float | None = None
+    high: float | None = None
+
+
+def road_chart(
+    series: RoadSeries,
+    marks: Sequence[tuple[float, float | None, float | None]],
+    bands: Sequence[tuple[Band, float]],
+    say: Wording,
+) -> str:
+    """Leakage and pump capacity over time and, where known, the share with its bands.
+
+    Parameters
+    ----------
+    series
+        the thinned road test.
+    marks
+        (time [s], leakage [dm³/min], share [%]) of the instants to number, in their order.
+    bands
+        (name, share [%]) at which each band begins.
+    say
+        words and decimal sign.
+    """
+    columns = series.columns
+    share = columns.get("share_percent")
+    with _drawing():
+        figure = Figure(figsize=(7.0, 2.3 if share is None else 3.7), layout="constrained")
+        axes = figure.subplots(1 if share is None else 2, 1, sharex=True, squeeze=False)[:, 0]
+        flow, time = axes[0], columns["time_s"]
+        if share is not None:
+            flow.plot(
+                time,
+                columns["pump_capacity_dm3_min"],
+                color=PAPER.pump,
+                lw=0.9,
+                ls=(0, (5, 2)),
+                label=say("charts.capacity"),
+            )
+        flow.plot(time, columns["leakage_dm3_min"], color=PAPER.leakage, lw=1.4, label=say("charts.leakage"))
+        flow.set_ylabel(say("charts.flow"))
+        flow.set_ylim(bottom=0.0)
+        figure.legend(*flow.get_legend_handles_labels(), loc="outside upper left", ncols=2, frameon=False, fontsize=8)
+        if share is not None:
+            below = axes[1]
+            below.plot(time, share, color=PAPER.ink, lw=1.0)
+            below.set_ylabel(say("charts.share"))
+            top = max(float(np.nanmax(share)) * 1.15, 1.0) if np.isfinite(share).any() else 1.0
+            below.set_ylim(0.0, top)
+            _bands(below, bands, top, say)
+        for number, (at, leakage, part) in enumerate(marks, start=1):
+            _mark(flow, at, leakage, number)
+            if share is not None:
+                _mark(axes[1], at, part, number)
+        axes[-1].set_xlabel(say("charts.time"))
+        for each in axes:
+            _plain(each, say)
+            each.grid(color=PAPER.rule, lw=0.5)
+            each.margins(x=0.01)
+        return _svg(figure)
+
+
+def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
+    """The lands that leak most, the largest on top, each in the shade of its verdict."""
+    with _drawing():
+        figure = Figure(figsize=(7.0, 0.55 + 0.21 * max(len(bars), 3)), layout="constrained")
+        axes = figure.subplots()
+        places = np.arange(len(bars))[::-1]
+        for place, bar in zip(places, bars, strict=True):
+            look = look_of(bar.verdict)
+            axes.barh(
+                place,
+                bar.share,
+                height=0.68,
+                color=look.fill,
+                edgecolor=look.line,
+                lw=0.8,
+                hatch=look.hatch,
+            )
+            end = bar.share
+            if bar.low is not None and bar.high is not None:
+                axes.plot([bar.low, bar.high], [place, place], color=PAPER.ink, lw=1.1, marker="|", ms=5)
+                end = max(end, bar.high)
+            axes.annotate(
+                say.number(bar.share, 2),
+                (end, place),
+                xytext=(4, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=7,
+            )
+        axes.set_yticks(places, [""] * len(bars))
+        for place, bar in zip(places, bars, strict=True):
+            axes.annotate(
+                _drawable(bar.label),
+                (0.0, place),
+                xytext=(-5, 0),
+                textcoords="offset points",
+                ha="right",
+                va="center",
+                fontsize=7.5,
+                parse_math=False,
+            )
+        axes.tick_params(axis="y", length=0)
+        axes.set_ylim(-0.6, max(len(bars), 3) - 0.4)
+        axes.set_xlabel(_drawable(label), parse_math=False)
+        axes.set_xlim(0.0, 1.12 * max((max(bar.share, bar.high or 0.0) for bar in bars), default=1.0) or 1.0)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value, 4)))
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(axis="x", color=PAPER.rule, lw=0.5)
+        axes.set_axisbelow(True)
+        return _svg(figure)
+
+
+def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], top: float, say: Wording) -> None:
+    for name, begins in bands:
+        if begins < top:
+            axes.axhline(begins, color=PAPER.ink, lw=0.7, ls=(0, (1.5, 1.5)))
+            axes.annotate(
+                f"{say.level(name)} ≥ {say.plain(begins)} %",
+                (1.0, begins),
+                xycoords=("axes fraction", "data"),
+                xytext=(-2, 1.5),
+                textcoords="offset points",
+                ha="right",
+                va="bottom",
+                fontsize=6.5,
+                bbox={"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85},
+                zorder=4,
+            )
+
+
+def _mark(axes: Axes, time: float, value: float | None, number: int) -> None:
+    if value is None:
+        return
+    axes.plot(
+        [time], [value], marker="o", ms=10.5, mfc="white", mec=PAPER.ink, mew=0.9, ls="none", zorder=5, clip_on=False
+    )
+    axes.annotate(
+        str(number), (time, value), ha="center", va="center_baseline", fontsize=7, zorder=6, annotation_clip=False
+    )
+
+
+def _plain(axes: Axes, say: Wording) -> None:
+    axes.spines[["top", "right"]].set_visible(False)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(6))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value, 5)))
+
+
+def _drawable(text: str) -> str:
+    """Text without characters that the charts' fonts lack: matplotlib would warn of each."""
+    return "".join(sign if ord(sign) in glyphs() else "\u25a1" for sign in text)
+
+
+@cache
+def glyphs() -> frozenset[int]:
+    """Code points that the bundled fonts have."""
+    found: set[int] = set()
+    for path in sorted(FONTS.glob("*.ttf")):
+        font_manager.fontManager.addfont(path)
+        found |= set(font_manager.get_font(str(path)).get_charmap())
+    return frozenset(found)
+
+
+class _drawing:
+    """matplotlib with the report's settings, for one thread at a time."""
+
+    def __enter__(self) -> None:
+        _LOCK.acquire()
+        self._settings = mpl.rc_context(_SETTINGS)
+        self._settings.__enter__()
+        glyphs()
+
+    def __exit__(self, *error: object) -> None:
+        self._settings.__exit__(*error)  # type: ignore[arg-type]
+        _LOCK.release()
+
+
+def _svg(figure: Figure) -> str:
+    target = io.StringIO()
+    figure.savefig(target, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
+    return target.getvalue()

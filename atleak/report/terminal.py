@@ -1,0 +1,181 @@
+"""A diagnosis on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.projection import Projection
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.look import look_of
+from atleak.rules import Rule
+from atleak.variants import VariantResult
+from atleak.wording import signed
+from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
+
+
+class _Console(Console):
+    """A console that leaves a reader that went away to the command line: rich would end with status 1."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+
+def print_diagnosis(diagnosis: Diagnosis) -> None:
+    """Totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
+    console = _Console(highlight=False)
+    controller, readings = diagnosis.controller, diagnosis.readings
+    console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
+    measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
+    console.print(Text(measured + (f" in {readings.file}" if readings else "")))
+    console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
+    for projection in diagnosis.reported:
+        console.print(Text(_total(diagnosis, projection)))
+    if diagnosis.flagged:
+        console.print(_flagged(diagnosis.flagged))
+    else:
+        console.print(Text("No measured land has reached a limit."))
+    for number, step in enumerate(diagnosis.repair_plan, start=1):
+        land = step.land.state.land
+        console.print(
+            Text(
+                f"{number}. {land.component}/{land.land} {controller.components[land.component]}: total share at "
+                f"{step.condition.label} "
+                f"{step.share_before * PERCENT:.1f} → {step.share_after * PERCENT:.1f} %"
+            )
+        )
+    if diagnosis.road is not None:
+        console.print(Text(_road(diagnosis.road)))
+    for message in diagnosis.messages:
+        if message.level == "warning":
+            console.print(Text(f"! {message.text}"))
+
+
+def print_variants(results: Sequence[VariantResult]) -> None:
+    """W1-W8: printed, computed and as Table 2 tabulates them."""
+    table = Table(
+        "variant", "°C", "wear %", "ν mm²/s", "printed", "computed", "as tabulated", "share printed", "computed"
+    )
+    for result in results:
+        variant, computed, tabulated = result.variant, result.computed.max_leakage, result.as_tabulated.max_leakage
+        table.add_row(
+            variant.name,
+            f"{variant.temperature:g}",
+            f"{variant.wear * PERCENT:g}",
+            f"{result.kinematic_viscosity * MM2_S:g}",
+            str(variant.printed_max_leakage),
+            f"{computed.leakage * DM3_MIN:.3f}",
+            f"{tabulated.leakage * DM3_MIN:.3f}",
+            str(variant.printed_max_share),
+            "–" if computed.share is None else f"{computed.share * PERCENT:.2f}",
+        )
+    console = _Console(highlight=False)
+    console.print(table)
+    console.print(Text("Leakage in dm³/min at its maximum over the log, share in % at that instant."))
+    for result in results:
+        if result.variant.note:
+            console.print(Text(f"{result.variant.name}: {result.variant.note}"))
+
+
+def print_log(record: dict[str, Any]) -> None:
+    """What was understood of a log, from its record."""
+    console = _Console(highlight=False)
+    form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
+    console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
+    segments = record["segments"]
+    console.print(Text(f"{record['rows']} rows, {record['duration_s']:.3f} s in {len(segments)} segment(s)"))
+    table = Table("quantity", "column", "unit", "kind", "samples", "lowest", "highest", "Hz")
+    table.columns[0].no_wrap = True
+    table.columns[0].min_width = 16
+    for column in record["columns"]:
+        unit = f"{column['unit'] or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
+        numbers = [_short(column[key]) for key in ("min", "max", "sampling_hz")]
+        cells = (column["quantity"], column["column"] or column["source"], unit, column["kind"], str(column["samples"]))
+        table.add_row(*(Text(cell) for cell in (*cells, *numbers)))
+    console.print(table)
+    if record["unused"]:
+        console.print(Text(f"not used: {', '.join(record['unused'])}"))
+    for found in record["ambiguous"]:
+        console.print(Text(f"? {found['quantity']}: {', '.join(map(str, found['candidates']))}"))
+    for message in record["messages"]:
+        console.print(Text(f"{'!' if message['level'] == 'warning' else '·'} {message['text']}"))
+
+
+def _short(value: float | None) -> str:
+    return "–" if value is None else f"{value:.4g}"
+
+
+def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
+    """Records as a table."""
+    table = Table(*(column.replace("_", " ") for column in columns))
+    table.columns[0].no_wrap = True  # an id must be there to be copied whole
+    table.columns[0].overflow = "fold"
+    table.columns[0].min_width = max((len(str(row[columns[0]])) for row in rows), default=0)
+    for row in rows:
+        table.add_row(*(Text(_cell(row[column])) for column in columns))
+    _Console(highlight=False).print(table)
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{found:g} at {name} °C" for name, found in value.items())
+    if isinstance(value, list):
+        return ", ".join(map(str, value))
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, bool):  # before any comparison: 1 == True
+        return "yes" if value else "no"
+    return "–" if value is None else str(value)
+
+
+def _road(road: RoadLeakage) -> str:
+    parts = [f"Road test {road.road_test.file}"]
+    for name, instant in (("largest leakage", road.max_leakage), ("largest share", road.max_share)):
+        if instant is not None:
+            share = "" if instant.share is None else f" ({instant.share * PERCENT:.1f} % of the pump's flow)"
+            parts.append(f"{name} {instant.leakage * DM3_MIN:.2f} dm³/min{share} at {instant.time:.2f} s")
+    return ": ".join([parts[0], "; ".join(parts[1:])])
+
+
+def _verdict(diagnosis: Diagnosis) -> str:
+    """The verdict of the unit, and which land or total gave it."""
+    decided_by, said = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
+    if decided_by is None:
+        return said
+    if isinstance(decided_by, Rule):
+        return f"{said}, decided by the {decided_by.label}"
+    component, land = decided_by.key
+    return f"{said}, decided by {component}/{land} {diagnosis.controller.components[component]}"
+
+
+def _total(diagnosis: Diagnosis, projection: Projection) -> str:
+    return (
+        f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
+        f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} % "
+        f"({diagnosis.band(projection)}); for this leakage alone the pump needs "
+        f"{projection.minimum_speed * RPM:.0f} rpm"
+    )
+
+
+def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
+    table = Table()
+    for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %", "share %"):
+        table.add_column(name, no_wrap=True)
+    table.add_column("because")
+    for found in lands:
+        land, rule = found.state.land, found.deciding
+        table.add_row(
+            Text(signed(found.verdict), style=look_of(found.verdict).style),
+            Text(f"{land.component}/{land.land}"),
+            f"{found.state.radial_clearance * UM:.1f}",
+            f"{land.mounting_clearance * UM:.1f}",
+            "–" if found.wear is None else f"{found.wear * PERCENT:.0f}",
+            f"{found.share * PERCENT:.2f}",
+            Text("" if rule is None else f"{rule.label} ({rule.origin})"),
+        )
+    return table

@@ -1,0 +1,1 @@
+"""Records and rows of a result that pages, figures and reports share."""

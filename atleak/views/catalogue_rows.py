@@ -1,0 +1,124 @@
+"""Catalogue entries as tables a person reads: rows with the unit in the heading."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import MappingProxyType
+from typing import Any
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
+from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, RPM, UM
+
+Tables = dict[str, list[dict[str, Any]]]
+FOLDERS = MappingProxyType({"controller": "controllers", "fluid": "fluids", "limits": "limits"})
+
+
+def representative(entry: Controller | Fluid) -> str:
+    """What of an entry is representative, as text."""
+    found = entry.representative
+    return found if isinstance(found, str) else ", ".join(found)
+
+
+def controller_tables(controller: Controller) -> Tables:
+    """Lands, gaps, operating points, pressures and pump."""
+    return {
+        "Operating points": [
+            {
+                "name": point.label,
+                "temperature [°C]": point.temperature,
+                "engine [rpm]": point.engine_speed * RPM,
+                "gear": point.gear,
+                "p_g [kPa]": point.main_pressure * KPA,
+                "p_k [kPa]": point.converter_pressure * KPA,
+                "source": point.source,
+            }
+            for point in controller.operating_points
+        ],
+        "Lands": [
+            {
+                "component": f"{land.component} · {controller.components[land.component]}",
+                "land": land.land,
+                "planes": ", ".join(land.planes),
+                "nominal diameter [mm]": land.nominal_diameter * MM,
+                "contact length [mm]": land.contact_length * MM,
+                "mounting clearance [µm]": land.mounting_clearance * UM,
+                "own limit [µm]": None if land.clearance_limit is None else land.clearance_limit * UM,
+                "body / spool": f"{land.body_material} / {land.spool_material}",
+                "representative": ", ".join(name.rsplit("_", 1)[0].replace("_", " ") for name in land.representative),
+            }
+            for land in controller.lands
+        ],
+        "Gaps": [
+            {
+                "component": f"{gap.component} · {controller.components[gap.component]}",
+                "land": gap.land,
+                "section": gap.section,
+                "from": str(gap.high),
+                "to": str(gap.low),
+                "gears": ", ".join(map(str, sorted(gap.gears))),
+                "ends in": "sump" if gap.into_sump else "another section",
+                "is": "published" if gap.published else "representative",
+            }
+            for gap in controller.gaps
+        ],
+        "Pump": [
+            {
+                "displacement [mm³/rev]": controller.pump.displacement * 1e9,
+                "volumetric efficiency": controller.pump.volumetric_efficiency,
+                "slip coefficient": controller.pump.slip_coefficient,
+                "representative": ", ".join(controller.pump.representative),
+            }
+        ],
+    }
+
+
+def fluid_tables(fluid: Fluid) -> Tables:
+    """Data-sheet points, density, and the viscosity that follows from them where it can be trusted."""
+    low, high = fluid.span()
+    between = [temperature for temperature in range(-20, 141, 20) if low <= temperature <= high]
+    tables = {
+        "Data sheet": [
+            *({"what": f"viscosity at {at:g} °C", "value": nu * MM2_S, "unit": "mm²/s"} for at, nu in fluid.points),
+            {"what": f"density at {fluid.density_at[0]:g} °C", "value": fluid.density_at[1] * G_CM3, "unit": "g/cm³"},
+            {"what": "pour point", "value": fluid.pour_point, "unit": "°C"},
+        ],
+        "ASTM D341 through the data sheet": [
+            {
+                "temperature [°C]": temperature,
+                "viscosity [mm²/s]": fluid.kinematic_viscosity(float(temperature)) * MM2_S,
+                "density [g/cm³]": fluid.density(float(temperature)) * G_CM3,
+            }
+            for temperature in between
+        ],
+    }
+    if fluid.table:
+        tables["Tabulated by the source"] = [
+            {"temperature [°C]": at, "viscosity [mm²/s]": nu * MM2_S, "density [g/cm³]": rho * G_CM3}
+            for at, nu, rho in fluid.table
+        ]
+    return tables
+
+
+def limit_tables(limits: Limits) -> Tables:
+    """Every limit with its origin: published, choice of this project, or set by the workshop."""
+    rows = []
+    for name, steps in limits.rules.items():
+        for level, limit in steps.levels:
+            rows.append(
+                {
+                    "rule": name.replace("_", " "),
+                    "from here": str(level),
+                    "limit": limit * name.factor,
+                    "unit": name.unit,
+                    "origin": str(steps.origin),
+                    "source": steps.source,
+                }
+            )
+    return {"Limits": rows}
+
+
+TABLES: MappingProxyType[str, Callable[[Any], Tables]] = MappingProxyType(
+    {"controller": controller_tables, "fluid": fluid_tables, "limits": limit_tables}
+)

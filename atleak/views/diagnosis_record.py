@@ -1,0 +1,257 @@
+"""A diagnosis as the JSON record that scripts rely on (``format`` 1): numbers with the unit in the key, unrounded."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from atleak.catalogue.limits import Limits, RuleKind, Steps
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.leakage import GapLeakage
+from atleak.engine.projection import Projection
+from atleak.engine.road_leakage import Instant, RoadLeakage
+from atleak.errors import Message
+from atleak.rules import Rule
+from atleak.uncertainty import LandUncertainty, UnitUncertainty
+from atleak.version import __version__
+from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
+
+FORMAT = 1
+
+
+def to_json(record: Any) -> str:
+    """A record as JSON text: UTF-8 signs kept, no NaN or infinity (unknown is null)."""
+    return json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False) + "\n"
+
+
+def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
+    readings, idle = diagnosis.readings, diagnosis.hot_idle
+    projection = diagnosis.projection
+    return {
+        "format": FORMAT,
+        "atleak": __version__,
+        "profile": {"name": diagnosis.profile.name, **diagnosis.profile.options},
+        "controller": {
+            "id": diagnosis.controller.id,
+            "name": diagnosis.controller.name,
+            "source": diagnosis.controller.source,
+            "sha256": diagnosis.controller.sha256,
+            "representative": bool(diagnosis.controller.representative),
+            "representative_note": diagnosis.controller.representative or None,
+        },
+        "fluid": {
+            "id": diagnosis.fluid.id,
+            "name": diagnosis.fluid.name,
+            "source": diagnosis.fluid.source,
+            "sha256": diagnosis.fluid.origin.sha256,
+            "representative": list(diagnosis.fluid.representative),
+        },
+        "limits": limits_record(diagnosis.limits),
+        "mileage_km": diagnosis.mileage,
+        "readings": {
+            "file": readings.file if readings else None,
+            "sha256": readings.sha256 if readings else None,
+            "lands_measured": diagnosis.measured,
+            "lands_total": len(diagnosis.lands),
+        },
+        "uncertainty": _uncertainty(diagnosis.uncertainty),
+        "verdict": diagnosis.verdict,
+        "unit": {"verdict": diagnosis.verdict, **_decided_by(diagnosis)},
+        "lands": [_land(land) for land in diagnosis.lands],
+        "gaps": [_gap(gap) for gap in projection.gaps],
+        "projection": _projection(diagnosis, projection),
+        "hot_idle": None if idle is None else _projection(diagnosis, idle),
+        "repair_plan": [
+            {
+                "component": step.land.state.land.component,
+                "land": step.land.state.land.land,
+                "verdict": step.land.verdict,
+                "at": step.condition.name,
+                "share_before_percent": _finite(step.share_before * PERCENT),
+                "share_after_percent": _finite(step.share_after * PERCENT),
+            }
+            for step in diagnosis.repair_plan
+        ],
+        "road_test": None if diagnosis.road is None else _road(diagnosis.road),
+        "messages": [message_record(message) for message in diagnosis.messages],
+    }
+
+
+def _decided_by(diagnosis: Diagnosis) -> dict[str, Any]:
+    """How sure the unit's verdict is, and whether a land or a total gave it."""
+    decided_by, sure = diagnosis.decided_by, diagnosis.uncertainty
+    if decided_by is None:
+        return {"decision": None, "decided_by": None}
+    if isinstance(decided_by, Rule):
+        at = decided_by.condition.name if decided_by.condition else None
+        total = sure.total(at) if sure and at else None
+        where = {"kind": "total", "condition": at, "component": None, "land": None}
+        return {"decision": total.decision.decision if total else None, "decided_by": where}
+    rule, (component, land) = decided_by.deciding, decided_by.key
+    at = rule.condition.name if rule and rule.condition else None
+    where = {"kind": "land", "condition": at, "component": component, "land": land}
+    return {"decision": decided_by.decision, "decided_by": where}
+
+
+def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
+    """What the intervals and decisions rest on."""
+    if unit is None:
+        return None
+    return {
+        "spool_instrument": unit.instruments.spool.id,
+        "sleeve_instrument": unit.instruments.sleeve.id,
+        "assumptions": dict(unit.assumptions.settings),
+        "coverage": unit.coverage,
+        "guard_factor": unit.guard_factor,
+        "draws": unit.draws,
+        "seed": unit.seed,
+    }
+
+
+def limits_record(limits: Limits) -> dict[str, Any]:
+    """A limit set with every limit and its origin."""
+    return {
+        "id": limits.id,
+        "name": limits.name,
+        "source": limits.source,
+        "sha256": limits.origin.sha256,
+        "rules": {kind: _steps(kind, steps) for kind, steps in limits.rules.items()},
+    }
+
+
+def message_record(message: Message) -> dict[str, Any]:
+    """A message, with its place where it has one."""
+    record: dict[str, Any] = {"level": message.level, "code": message.code, "text": message.text}
+    if message.place is not None:
+        known = {name: value for name, value in vars(message.place).items() if value is not None}
+        record["place"] = known or None
+    return record
+
+
+def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
+    levels = {f"{level}_{kind.suffix}": limit * kind.factor for level, limit in steps.levels}
+    return {**levels, "origin": steps.origin, "source": steps.source}
+
+
+def _land(found: LandDiagnosis) -> dict[str, Any]:
+    state, land, sure = found.state, found.state.land, found.uncertainty
+    low, high = (sure.leakage_interval if sure else None) or (None, None)
+    return {
+        "component": land.component,
+        "land": land.land,
+        "measured": state.status,
+        "spool_diameter_mm": state.spool_diameter * MM,
+        "sleeve_diameter_mm": state.sleeve_diameter * MM,
+        "radial_clearance_um": state.radial_clearance * UM,
+        "uncertainty_um": _scaled(sure.u_clearance, UM) if sure else None,
+        "mounting_clearance_um": land.mounting_clearance * UM,
+        "wear_percent": None if found.wear is None else found.wear * PERCENT,
+        "effective_clearance_um": found.effective_clearance * UM,
+        "leakage_dm3_min": found.leakage * DM3_MIN,
+        "drawn_from_pump_dm3_min": found.drawn_from_pump * DM3_MIN,
+        "leakage_low_dm3_min": _scaled(low, DM3_MIN),
+        "leakage_high_dm3_min": _scaled(high, DM3_MIN),
+        "share_percent": _finite(found.share * PERCENT),
+        "verdict": found.verdict,
+        "decision": found.decision,
+        "probability_over_limit": found.probability_over_limit,
+        "advice": sure.advice if sure else None,
+        "replace_mileage_km": found.replace_mileage,
+        "representative": list(land.representative),
+        "rules": [_rule(rule, sure) for rule in found.rules],
+        "messages": [message_record(message) for message in found.messages],
+    }
+
+
+def _rule(rule: Rule, sure: LandUncertainty | None) -> dict[str, Any]:
+    decided = sure.on(rule) if sure else None
+    return {
+        "rule": rule.id,
+        "value": _finite(rule.value * rule.kind.factor),
+        "limit": rule.limit * rule.kind.factor,
+        "verdict": rule.verdict,
+        "decision": decided.decision if decided else None,
+        "probability_over_limit": decided.probability_over_limit if decided else None,
+        "origin": rule.origin,
+    }
+
+
+def _gap(found: GapLeakage) -> dict[str, Any]:
+    gap = found.gap
+    return {
+        "component": gap.component,
+        "land": gap.land,
+        "section": gap.section,
+        "from": str(gap.high),
+        "to": str(gap.low),
+        "pressure_drop_kpa": found.pressure_drop * KPA,
+        "diameter_mm": found.diameter * MM,
+        "contact_length_mm": found.contact_length * MM,
+        "effective_clearance_um": found.effective_clearance * UM,
+        "kinematic_viscosity_mm2_s": found.kinematic_viscosity * MM2_S,
+        "density_g_cm3": found.density * G_CM3,
+        "leakage_mm3_s": found.leakage * MM3_S,
+        "drawn_from_pump": found.drawn_from_pump,
+        "reynolds_number": found.reynolds_number,
+        "published": gap.published,
+    }
+
+
+def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
+    at = projection.condition
+    total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
+    low, high = total.leakage_interval if total else (None, None)
+    return {
+        "name": at.name,
+        "temperature_c": at.temperature,
+        "engine_rpm": at.engine_speed * RPM,
+        "gear": at.gear,
+        **{f"{name}_kpa": value * KPA for name, value in projection.pressures.items()},
+        "leakage_dm3_min": projection.leakage * DM3_MIN,
+        "leakage_low_dm3_min": _scaled(low, DM3_MIN),
+        "leakage_high_dm3_min": _scaled(high, DM3_MIN),
+        "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
+        "share_percent": _finite(projection.share * PERCENT),
+        "band": diagnosis.band(projection),
+        "decision": total.decision.decision if total else None,
+        "probability_over_limit": total.decision.probability_over_limit if total else None,
+        "minimum_engine_rpm": projection.minimum_speed * RPM,
+        "source": at.source,
+    }
+
+
+def _road(road: RoadLeakage) -> dict[str, Any]:
+    test = road.road_test
+    return {
+        "file": test.file,
+        "sha256": test.sha256,
+        "rows": test.rows,
+        "duration_s": test.duration,
+        "gears": list(road.gears),
+        "sections": dict(road.section_shares),
+        "max_leakage": _instant(road.max_leakage),
+        "min_leakage": _instant(road.min_leakage),
+        "max_share": _instant(road.max_share),
+        "messages": [message_record(message) for message in (*test.messages, *road.messages)],
+    }
+
+
+def _instant(instant: Instant | None) -> dict[str, Any] | None:
+    if instant is None:
+        return None
+    return {
+        "time_s": instant.time,
+        "leakage_dm3_min": instant.leakage * DM3_MIN,
+        "pump_capacity_dm3_min": None if instant.pump_capacity is None else instant.pump_capacity * DM3_MIN,
+        "share_percent": None if instant.share is None else instant.share * PERCENT,
+    }
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else _finite(value * factor)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

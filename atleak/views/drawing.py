@@ -1,0 +1,224 @@
+"""The controller with its components, and one spool with its planes, as SVG: the same drawing on screen and on paper.
+
+Verdicts are told apart by shade, outline and sign, so that a greyscale print still shows them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.look import DARK, EDGE, PAPER, Inks, look_of
+from atleak.verdicts import Verdict, worst
+from atleak.workshop_units import MM
+
+FONT = "Noto Sans, DejaVu Sans, sans-serif"
+
+_NUMBER = 8  # characters of a component's number that are drawn
+_WIDTH = 1000.0
+_ROW = 104.0
+_ROD = 0.45  # of a land's diameter
+_STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
+_BETWEEN = 5.0  # [mm] of rod between two lands, which no catalogue states
+
+
+def sign_svg(verdict: str, x: float, y: float, size: float, colour: str) -> str:
+    """The sign of a verdict as an SVG shape around a point: no font needed."""
+    shape = look_of(verdict).shape
+    points = " ".join(f"{across:g},{down:g}" for across, down in shape.points)
+    ink = f'fill="{colour}"' if shape.filled else f'fill="none" stroke="{colour}" stroke-width="0.3"'
+    return f'<polygon transform="translate({x:.2f} {y:.2f}) scale({size:.3f})" points="{points}" {ink}/>'
+
+
+def controller_svg(
+    controller: Controller,
+    verdicts: Mapping[tuple[str, int], str] | None = None,
+    *,
+    columns: int = 5,
+    title: str = "",
+) -> str:
+    """Every component that has lands, each land in the shade and with the sign of its verdict.
+
+    Parameters
+    ----------
+    controller
+        whose components are drawn in its own order, all to one scale; lengths are stretched.
+    verdicts
+        by (component, land); without them the lands are plain metal.
+    columns
+        components side by side.
+    title
+        read by a screen reader; the controller's name unless given.
+    """
+    components = [name for name in controller.components if controller.lands_of(name)]
+    columns = max(min(columns, len(components)), 1)
+    cell = _WIDTH / columns
+    rows = -(-len(components) // columns)
+    longest = max(_length(controller.lands_of(name)) for name in components)
+    thickest = max(land.nominal_diameter for land in controller.lands) * MM
+    scale = _scale(cell - 32.0, longest, 36.0, thickest)
+    parts = [_head(_WIDTH, rows * _ROW, title or controller.name)]
+    for number, name in enumerate(components):
+        x, y = (number % columns) * cell, (number // columns) * _ROW
+        parts.append(_component(controller, name, verdicts or {}, x, y, cell, scale))
+    return "".join((*parts, "</svg>"))
+
+
+def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[str, int], str] | None = None) -> str:
+    """One spool in its sleeve with the planes it is measured in, numbered as on the measuring sheet.
+
+    Raises
+    ------
+    KeyError
+        a component without lands.
+    """
+    lands = controller.lands_of(component)
+    if not lands:
+        raise KeyError(component)
+    thickest = max(land.nominal_diameter for land in lands) * MM
+    scale = _scale(900.0, _length(lands), 96.0, thickest)
+    name = controller.components[component]
+    parts = [_head(_WIDTH, 240.0, f"component {component}, {name}: lands and measuring planes")]
+    middle = 120.0
+    parts.append(_spool(lands, verdicts or {}, _WIDTH / 2.0, middle, scale, thick=2.0))
+    reach = thickest * scale[1] / 2.0
+    for land, left, width in _places(lands, _WIDTH / 2.0, scale):
+        for number, plane in enumerate(land.planes):
+            x = left + width * (number + 1) / (len(land.planes) + 1)
+            parts.append(
+                f'<path d="M{x:.1f} {middle - reach - 26:.1f}V{middle + reach + 26:.1f}" stroke="{PAPER.ink}" '
+                'stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
+            )
+            parts.append(_text(x, middle - reach - 34, plane, 18, bold=True))
+        parts.append(_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
+    parts.append(_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
+    return "".join((*parts, "</svg>"))
+
+
+def on_dark(drawing: str) -> str:
+    """The same drawing for a dark ground: light words and lines, dark cards; the lands keep their shades."""
+    return drawing.replace(_card(PAPER), _card(DARK)).replace(PAPER.ink, DARK.ink)
+
+
+def _card(inks: Inks) -> str:
+    return f' rx="4" fill="{inks.card}"'
+
+
+def _component(
+    controller: Controller,
+    name: str,
+    verdicts: Mapping[tuple[str, int], str],
+    x: float,
+    y: float,
+    cell: float,
+    scale: tuple[float, float],
+) -> str:
+    lands = controller.lands_of(name)
+    reached = worst(Verdict(verdicts[land.key]) for land in lands if land.key in verdicts)
+    edge, thick = (look_of(reached).line, look_of(reached).width) if reached.flagged else (EDGE, 0.8)
+    short = shortened(name, _NUMBER)
+    lines = _wrapped(controller.components[name], max(int((cell - 30.0 - 9.5 * len(short)) / 5.8), 6), 2)
+    label = "".join(
+        _text(x + 12 + 9.5 * len(short) + 8, y + 20 + 13 * number, line, 11.5, anchor="start")
+        for number, line in enumerate(lines)
+    )
+    return (
+        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}"{_card(PAPER)} '
+        f'stroke="{edge}" stroke-width="{thick}"/>'
+        + _text(x + 12, y + 21, short, 15, bold=True, anchor="start")
+        + label
+        + _spool(lands, verdicts, x + cell / 2.0, y + 66.0, scale, thick=1.0)
+    )
+
+
+def _spool(
+    lands: tuple[Land, ...],
+    verdicts: Mapping[tuple[str, int], str],
+    centre: float,
+    middle: float,
+    scale: tuple[float, float],
+    thick: float,
+) -> str:
+    places = _places(lands, centre, scale)
+    left, right = places[0][1], places[-1][1] + places[-1][2]
+    rod = min(land.nominal_diameter for land in lands) * MM * scale[1] * _ROD
+    parts = [
+        f'<rect x="{left - 4:.1f}" y="{middle - rod / 2:.1f}" width="{right - left + 8:.1f}" height="{rod:.1f}" '
+        f'fill="{PAPER.metal}" stroke="{PAPER.ink}" stroke-width="{0.6 * thick:.1f}"/>'
+    ]
+    for land, x, width in places:
+        height = land.nominal_diameter * MM * scale[1]
+        look = look_of(verdicts[land.key]) if land.key in verdicts else None
+        fill, line, thickness = (look.fill, look.line, look.width) if look else (PAPER.metal, PAPER.ink, 1.0)
+        dashes = f' stroke-dasharray="{look.dashes}"' if look and look.dashes else ""
+        parts.append(
+            f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" height="{height:.1f}" '
+            f'fill="{fill}" stroke="{line}" stroke-width="{thickness * thick:.1f}"{dashes}/>'
+        )
+        for side in (-1.0, 1.0):  # the sleeve's bore on both sides of the land
+            y = middle + side * (height / 2 + 3.0 * thick)
+            parts.append(
+                f'<path d="M{x - 2:.1f} {y:.1f}H{x + width + 2:.1f}" stroke="{PAPER.ink}" '
+                f'stroke-width="{1.4 * thick:.1f}"/>'
+            )
+        if look:
+            size = min(width * 0.26, 6.5 * thick)
+            parts.append(sign_svg(verdicts[land.key], x + width / 2, middle, size, look.on_fill))
+    return "".join(parts)
+
+
+def _places(lands: tuple[Land, ...], centre: float, scale: tuple[float, float]) -> list[tuple[Land, float, float]]:
+    """Each land with its left edge and width on the drawing."""
+    found, x = [], centre - _length(lands) * scale[0] / 2.0
+    for land in lands:
+        width = land.contact_length * MM * scale[0]
+        found.append((land, x, width))
+        x += width + _BETWEEN * scale[0]
+    return found
+
+
+def _scale(width: float, longest: float, height: float, thickest: float) -> tuple[float, float]:
+    """Drawing units per millimetre along and across the axis: lengths may be stretched, never shrunk more."""
+    across = min(height / thickest, width / longest)
+    return min(width / longest, _STRETCH * across), across
+
+
+def _length(lands: tuple[Land, ...]) -> float:
+    return sum(land.contact_length * MM for land in lands) + _BETWEEN * (len(lands) - 1)
+
+
+def shortened(text: str, width: int) -> str:
+    """Text of at most so many characters, an ellipsis for what is left out."""
+    return text if len(text) <= width else text[: max(width - 1, 0)].rstrip() + "…"
+
+
+def _wrapped(text: str, width: int, lines: int) -> list[str]:
+    """Text broken at spaces; what does not fit in so many lines ends in an ellipsis."""
+    found, line = [], ""
+    for word in text.split():
+        longer = f"{line} {word}".strip()
+        if line and len(longer) > width:
+            found.append(line)
+            longer = word
+        line = longer
+    found.append(line)
+    short = [shortened(each, width) for each in found]
+    if len(short) > lines:
+        short = [*short[: lines - 1], shortened(f"{short[lines - 1].rstrip('…')} …", width)]
+    return short
+
+
+def _head(width: float, height: float, title: str) -> str:
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" width="{width:g}" '
+        f'height="{height:g}" role="img"><title>{escape(title)}</title>'
+    )
+
+
+def _text(x: float, y: float, text: str, size: float, *, bold: bool = False, anchor: str = "middle") -> str:
+    weight = ' font-weight="bold"' if bold else ""
+    return (
+        f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{PAPER.ink}" '
+        f'text-anchor="{anchor}"{weight}>{escape(text)}</text>'
+    )

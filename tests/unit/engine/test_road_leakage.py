@@ -1,0 +1,252 @@
+"""The engine over a log: what is missing is assumed and said, what cannot be used is left out and counted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.fluid import Fluid
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
+from atleak.errors import RoadTestError
+from atleak.readings import clearances
+from atleak.road_test import RoadTest
+
+LogOf = Callable[..., RoadTest]
+TIME = np.arange(0.0, 5.0, 0.5)
+NAN = math.nan
+
+
+@pytest.fixture(scope="module")
+def model(four_speed: Controller, hipol: Fluid) -> LeakageModel:
+    return LeakageModel(four_speed, clearances(None, four_speed), hipol, WORKSHOP)
+
+
+@pytest.fixture
+def assumed(four_speed: Controller) -> OperatingPoint:
+    return four_speed.operating_points[0]
+
+
+@pytest.fixture
+def full() -> dict[str, object]:
+    """Every channel, rising pressure and speed."""
+    return {
+        "main_pressure": np.linspace(500e3, 900e3, len(TIME)),
+        "converter_pressure": 300e3,
+        "atf_temperature": 80.0,
+        "gear": 2.0,
+        "engine_speed": np.linspace(15.0, 40.0, len(TIME)),
+    }
+
+
+def codes(found: RoadLeakage) -> list[str]:
+    return [message.code for message in found.messages]
+
+
+def test_a_complete_log_has_nothing_to_say(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert codes(found) == []
+    assert found.gears == (2,)
+    assert found.leakage.shape == TIME.shape
+    np.testing.assert_allclose(sum(found.sections.values()), found.leakage, rtol=1e-12)
+    assert found.share is not None
+    np.testing.assert_allclose(found.share, found.leakage / found.pump_capacity, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "words"),
+    [
+        ("atf_temperature", 80.0, "80 °C"),
+        ("converter_pressure", 400e3, "400 kPa"),
+        ("gear", 2.0, "gear 2"),
+    ],
+)
+def test_a_channel_the_log_does_not_hold_is_assumed_and_said(
+    quantity: str,
+    value: float,
+    words: str,
+    model: LeakageModel,
+    assumed: OperatingPoint,
+    full: dict[str, object],
+    log_of: LogOf,
+) -> None:
+    without = {name: channel for name, channel in full.items() if name != quantity}
+    found = evaluate_road_test(model, log_of(TIME, **without), assumed)
+    assert codes(found) == [f"assumed_{quantity}"]
+    assert found.messages[0].level == "warning"
+    assert words in found.messages[0].text
+    assert assumed.label in found.messages[0].text
+    given = evaluate_road_test(model, log_of(TIME, **{**full, quantity: value}), assumed)
+    np.testing.assert_array_equal(found.leakage, given.leakage)
+
+
+def test_without_engine_speed_there_is_no_share(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    full.pop("engine_speed")
+    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert codes(found) == ["no_engine_speed"]
+    assert found.pump_capacity is found.share is found.max_share is None
+    assert found.max_leakage is not None
+    assert (found.max_leakage.pump_capacity, found.max_leakage.share) == (None, None)
+
+
+@pytest.mark.parametrize(("pressure", "words"), [(None, "no main pressure"), (NAN, "no usable sample of main")])
+def test_without_main_pressure_there_is_no_leakage(
+    pressure: float | None,
+    words: str,
+    model: LeakageModel,
+    assumed: OperatingPoint,
+    full: dict[str, object],
+    log_of: LogOf,
+) -> None:
+    full.pop("main_pressure")
+    if pressure is not None:
+        full["main_pressure"] = pressure
+    with pytest.raises(RoadTestError, match=words) as caught:
+        evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert caught.value.place.file == "own.csv"
+    assert "p_g [kPa]" in (caught.value.expected or "")
+
+
+@pytest.mark.parametrize(
+    "channel", [{"gear": 9.0}, {"gear": NAN}, {"atf_temperature": 190.0}, {"atf_temperature": NAN}]
+)
+def test_a_log_of_which_nothing_can_be_used(
+    channel: dict[str, float], model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    with pytest.raises(RoadTestError, match="no sample of the log") as caught:
+        evaluate_road_test(model, log_of(TIME, **{**full, **channel}), assumed)
+    assert caught.value.expected == "gears 1, 2, 3, 4, temperatures from -20 to 150 °C"
+
+
+def test_samples_that_cannot_be_used_are_counted_and_left_out(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    gear = np.full(len(TIME), 2.0)
+    gear[:3] = (0.0, 6.0, NAN)
+    temperature = np.full(len(TIME), 80.0)
+    temperature[3:5] = 160.0
+    pressure = np.array(full["main_pressure"])
+    pressure[5] = NAN
+    log = log_of(TIME, **{**full, "gear": gear, "atf_temperature": temperature, "main_pressure": pressure})
+    found = evaluate_road_test(model, log, assumed)
+    assert np.isnan(found.leakage).tolist() == [True] * 6 + [False] * 4
+    assert codes(found) == ["other_gear", "outside_fluid", "samples_left_out"]
+    other_gear, outside, left_out = (message.text for message in found.messages)
+    assert other_gear.startswith("2 of 10 samples")
+    assert outside.startswith("2 of 10 samples")
+    assert "-20 to 150 °C" in outside
+    assert left_out.startswith("2 of 10 samples")
+    assert found.gears == (2,)
+    assert sum(share for share in found.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12, abs=0.0)
+
+
+def test_a_pump_at_rest_has_no_share(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    full["engine_speed"] = np.concatenate([np.zeros(3), np.full(len(TIME) - 3, 30.0)])
+    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert found.share is not None
+    assert np.isnan(found.share).tolist() == [True] * 3 + [False] * 7
+    said = {message.code: message.text for message in found.messages}["pump_delivers_nothing"]
+    assert said.startswith("In 3 of 10 samples")
+    full["engine_speed"] = 0.0
+    standing = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert standing.max_share is None
+    assert standing.max_leakage is not None
+    assert (standing.max_leakage.pump_capacity, standing.max_leakage.share) == (0.0, None)
+
+
+def test_instants_are_where_the_series_say(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert found.share is not None
+    for instant, series, choose in (
+        (found.max_leakage, found.leakage, np.argmax),
+        (found.min_leakage, found.leakage, np.argmin),
+        (found.max_share, found.share, np.argmax),
+    ):
+        at = int(choose(series))
+        assert instant is not None
+        assert found.pump_capacity is not None
+        assert (instant.time, instant.leakage) == (TIME[at], found.leakage[at])
+        assert instant.share == pytest.approx(found.leakage[at] / found.pump_capacity[at], rel=1e-15, abs=0.0)
+    assert found.max_leakage.time == TIME[-1]  # at the highest pressure
+    assert found.max_share.time < found.max_leakage.time  # where the pump turns slowest
+
+
+def test_a_reversed_drop_is_counted_by_section(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    pressure = np.full(len(TIME), 800e3)
+    pressure[2:6] = 60e5  # 0.1 p_g above the limit of p_s
+    found = evaluate_road_test(model, log_of(TIME, **{**full, "main_pressure": pressure}), assumed)
+    assert codes(found) == ["reversed_pressure_drop"]
+    assert found.messages[0].text.startswith("In 4 of 10 samples a pressure drop of section p_s is negative")
+
+
+def test_section_shares_are_of_the_volume_so_a_dense_stretch_weighs_no_more(
+    model: LeakageModel, assumed: OperatingPoint, log_of: LogOf
+) -> None:
+    def shares(time: np.ndarray) -> dict[str, float | None]:
+        pressure = np.where(time < 2.0, 500e3, 900e3)
+        log = log_of(time, main_pressure=pressure, converter_pressure=300e3, atf_temperature=80.0, gear=2.0)
+        return evaluate_road_test(model, log, assumed).section_shares
+
+    even = shares(np.arange(0.0, 4.0, 0.01))
+    dense = shares(np.concatenate([np.arange(0.0, 2.0, 0.002), np.arange(2.0, 4.0, 0.01)]))
+    for name, share in even.items():
+        assert dense[name] == pytest.approx(share, rel=2e-3, abs=0.0)
+
+
+def test_a_pause_of_the_logger_counts_as_one_step(model: LeakageModel, assumed: OperatingPoint, log_of: LogOf) -> None:
+    # A pause of an hour after the last sample at low pressure must not make that sample all of the volume.
+    time = np.concatenate([np.arange(0.0, 1.0, 0.1), 3600.0 + np.arange(0.0, 1.0, 0.1)])
+    closed_up = np.arange(20) * 0.1
+    pressure = np.where(np.arange(20) < 10, 300e3, 900e3)
+    channels = {"main_pressure": pressure, "converter_pressure": 300e3, "atf_temperature": 80.0, "gear": 2.0}
+    paused = evaluate_road_test(model, log_of(time, **channels), assumed).section_shares
+    assert paused == pytest.approx(
+        evaluate_road_test(model, log_of(closed_up, **channels), assumed).section_shares, rel=1e-9, abs=0.0
+    )
+
+
+def test_a_log_of_one_sample(model: LeakageModel, assumed: OperatingPoint, log_of: LogOf) -> None:
+    log = log_of([7.0], main_pressure=800e3, converter_pressure=400e3, atf_temperature=80.0, gear=2.0, engine_speed=25)
+    found = evaluate_road_test(model, log, assumed)
+    at_once = model.gaps(assumed)
+    expected = math.fsum(gap.leakage for gap in at_once if gap.drawn_from_pump)
+    assert found.leakage[0] == pytest.approx(expected, rel=1e-12, abs=0.0)
+    assert found.max_leakage == found.min_leakage == found.max_share
+    assert sum(share for share in found.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12, abs=0.0)
+
+
+def test_control_pressure_above_main_pressure_is_said(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    # below 234.6 kPa the spring alone gives more control pressure than there is main pressure
+    pressure = np.full(len(TIME), 800e3)
+    pressure[:4] = (-500.0, 0.0, 234e3, 235e3)
+    pressure[4] = NAN
+    found = evaluate_road_test(model, log_of(TIME, **{**full, "main_pressure": pressure}), assumed)
+    said = [message.text for message in found.messages if message.code == "pressure_relation"]
+    assert len(said) == 1
+    assert said[0].startswith("In 3 of 10 samples p_s would be above main pressure")
+
+
+def test_without_pressure_no_gap_of_that_pressure_leaks(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    still = {**full, "main_pressure": 0.0, "converter_pressure": 0.0}
+    found = evaluate_road_test(model, log_of(TIME, **still), assumed)
+    for section in ("p_g", "p_m", "p_k"):
+        assert found.sections[section].tolist() == [0.0] * len(TIME)

@@ -1,0 +1,197 @@
+"""The leakage of a log against a slow loop over its samples and gaps, and against the engine at one condition."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.fluid import Fluid
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PAPER, WORKSHOP, Profile
+from atleak.engine.series import leakage_series
+from atleak.equations import gap as gap_equations
+from atleak.equations import referees
+from atleak.readings import clearances
+
+PROFILES = {
+    "paper": PAPER,
+    "workshop": WORKSHOP,
+    "entry_loss": WORKSHOP.with_options(entry_loss="on"),
+    "eccentric": PAPER.with_options(eccentricity="0.7"),
+    "mean_all_gaps": PAPER.with_options(diameter="mean"),
+    "regression": PAPER.with_options(viscosity="regression"),
+}
+
+
+@pytest.fixture(scope="module")
+def log() -> dict[str, np.ndarray]:
+    """300 samples with every trouble: reversed drops, limits, unknown gears, gaps in every channel."""
+    rng = np.random.default_rng(7)
+    size = 300
+    p_g = rng.uniform(1e5, 12e5, size)
+    p_g[10:20] = 2e4  # so low that 0.1 p_g … and so high that p_m is limited
+    p_g[20:25] = 40e5  # p_s below 0.1 p_g? no: its limit, 500 kPa, is above; 0.1·(60 bar) is not
+    p_g[25:30] = 60e5
+    p_g[30] = np.nan
+    p_k = rng.uniform(0.0, 5e5, size)
+    p_k[40:45] = -1e4
+    p_k[45] = np.nan
+    temperature = rng.uniform(20.0, 100.0, size)
+    temperature[50] = np.nan
+    temperature[51] = 190.0
+    gear = rng.choice([1.0, 2.0, 3.0, 4.0], size)
+    gear[60:63] = (0.0, np.nan, 7.0)
+    return {"main_pressure": p_g, "converter_pressure": p_k, "temperature": temperature, "gear": gear}
+
+
+def slow_loop(model: LeakageModel, log: dict[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Sample by sample, gap by gap, with nothing shared between them but the equations."""
+    controller, fluid, profile = model.controller, model.fluid, model.profile
+    states = {state.land.key: state for state in model.clearances}
+    total = np.full(len(log["gear"]), np.nan)
+    sections = {name: np.full(len(total), np.nan) for name in ("p_g", "p_s", "p_m", "p_k")}
+    low, high = fluid.span(profile.viscosity)
+    for i in range(len(total)):
+        p_g, p_k, temperature, gear = (
+            float(log[name][i]) for name in ("main_pressure", "converter_pressure", "temperature", "gear")
+        )
+        if not low <= temperature <= high or gear not in controller.gears or np.isnan(p_g):
+            continue
+        pressures = controller.section_pressures(p_g, p_k)
+        nu, rho = (
+            fluid.kinematic_viscosity(temperature, profile.viscosity),
+            fluid.density(temperature, profile.viscosity),
+        )
+        found = dict.fromkeys(sections, 0.0)
+        for gap in controller.gaps:
+            if gear not in gap.gears or (profile.pump_draw == "into_sump" and not gap.into_sump):
+                continue
+            state = states[gap.key]
+            upper, lower = (
+                0.0 if end.section is None else end.coefficient * float(pressures[end.section])
+                for end in (gap.high, gap.low)
+            )
+            clearance = referees.effective_clearance_two_temperatures(
+                state.radial_clearance,
+                state.sleeve_diameter,
+                state.spool_diameter,
+                state.land.body_expansion,
+                state.land.spool_expansion,
+                temperature - 20.0,
+                temperature - 20.0,
+            )
+            diameter = state.spool_diameter + (clearance if profile.diameter == "mean" else 0.0)
+            drop, length = max(upper - lower, 0.0) if not np.isnan(upper - lower) else np.nan, state.land.contact_length
+            if profile.entry_loss:
+                flow = gap_equations.entry_loss_flow(drop, diameter, clearance, nu, rho, length)
+            else:
+                flow = gap_equations.annular_flow(
+                    drop, diameter, clearance, nu, rho, length, profile.eccentricity * clearance
+                )
+            found[gap.section] += flow
+        total[i] = sum(found.values())
+        for name, flow in found.items():
+            sections[name][i] = flow if not np.isnan(total[i]) else np.nan
+    return total, sections
+
+
+@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("with_sections", [False, True], ids=["total", "sections"])
+def test_series_equals_slow_loop(
+    four_speed: Controller, hipol: Fluid, log: dict[str, np.ndarray], name: str, with_sections: bool
+) -> None:
+    model = LeakageModel(four_speed, clearances(None, four_speed), hipol, PROFILES[name])
+    series = leakage_series(model, **log, sections=with_sections)
+    total, sections = slow_loop(model, log)
+    np.testing.assert_allclose(series.total, total, rtol=1e-12)
+    assert np.isnan(series.total).sum() == np.isnan(total).sum() > 3
+    assert np.nansum(series.total) == pytest.approx(np.nansum(total), rel=1e-12, abs=0.0)
+    for section in series.sections:
+        scale = np.nanmax(np.abs(total))
+        np.testing.assert_allclose(series.sections[section], sections[section], rtol=1e-12, atol=1e-15 * scale)
+
+
+def test_series_counts_what_it_leaves_out(four_speed: Controller, hipol: Fluid, log: dict[str, np.ndarray]) -> None:
+    series = leakage_series(LeakageModel(four_speed, clearances(None, four_speed), hipol, PAPER), **log)
+    assert series.outside_fluid == 1
+    assert series.other_gear == 2  # the third is not known at all
+    assert series.reversed_samples["p_s"] >= 5  # where p_s is at its limit and 0.1 p_g above it
+    assert series.reversed_samples["p_k"] >= 4  # where the converter's sensor reads below zero
+    assert series.reversed_samples["p_g"] == 0
+
+
+@pytest.mark.parametrize("size", [1, 40_000, 300_000])
+def test_affine_pieces_equal_drop_by_drop(four_speed: Controller, hipol: Fluid, size: int) -> None:
+    """The quick way (no limit begins, no drop turns) against the way that keeps sections, over several chunks."""
+    rng = np.random.default_rng(3)
+    p_g = rng.uniform(5e5, 9e5, size)
+    gear = np.repeat([1.0, 2.0, 3.0, 4.0], -(-size // 4))[:size]
+    log = (p_g, 0.4 * p_g, rng.uniform(40.0, 110.0, size), gear)
+    model = LeakageModel(four_speed, clearances(None, four_speed), hipol, WORKSHOP)
+    kept = leakage_series(model, *log, sections=True)
+    np.testing.assert_allclose(leakage_series(model, *log).total, kept.total, rtol=1e-13)
+    np.testing.assert_allclose(sum(kept.sections.values()), kept.total, rtol=1e-13)
+
+
+def test_gear_that_flickers(four_speed: Controller, hipol: Fluid) -> None:
+    gear = np.tile([1.0, 2.0, np.nan, 3.0], 500)
+    model = LeakageModel(four_speed, clearances(None, four_speed), hipol, WORKSHOP)
+    flickering = leakage_series(model, 7e5, 3e5, 80.0, gear).total
+    for number in (1.0, 2.0, 3.0):
+        assert np.all(
+            flickering[gear == number]
+            == pytest.approx(leakage_series(model, 7e5, 3e5, 80.0, number).total[0], rel=1e-12, abs=0.0)
+        )
+    assert np.isnan(flickering[np.isnan(gear)]).all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    p_g=arrays(float, 8, elements=st.floats(0.0, 3e6)),
+    p_k=arrays(float, 8, elements=st.floats(-1e5, 1e6)),
+    temperature=st.floats(-30.0, 140.0),
+    profile=st.sampled_from([PAPER.with_options(viscosity="d341"), WORKSHOP]),
+)
+def test_series_equals_gaps_at_one_condition(
+    four_speed: Controller, hipol: Fluid, p_g: np.ndarray, p_k: np.ndarray, temperature: float, profile: Profile
+) -> None:
+    if temperature < hipol.span("d341")[0]:
+        temperature = 0.0
+    model = LeakageModel(four_speed, clearances(None, four_speed), hipol, profile)
+    series = leakage_series(model, p_g, p_k, temperature, 2).total
+    for i in range(8):
+        point = OperatingPoint("x", "x", temperature, 20.0, 2, float(p_g[i]), float(p_k[i]), "test")
+        flow = sum(gap.leakage for gap in model.gaps(point) if gap.drawn_from_pump)
+        assert series[i] == pytest.approx(flow, rel=1e-12, abs=1e-22)
+
+
+def test_gap_that_closes_in_the_cold(four_speed: Controller, hipol: Fluid) -> None:
+    """A tight aluminium body on steel closes below zero: it leaks nothing there and its polynomial is not used."""
+    tight = tuple(
+        replace(state, radial_clearance=2e-6, sleeve_diameter=state.spool_diameter + 4e-6)
+        if state.land.key == ("25", 1)
+        else state
+        for state in clearances(None, four_speed)
+    )
+    model = LeakageModel(four_speed, tight, hipol, PAPER)
+    temperature = np.array([-40.0, -20.0, 20.0, 80.0])
+    log = {
+        "main_pressure": np.full(4, 7e5),
+        "converter_pressure": np.full(4, 3e5),
+        "temperature": temperature,
+        "gear": np.full(4, 2.0),
+    }
+    closed = next(g for g in model.geometries if g.gap.key == ("25", 1))
+    assert closed.effective_clearance(-40.0) == 0.0 < closed.effective_clearance(20.0)
+    others = LeakageModel(
+        replace(four_speed, gaps=tuple(g for g in four_speed.gaps if g.key != ("25", 1))), tight, hipol, PAPER
+    )
+    series = leakage_series(model, **log).total
+    assert series[0] == pytest.approx(leakage_series(others, **log).total[0], rel=1e-12, abs=0.0)
+    assert series[3] > leakage_series(others, **log).total[3]

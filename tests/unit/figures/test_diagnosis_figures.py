@@ -1,0 +1,190 @@
+"""Figures by their trace data."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.projection import stated_condition
+from atleak.events import Event
+from atleak.figures import diagnosis_figures as figures
+from atleak.figures import uncertainty_figures as of_uncertainty
+from atleak.workshop_units import DM3_MIN, PERCENT
+
+ALL = {
+    "ranking": lambda found: figures.leakage_ranking(found),
+    "share": lambda found: figures.total_share(found),
+    "road": lambda found: figures.road_leakage(found.road, found.limits),
+    "wear": lambda found: figures.wear(found),
+    "channels": lambda found: figures.road_channels(found.road.road_test, {}),
+}
+
+
+def trace(figure, name: str):
+    return next(one for one in figure.data if one.name == name)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_figures_are_transparent_and_say_their_units(sample: Diagnosis, name: str) -> None:
+    figure = ALL[name](sample)
+    assert figure.layout.paper_bgcolor == figure.layout.plot_bgcolor == "rgba(0,0,0,0)"
+    titles = [axis.title.text or "" for axis in (*figure.select_xaxes(), *figure.select_yaxes())]
+    assert any("[" in title for title in titles)
+    json.dumps(figure.to_plotly_json(), default=lambda array: array.tolist())
+
+
+def test_ranking_holds_the_largest_lands_with_their_leakage_and_interval(sample: Diagnosis) -> None:
+    figure = figures.leakage_ranking(sample, lands=12)
+    bars = [bar for bar in figure.data if bar.type == "bar"]
+    drawn = {name: value for bar in bars for name, value in zip(bar.y, bar.x, strict=True)}
+    assert drawn == {figures.land_name(land): land.leakage * DM3_MIN for land in sample.ranked[:12]}
+    assert list(figure.layout.yaxis.categoryarray)[-1] == figures.land_name(sample.ranked[0])
+    for bar in bars:
+        assert len(bar.error_x.array) == len(bar.x)
+        assert min(bar.error_x.array) >= 0.0
+        assert min(bar.error_x.arrayminus) >= 0.0
+
+
+def test_verdicts_differ_by_sign_and_hatch_and_not_by_colour_alone(sample: Diagnosis) -> None:
+    bars = [bar for bar in figures.leakage_ranking(sample, lands=47).data if bar.type == "bar"]
+    assert len(bars) > 2
+    assert len({bar.marker.pattern.shape for bar in bars}) == len(bars)
+    assert len({bar.name[0] for bar in bars}) == len(bars)
+    marks = [one.marker.symbol for one in figures.wear(sample).data]
+    assert len(set(marks)) == len(marks)
+
+
+def test_total_share_stands_over_the_bands_of_the_limit_set(sample: Diagnosis) -> None:
+    figure = figures.total_share(sample)
+    points = figure.data[0]
+    expected = [point.share * PERCENT for point in sample.reported]
+    assert list(points.x[: len(expected)]) == pytest.approx(expected, rel=1e-9, abs=0.0)
+    assert points.x[-1] == pytest.approx(sample.road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
+    edges = sorted({shape.x0 for shape in figure.layout.shapes})
+    assert edges == pytest.approx(
+        [0.0, *(level * PERCENT for _, level in sample.limits.total_share.levels)], rel=1e-9, abs=0.0
+    )
+    assert [note.text.split("<br>")[1] for note in figure.layout.annotations] == ["green", "amber", "red", "critical"]
+
+
+def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Diagnosis) -> None:
+    figure, road = figures.road_leakage(sample.road, sample.limits), sample.road
+    leakage, share = trace(figure, "leakage"), trace(figure, "share")
+    assert np.nanmax(leakage.y) == pytest.approx(road.max_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
+    assert np.nanmin(leakage.y) == pytest.approx(road.min_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
+    assert np.nanmax(share.y) == pytest.approx(road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
+    assert len({trace(figure, name).line.dash for name in ("leakage", "pump flow", "share")}) == 3
+    marked = trace(figure, f"largest share, {road.max_share.time:.2f} s")
+    assert (marked.x[0], marked.y[0]) == pytest.approx(
+        (road.max_share.time, road.max_share.share * PERCENT), rel=1e-9, abs=0.0
+    )
+
+
+def test_a_log_without_engine_speed_shows_leakage_alone(four_speed, hipol, limits, log_of) -> None:
+    log = log_of(np.arange(50.0), main_pressure=600e3, converter_pressure=300e3, atf_temperature=80.0, gear=2.0)
+    found = diagnose(four_speed, hipol, limits, road_test=log)
+    figure = figures.road_leakage(found.road, found.limits)
+    assert {one.name for one in figure.data if one.mode == "lines"} == {"leakage"}
+    assert all(one.error_x.array is None for one in figures.leakage_ranking(found).data)
+
+
+def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(four_speed, hipol, limits, log_of) -> None:
+    size = 60_000
+    pressure = 600e3 + 1e3 * np.sin(np.arange(size))
+    pressure[31_234], pressure[1000:1400:2] = 950e3, np.nan
+    log = log_of(
+        np.arange(size) * 0.01,
+        main_pressure=pressure,
+        engine_speed=25.0,
+        converter_pressure=300e3,
+        atf_temperature=80.0,
+        gear=2.0,
+    )
+    found = diagnose(four_speed, hipol, limits, road_test=log)
+    for figure in (figures.road_leakage(found.road, found.limits), figures.road_channels(log, {})):
+        assert all(len(one.x) <= 4000 for one in figure.data)
+    leakage = trace(figures.road_leakage(found.road, found.limits), "leakage")
+    assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(found.road.leakage) * DM3_MIN, rel=1e-9, abs=0.0)
+    assert np.isclose(leakage.x, 312.34).any()
+    channel = next(one for one in figures.road_channels(log, {}).data if np.nanmax(one.y) == 950e3)
+    assert np.isnan(np.asarray(channel.y, dtype=float)).any()
+    assert channel.connectgaps is False
+
+
+def test_channels_are_drawn_in_the_unit_asked_for_and_suspect_samples_are_crossed(log_of) -> None:
+    pressure = np.array([600e3, 610e3, 5000e3, 620e3])
+    log = log_of(np.arange(4.0), main_pressure=pressure)
+    log.channels["main_pressure"].suspect[2] = True
+    figure = figures.road_channels(log, {"main_pressure": ("kPa", lambda value: value / 1e3)})
+    line, crosses = figure.data
+    assert np.asarray(line.y, dtype=float) == pytest.approx(
+        [600.0, 610.0, np.nan, 620.0], nan_ok=True, rel=1e-9, abs=0.0
+    )
+    assert (list(crosses.x), list(crosses.y)) == ([2.0], [5000.0])
+    assert "[kPa]" in figure.layout.yaxis.title.text
+
+
+def test_a_pump_that_delivers_nothing_leaves_no_point(sample: Diagnosis) -> None:
+    from dataclasses import replace
+
+    first, *others = sample.projections
+    dry = replace(sample, projections=(replace(first, pump_capacity=0.0), *others))
+    points = figures.total_share(dry).data[0]
+    assert len(points.x) == len(dry.projections) - 1 + (dry.road is not None)
+    assert not any(label.startswith("driving") for label in points.y)
+
+
+def test_events_are_marked_where_they_begin_and_shaded_where_they_last(log_of) -> None:
+    log = log_of(np.arange(20.0), main_pressure=600e3, engine_speed=20.0)
+    found = [Event("gear_shift", 3.0, 3.5, 1, 2), Event("hot_idle", 8.0, 12.0), Event("stall", 40.0, 41.0)]
+    figure = figures.road_channels(log, {}, found)
+    assert [note.text for note in figure.layout.annotations] == ["1→2", "hot idle"]
+    assert {shape.x0 for shape in figure.layout.shapes if shape.type == "line"} == {3.0, 8.0}
+    assert {(shape.x0, shape.x1) for shape in figure.layout.shapes if shape.type == "rect"} == {(8.0, 12.0)}
+
+
+def test_another_log_is_laid_over_it_dashed_and_shifted(log_of) -> None:
+    one = log_of(np.arange(5.0), main_pressure=600e3, engine_speed=20.0)
+    other = log_of(np.arange(5.0), main_pressure=650e3)
+    figure = figures.road_channels(one, {}, over=(other, 2.5))
+    laid = [line for line in figure.data if line.line.dash == "dash"]
+    assert len(laid) == 1
+    assert list(laid[0].x) == [2.5, 3.5, 4.5, 5.5, 6.5]
+    assert set(laid[0].y) == {650e3}
+
+
+def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -> None:
+    """A stated condition besides the controller's own points must not shift the bars."""
+    stated = stated_condition(sample.controller, temperature=120.0)
+    found = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, condition=stated)
+    points = next(one for one in figures.total_share(found).data if one.error_x.array is not None)
+    assert len(points.x) == len(found.reported) == 2
+    for projection, x, low, high in zip(
+        found.reported, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
+    ):
+        interval = found.uncertainty.total(projection.condition.name).share_interval
+        assert x - low == pytest.approx(interval[0] * PERCENT, rel=1e-9, abs=0.0)
+        assert x + high == pytest.approx(interval[1] * PERCENT, rel=1e-9, abs=0.0)
+
+
+def test_limits_and_mounting_clearances_lie_open_under_the_values(sample: Diagnosis) -> None:
+    drawn = [(one.name, one.marker.symbol) for one in of_uncertainty.clearances(sample.uncertainty).data]
+    assert [name for name, _ in drawn[:2]] == ["mounting clearance", "limit"]
+    assert all(symbol.endswith("-open") for _, symbol in drawn[:2])
+    assert len(drawn) > 3
+
+
+def test_totals_tell_how_likely_each_band_is(sample: Diagnosis) -> None:
+    (points,) = figures.total_share(sample).data
+    for text, projection in zip(points.customdata, sample.reported, strict=False):
+        bands = sample.uncertainty.total(projection.condition.name).band_probabilities
+        likeliest = max(bands, key=lambda item: item[1])
+        assert f"{likeliest[0]} {100 * likeliest[1]:.0f} %" in str(text)
+
+
+def test_bands_of_the_totals_are_named_under_their_sign(sample: Diagnosis) -> None:
+    notes = figures.total_share(sample).layout.annotations
+    assert [note.text.split("<br>")[1] for note in notes] == ["green", "amber", "red", "critical"]

@@ -1,0 +1,78 @@
+"""How a log's columns were settled goes into the job file, and a file's own name into messages and records."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from atleak.catalogue.entries import catalogue_files
+from atleak.catalogue.limits import load_limits
+from atleak.errors import CatalogueError
+from atleak.intake.road_test import default_path, read_road_test, remember, understand
+from atleak.job.case import Case, SourceFile, load_source, with_log_choices
+
+SAMPLE = Path(__file__).resolve().parents[3] / "sample_data" / "measuring_sheet_four_speed.xlsx"
+ROWS = "".join(f"{step / 10};800;{6 + step};{9 + step};80;2\n" for step in range(30))
+LOG = ("time [s];engine_speed [rpm];p one [bar];p two [bar];atf_temperature [°C];gear\n" + ROWS).encode()
+
+
+@pytest.fixture
+def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Answers given earlier for logs with this header."""
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    path = default_path()
+    answers = {"main_pressure": "p one [bar]", "converter_pressure": "p two [bar]"}
+    remember(path, understand(LOG, name="a.csv").signature, answers, {"main_pressure": "kPa"})
+    return path
+
+
+@pytest.mark.parametrize("mapping", [{}, {"main_pressure": "p two [bar]"}, {"converter_pressure": "p one [bar]"}])
+def test_choices_read_the_log_as_it_was_read_with_the_memory(kept: Path, mapping: dict[str, str]) -> None:
+    log = understand(LOG, name="a.csv", mapping=mapping, remembered=kept)
+    settled = with_log_choices(Case(road_test=SourceFile("a.csv", LOG), columns=tuple(mapping.items())), log)
+    assert not settled.remember
+    elsewhere = read_road_test(LOG, name="a.csv", **settled.log_choices)
+    assert set(elsewhere.channels) == set(log.road_test.channels)
+    for quantity, channel in log.road_test.channels.items():
+        assert (elsewhere.channels[quantity].values == channel.values).all()
+        assert elsewhere.channels[quantity].column == channel.column
+
+
+def test_answers_that_were_not_consulted_are_no_choices(kept: Path) -> None:
+    log = understand(LOG, name="a.csv", mapping={"main_pressure": "p two [bar]"})
+    case = Case(road_test=SourceFile("a.csv", LOG), columns=(("main_pressure", "p two [bar]"),))
+    assert with_log_choices(case, log) == replace(case, remember=False)
+
+
+def test_a_file_at_hand_as_bytes_keeps_its_name() -> None:
+    content = catalogue_files("limits")["project_default"].read_bytes()
+    assert load_source(load_limits, SourceFile("our limits: 2026.toml", content)).origin.file == "our limits: 2026.toml"
+    with pytest.raises(CatalogueError, match=r"^our limits: 2026\.toml, ") as caught:
+        load_source(load_limits, SourceFile("our limits: 2026.toml", content.replace(b"watch = 10.0", b"watch = 'x'")))
+    assert caught.value.place.file == "our limits: 2026.toml"
+
+
+def test_two_files_keep_their_names() -> None:
+    files = catalogue_files("instruments")
+    case = Case(
+        spool_instrument=SourceFile("one.toml", files["micrometer"].read_bytes()),
+        sleeve_instrument=SourceFile("two.toml", files["bore_gauge"].read_bytes()),
+        readings=SourceFile.at(SAMPLE),
+    )
+    instruments = case.diagnose().uncertainty.instruments
+    assert (instruments.spool.origin.file, instruments.sleeve.origin.file) == ("one.toml", "two.toml")
+
+
+def test_equal_files_and_choices_have_one_key_and_others_have_not() -> None:
+    case = Case(readings=SourceFile("a.csv", b"1"), options=(("eccentricity", 0.5),))
+    assert case.key == replace(case, readings=SourceFile("a.csv", b"1")).key
+    others = [
+        replace(case, readings=SourceFile("a.csv", b"2")),
+        replace(case, options=()),
+        replace(case, controller=SourceFile("own.toml", b"x")),
+        replace(case, mileage=1.0),
+    ]
+    assert len({case.key, *(other.key for other in others)}) == 5

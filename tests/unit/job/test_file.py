@@ -1,0 +1,213 @@
+"""A job as one file: opened again it gives the same verdict, and a hostile one does no harm."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from atleak.catalogue.controller import load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.instruments import load_instruments
+from atleak.catalogue.limits import load_limits
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import stated_condition
+from atleak.errors import InputError
+from atleak.intake.readings import read_readings
+from atleak.intake.road_test import read_road_test
+from atleak.job.case import Case, SourceFile
+from atleak.job.file import FORMAT, read_job_file, write_job_file
+from atleak.job.record import Job
+from atleak.uncertainty import DEFAULTS
+from atleak.views.diagnosis_record import diagnosis_record
+
+SHEET = b"""component;part;plane;direction;diameter 1 [mm];diameter 2 [mm]
+6;spool;1;0;9,939;9,940
+6;spool;1;90;9,938;9,939
+6;sleeve;1;0;10,031;10,030
+6;sleeve;1;90;10,032;10,031
+8;spool;1;0;10,000;10,000
+8;spool;1;90;10,000;10,001
+8;sleeve;1;0;10,120;10,121
+8;sleeve;1;90;10,119;10,120
+"""
+LOG = "time [s],rpm,line,atf_temperature [°C],gear\n" + "".join(
+    f"{number / 10},{900 + 5 * number},{500 + number},{60 + number / 20},{1 + number // 100}\n" for number in range(400)
+)
+LOG_CHOICES = {
+    "mapping": {"engine_speed": "rpm", "main_pressure": "line"},
+    "units": {"engine_speed": "rpm", "main_pressure": "kPa"},
+}
+
+
+def case_of(sheet: bytes = SHEET) -> Case:
+    return Case(
+        readings=SourceFile("=sheet.csv", sheet),
+        road_test=SourceFile("log <1>.csv", LOG.encode()),
+        columns=tuple(LOG_CHOICES["mapping"].items()),
+        units=tuple(LOG_CHOICES["units"].items()),
+    )
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> Diagnosis:
+    controller = load_controller("four_speed_2023")
+    return diagnose(
+        controller,
+        load_fluid("mobil_atf_220"),
+        load_limits("project_default"),
+        readings=read_readings(SHEET, controller, name="=sheet.csv"),
+        road_test=read_road_test(LOG.encode(), name="log <1>.csv", **LOG_CHOICES),
+        profile=WORKSHOP.with_options(entry_loss="on", eccentricity="0.25"),
+        condition=stated_condition(controller, temperature=92.5, engine_speed=1111 / 60),
+        mileage=123_456.0,
+        instruments=load_instruments("micrometer", "air_gauge"),
+        assumptions=DEFAULTS.with_settings({"viscosity_percent": 3.0}),
+    )
+
+
+@pytest.fixture(scope="module")
+def content(diagnosis) -> bytes:
+    job = Job(number="7", date="2026-02-03", photos=[{"file": "a/b.png"}]).with_pictures({"a/b.png": b"picture"})
+    return write_job_file(diagnosis, job, case_of())
+
+
+def test_another_atleak_comes_to_the_same_verdict(diagnosis, content, tmp_path):
+    (tmp_path / "job.zip").write_bytes(content)
+    found = read_job_file(tmp_path / "job.zip")
+    again = diagnosis_record(found.diagnose())
+    assert again == diagnosis_record(diagnosis)
+    assert found.result == json.loads(json.dumps(again))
+    assert again["verdict"] in ("replace", "critical")
+    assert found.job.number == "7"
+    assert found.job.pictures == {"a/b.png": b"picture"}
+
+
+def test_same_job_same_bytes(diagnosis, content):
+    job = Job(number="7", date="2026-02-03", photos=[{"file": "a/b.png"}]).with_pictures({"a/b.png": b"picture"})
+    assert content == write_job_file(diagnosis, job, case_of())
+
+
+def test_a_unit_nobody_measured_needs_no_files(unmeasured):
+    found = read_job_file(write_job_file(unmeasured))
+    assert diagnosis_record(found.diagnose()) == diagnosis_record(unmeasured)
+    assert found.case.readings is None
+
+
+def test_files_that_are_not_those_of_the_diagnosis_are_refused(diagnosis):
+    with pytest.raises(InputError, match="measuring sheet is missing"):
+        write_job_file(diagnosis)
+    with pytest.raises(InputError, match="measuring sheet is not the one"):
+        write_job_file(diagnosis, case=case_of(SHEET + b" "))
+
+
+def test_a_catalogue_file_that_has_gone_or_changed_is_refused(unmeasured, tmp_path):
+    origin = unmeasured.fluid.origin
+    gone = replace(origin, path=tmp_path / "gone.toml")
+    moved = replace(unmeasured, fluid=replace(unmeasured.fluid, origin=gone))
+    with pytest.raises(InputError, match="file of the fluid is no longer there"):
+        write_job_file(moved)
+    assert read_job_file(
+        write_job_file(moved, case=Case(fluid=SourceFile("own.toml", origin.path.read_bytes())))
+    ).case.fluid
+    with pytest.raises(InputError, match="file of the fluid has changed"):
+        write_job_file(moved, case=Case(fluid=SourceFile("own.toml", b"other")))
+
+
+def changed(content: bytes, **entries: bytes | None) -> bytes:
+    """The zip with entries replaced, added (``a__b`` for a/b) or, where None, left out."""
+    target, named = io.BytesIO(), {name.replace("__", "/"): found for name, found in entries.items()}
+    with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            if name not in named:
+                new.writestr(name, old.read(name))
+        for name, found in named.items():
+            if found is not None:
+                new.writestr(name, found)
+    return target.getvalue()
+
+
+def with_choices(content: bytes, **choices: object) -> bytes:
+    with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+        record = json.loads(bundle.read("job.json"))
+    return changed(content, **{"job.json": json.dumps(record | choices).encode()})
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../evil.toml", "/etc/passwd", "catalogue/../x.toml", "pictures/../../a.png", "pictures/a.exe", "C:\\a.png"],
+)
+def test_entries_that_no_job_has_are_refused(content, name):
+    with pytest.raises(InputError, match="holds a file that no job has"):
+        read_job_file(changed(content, **{name: b"x"}))
+
+
+def test_a_zip_that_unfolds_without_end_is_refused(content):
+    bomb = changed(content, **{"pictures/a.png": b"\0" * 30_000_000})
+    assert len(bomb) < 100_000
+    with pytest.raises(InputError, match="too large"):
+        read_job_file(bomb, size_limit=10_000_000)
+
+
+def test_too_many_and_repeated_entries_are_refused(content):
+    many = changed(content, **{f"pictures/{number}.png": b"" for number in range(1100)})
+    with pytest.raises(InputError, match="too many files"):
+        read_job_file(many)
+    target = io.BytesIO(content)
+    with zipfile.ZipFile(target, "a") as bundle, pytest.warns(UserWarning, match="Duplicate name"):
+        bundle.writestr("job.json", b"{}")
+    with pytest.raises(InputError, match="holds a file twice"):
+        read_job_file(target.getvalue())
+
+
+def test_a_damaged_file_is_refused(content, tmp_path):
+    for damaged in (b"", b"PK\x03\x04", content[:-200], content[:500] + b"\0" * 50 + content[550:]):
+        with pytest.raises(InputError):
+            read_job_file(damaged)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_job_file(tmp_path / "nothing.zip")
+
+
+@pytest.mark.parametrize(
+    ("entries", "said"),
+    [
+        ({"job.json": None}, "holds no job.json"),
+        ({"job.json": b"[]"}, "another format"),
+        ({"job.json": b"{"}, "is not valid JSON"),
+        ({"job.json": b"[" * 100_000}, "is not valid JSON"),
+        ({"readings": None}, "holds no readings, which its record names"),
+        ({"catalogue/fluid.toml": None}, "holds no catalogue/fluid.toml"),
+    ],
+)
+def test_an_incomplete_job_is_refused(content, entries, said):
+    with pytest.raises(InputError, match=said):
+        read_job_file(changed(content, **entries))
+
+
+def test_a_record_from_elsewhere_is_checked(content):
+    with pytest.raises(InputError, match="another format"):
+        read_job_file(with_choices(content, format=FORMAT + 1))
+    with pytest.raises(InputError, match="unknown key"):
+        read_job_file(with_choices(content, formulas="x"))
+    found = read_job_file(
+        with_choices(content, files={**json.loads(_record(content))["files"], "readings": "../../x.csv"})
+    )
+    assert found.case.readings.name == "x.csv"
+    with pytest.raises(InputError, match="no such profile"):
+        read_job_file(with_choices(content, profile="mine")).diagnose()
+
+
+def _record(content: bytes) -> bytes:
+    with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+        return bundle.read("job.json")
+
+
+def test_nothing_is_left_behind(content, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    read_job_file(content).diagnose()
+    assert list(Path(tmp_path).iterdir()) == []

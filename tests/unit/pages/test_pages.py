@@ -1,0 +1,548 @@
+"""The dashboard's pages run in Streamlit's own test harness."""
+
+from __future__ import annotations
+
+import io
+import re
+from pathlib import Path
+
+import openpyxl
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.diagnosis import Diagnosis
+from atleak.figures.diagnosis_figures import leakage_ranking
+from atleak.job.case import SourceFile
+from atleak.look import PAPER
+from atleak.report.measuring_sheet import write_template
+from atleak.views.drawing import controller_svg, on_dark, spool_svg
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGES = (
+    "1_Diagnosis", "2_Readings", "3_Uncertainty", "4_Road_test", "5_Report", "6_Source_study", "7_Catalogue",
+)  # fmt: skip
+TWO_PRESSURES = (
+    "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
+    + "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
+)
+XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
+
+
+@pytest.fixture
+def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+    """The dashboard, run once.
+
+    The harness takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one
+    that stands elsewhere and runs ``app.py``.
+    """
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    main = tmp_path / "main.py"
+    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
+    return AppTest.from_file(str(main), default_timeout=60).run()
+
+
+def go(app: AppTest, page: str) -> AppTest:
+    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+
+
+def texts(app: AppTest) -> str:
+    kinds = (*app.markdown, *app.caption, *app.error, *app.warning, *app.info, *app.success, *app.title)
+    return "\n".join(found.value for found in kinds).replace("\\", "")
+
+
+def uploader(app: AppTest, label: str):
+    return next(found for found in app.sidebar.file_uploader if found.label == label)
+
+
+def choice(app: AppTest, label: str):
+    return next(found for found in app.sidebar.selectbox if found.label == label)
+
+
+def number(app: AppTest, label: str):
+    return next(found for found in app.sidebar.text_input if found.label == label)
+
+
+def flagged(app: AppTest) -> list[str]:
+    return [text.strip() for text in app.dataframe[0].value["Verdict"]]
+
+
+def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> None:
+    assert not app.exception
+    assert set(flagged(app)) == {"■ replace", "▲ watch"}
+    assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
+    assert [found.value for found in app.title] == ["Diagnosis"]
+    assert re.match(r"\*\*\d+ ■ replace\*\* and \*\*\d+ ▲ watch\*\* of 47 measured lands, in", app.error[0].value)
+    assert "for this leakage alone the pump needs" in texts(app)
+    assert "Representative" in texts(app) or "representative" in texts(app)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: str) -> None:
+    go(app, page)
+    assert not app.exception
+    choice(app, "Controller").select("minimal_example").run()
+    assert not app.exception
+    assert not app.error or "not" in app.error[0].value
+
+
+def test_every_page_has_a_number_of_its_own() -> None:
+    found = sorted(path.stem for path in (ROOT / "pages").glob("[0-9]*.py"))
+    assert found == sorted(PAGES)
+    assert [int(name.split("_")[0]) for name in found] == list(range(1, len(found) + 1))
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_pages_are_short_and_compute_nothing(page: str) -> None:
+    text = (ROOT / "pages" / f"{page}.py").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 90
+    assert "numpy" not in text
+    assert "open(" not in text
+
+
+def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app: AppTest) -> None:
+    choice(app, "Controller").select("minimal_example").run()
+    assert "no land is measured" in texts(app)
+    sheet = "component;part;plane;direction;diameter [mm]\n" + "".join(
+        f"accumulator;{part};1;{direction};{size}\n"
+        for part, size in (("piston", "18,000"), ("sleeve", "18,070"))
+        for direction in (0, 90)
+    )
+    uploader(app, "Measuring sheet").upload("eigene.csv", sheet.encode(), "text/csv").run()
+    assert not app.exception
+    assert "eigene.csv" in texts(app)
+    assert flagged(app) == ["■ replace"]
+
+
+def test_a_land_measured_on_one_part_only_is_never_called_ok(app: AppTest) -> None:
+    choice(app, "Controller").select("minimal_example").run()
+    head, rows = "component;part;plane;direction;diameter [mm]\n", "accumulator;piston;1;{};17,999\n"
+    spool_only = head + rows.format(0) + rows.format(90)
+    uploader(app, "Measuring sheet").upload("piston.csv", spool_only.encode(), "text/csv").run()
+    assert not app.exception
+    banner = next(text for text in texts(app).split("\n") if "The unit leaks" in text)
+    assert "ok:" not in banner
+    assert "no land is measured on both spool and sleeve" in banner
+    assert "mounting clearance." not in banner
+    row = app.dataframe[-1].value.iloc[0]
+    assert row["Verdict"].strip().endswith("not measured")
+    assert row["Decided by"] == "sleeve not measured"
+
+
+def test_a_flagged_land_says_which_part_was_not_measured(app: AppTest) -> None:
+    choice(app, "Controller").select("minimal_example").run()
+    sheet = "component;part;plane;direction;diameter [mm]\naccumulator;sleeve;1;0;18,2\naccumulator;sleeve;1;90;18,2\n"
+    uploader(app, "Measuring sheet").upload("sleeve.csv", sheet.encode(), "text/csv").run()
+    assert not app.exception
+    assert flagged(app)[0] in ("■ replace", "✖ critical")
+    assert app.dataframe[0].value["Decided by"].iloc[0].endswith("; piston not measured")
+    assert "no land is measured" not in texts(app)
+
+
+def test_a_refused_sheet_is_explained_and_the_last_job_stays(app: AppTest) -> None:
+    before = app.dataframe[0].value
+    target = io.BytesIO()
+    openpyxl.Workbook().save(target)
+    uploader(app, "Measuring sheet").upload("leer.xlsx", target.getvalue(), XLSX).run()
+    assert not app.exception
+    assert "leer.xlsx was not taken as measuring sheet" in texts(app)
+    assert "the workbook is empty" in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    assert "Sample job" in texts(app)
+    uploader(app, "Measuring sheet").set_value(None).run()
+    assert "not taken" not in texts(app)
+
+
+def test_an_unfilled_template_is_refused_by_name(app: AppTest, four_speed) -> None:
+    uploader(app, "Measuring sheet").upload("blank.xlsx", write_template(four_speed), XLSX).run()
+    assert "every diameter is empty" in texts(app)
+
+
+def test_own_files_replace_the_sample_one_by_one(app: AppTest, sample_readings: Path, sample_log: Path) -> None:
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    assert "Over the road test" not in [found.value for found in app.subheader]
+    uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
+    assert not app.exception
+    assert "Over the road test" in [found.value for found in app.subheader]
+    assert "1201 rows" in texts(app)
+    uploader(app, "Road-test log").set_value(None).run()
+    assert "Over the road test" not in [found.value for found in app.subheader]
+    next(found for found in app.button if found.label == "Take the sample job").click().run()
+    assert "Sample job" in texts(app)
+    assert "Over the road test" in [found.value for found in app.subheader]
+
+
+def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
+    number(app, "Temperature [°C]").set_value("92.715").run()
+    choice(app, "Fluid").select("mobil_atf_220").run()
+    shown = app.dataframe[0].value
+    assert "92.715 °C" in texts(app)
+    go(app, "2_Readings")
+    go(app, "1_Diagnosis")
+    assert number(app, "Temperature [°C]").value == "92.715"
+    assert choice(app, "Fluid").value == "mobil_atf_220"
+    assert "92.715 °C" in texts(app)
+    assert app.dataframe[0].value.equals(shown)
+
+
+def test_a_temperature_outside_the_fluid_keeps_the_last_result(app: AppTest) -> None:
+    before = app.dataframe[0].value
+    number(app, "Temperature [°C]").set_value("190.0").run()
+    assert not app.exception
+    assert "cannot be computed" in texts(app)
+    assert "190 °C" in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    number(app, "Temperature [°C]").set_value("95.0").run()
+    assert "cannot be computed" not in texts(app)
+
+
+def doubts(app: AppTest) -> list[str]:
+    return [found.value.replace("\\", "") for found in (*app.sidebar.error, *app.sidebar.warning)]
+
+
+def test_a_mileage_that_can_be_read_in_two_ways_is_asked_and_the_last_one_stays(app: AppTest) -> None:
+    number(app, "Mileage [km]").set_value("106 315").run()
+    assert app.session_state["atleak"].good.mileage == 106315.0
+    assert doubts(app) == []
+    number(app, "Mileage [km]").set_value("123.456").run()
+    go(app, "2_Readings")
+    go(app, "1_Diagnosis")
+    assert not app.exception
+    assert app.session_state["atleak"].good.mileage == 106315.0
+    assert number(app, "Mileage [km]").value == "123.456"
+    (doubt,) = doubts(app)
+    assert "write 123456 for 123456 km, or 123.4560 for 123.456 km. 106315 km stays in use." in doubt
+    number(app, "Mileage [km]").set_value("").run()
+    assert app.session_state["atleak"].good.mileage is None
+    assert doubts(app) == []
+
+
+def test_a_wrong_entry_leaves_the_result_and_an_unusual_one_says_so(app: AppTest) -> None:
+    before = app.dataframe[0].value
+    for text in ("955", "abc", "", "1e999"):
+        number(app, "Temperature [°C]").set_value(text).run()
+        assert not app.exception
+        assert len(doubts(app)) == 1
+        assert "80 °C stays in use" in doubts(app)[0]
+        assert app.dataframe[0].value.equals(before)
+    number(app, "Temperature [°C]").set_value("80").run()
+    number(app, "Engine speed [rpm]").set_value("8505").run()
+    assert app.session_state["atleak"].good.rpm == 8505.0
+    assert "8505 rpm is taken, but unusual" in doubts(app)[0]
+
+
+def test_no_page_has_a_number_field_of_another_kind() -> None:
+    for path in (ROOT / "pages").rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert "number_input" not in text, path.name
+        assert "NumberColumn" not in text, path.name
+
+
+def test_profile_options_reach_the_engine(app: AppTest) -> None:
+    choice(app, "Profile").select("paper").run()
+    assert "profile: **paper**" in texts(app)
+    choice(app, "Diameter in the gap law").select("mean").run()
+    assert "paper, diameter=mean" in texts(app)
+
+
+def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> None:
+    text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
+    choice(app, "Limits").select("own file (TOML) …").run()
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.upload("strict.toml", text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain").run()
+    assert not app.exception
+    more = len(flagged(app))
+    assert more > 8
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.set_value(("bad.toml", text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
+    assert not app.exception
+    assert "bad.toml" in texts(app)
+    assert "wear_percent" in texts(app)
+    assert len(flagged(app)) == more
+
+
+@pytest.mark.parametrize("name", ["a:b?.toml", "con", "x" * 300 + ".toml", "two\nlines.toml"])
+def test_an_own_files_name_is_shown_and_never_a_path(app: AppTest, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    written: list[str] = []
+    write = Path.write_bytes
+    monkeypatch.setattr(Path, "write_bytes", lambda path, data: written.append(path.name) or write(path, data))
+    text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
+    choice(app, "Limits").select("own file (TOML) …").run()
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.set_value((name, text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain")).run()
+    assert not app.exception
+    assert len(flagged(app)) > 8
+    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own.set_value((name, text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
+    assert any(name.replace("\n", "  \n") in found.value.replace("\\", "") for found in app.error)
+    assert len(written) == 2
+    assert {name} & set(written) == set()
+
+
+def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    assert "two.csv was not taken" in texts(app)
+    go(app, "4_Road_test")
+    assert not app.exception
+    assert "Which column is it?" in texts(app)
+    next(found for found in app.main.selectbox if found.label.startswith("main")).select("line pressure 2 [kPa]")
+    next(found for found in app.button if found.label.startswith("Use and remember")).click().run()
+    assert not app.exception
+    assert "not taken" not in texts(app)
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def column_box(app: AppTest, start: str):
+    return next(found for found in app.main.selectbox if found.label.startswith(start))
+
+
+def use_columns(app: AppTest) -> AppTest:
+    return next(found for found in app.button if found.label.startswith("Use and remember")).click().run()
+
+
+def most_leakage(app: AppTest) -> float:
+    return go(app, "4_Road_test").dataframe[-1].value.set_index("what")["largest"]["leakage"]
+
+
+def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
+    log = TWO_PRESSURES.replace("line pressure 1", "main_pressure").encode()
+    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
+    first = most_leakage(app)
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    second = most_leakage(app)
+    assert second > 1.2 * first  # 900 kPa at most, not 699
+    uploader(app, "Road-test log").set_value(None).run()
+    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
+    assert not app.exception
+    assert most_leakage(app) == second
+    assert column_box(app, "main").value == "line pressure 2 [kPa]"
+
+
+def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppTest) -> None:
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    go(app, "4_Road_test")
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    uploader(app, "Road-test log").set_value(None).run()
+    uploader(app, "Road-test log").upload("again.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    column_box(app, "converter").select("line pressure 1 [kPa]")
+    use_columns(app)
+    assert not app.exception
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+    assert taken["converter pressure"] == "line pressure 1 [kPa]"
+
+
+def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path: Path) -> None:
+    (tmp_path / "atleak").write_text("a file where the folder should be", encoding="utf-8")
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    go(app, "4_Road_test")
+    assert "for everyone who uses it" in texts(app)
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    assert not app.exception
+    assert "could not be remembered" in texts(app)
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    from pages.shared import cases
+
+    log = SourceFile("two.csv", TWO_PRESSURES.encode())
+    cases.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
+    chosen = cases.settled(cases.PageCase(road_test=log)).log_choices
+    assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}}
+
+
+def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
+    def largest() -> float:
+        return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
+
+    go(app, "4_Road_test")
+    assert largest() == pytest.approx(2.83, rel=0.02, abs=0.0)
+    app.main.slider[0].set_value((8.0, 12.0)).run()
+    assert not app.exception
+    less = largest()
+    assert less < 2.6
+    go(app, "1_Diagnosis")
+    go(app, "4_Road_test")
+    assert app.main.slider[0].value == (8.0, 12.0)
+    assert largest() == less
+
+
+def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) -> None:
+    go(app, "4_Road_test")
+    next(found for found in app.main.file_uploader if found.label == "Other road-test log").upload(
+        "after.csv", sample_log.read_bytes(), "text/csv"
+    ).run()
+    next(found for found in app.main.text_input if found.label == "Shifted by [s]").set_value("1,25").run()
+    assert not app.exception
+    go(app, "1_Diagnosis")
+    go(app, "4_Road_test")
+    assert "after.csv" in texts(app)
+    assert next(found for found in app.main.text_input if found.label == "Shifted by [s]").value == "1,25"
+    next(found for found in app.button if found.label == "Take it away").click().run()
+    assert "after.csv" not in texts(app)
+
+
+def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, sample_readings: Path) -> None:
+    book = openpyxl.load_workbook(sample_readings)
+    book.copy_worksheet(book["Measurements"]).title = "Second try"
+    target = io.BytesIO()
+    book.save(target)
+    uploader(app, "Measuring sheet").upload("two.xlsx", target.getvalue(), XLSX).run()
+    assert "2 sheets hold readings" in texts(app)
+    go(app, "2_Readings")
+    next(found for found in app.main.text_input if found.label == "Sheet").set_value("Second try")
+    next(found for found in app.button if found.label == "Read two.xlsx again").click().run()
+    assert not app.exception
+    assert "not taken" not in texts(app)
+    assert "two.xlsx**, sheet Second try" in texts(app)
+
+
+def test_a_files_name_is_shown_sign_for_sign(app: AppTest, sample_log: Path) -> None:
+    name = "<b>x $y$ :red[z] *w* [a](b) `c`.csv"
+    uploader(app, "Road-test log").upload(name, sample_log.read_bytes(), "text/csv").run()
+    assert not app.exception
+    shown = next(found.value for found in app.sidebar.caption if "1201 rows" in found.value)
+    for sign in ("\\<b\\>", "\\$y\\$", "\\:red\\[z\\]", "\\*w\\*", "\\`c\\`"):
+        assert sign in shown
+
+
+def bad_file(slot: str) -> tuple[str, bytes, str]:
+    target = io.BytesIO()
+    openpyxl.Workbook().save(target)
+    return (
+        ("bad.xlsx", target.getvalue(), XLSX) if slot == "Measuring sheet" else ("bad.csv", b"\x89PNG" * 50, "text/csv")
+    )
+
+
+@pytest.mark.parametrize("slot", ["Measuring sheet", "Road-test log"])
+@pytest.mark.parametrize("taken_away_first", [True, False])
+def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
+    app: AppTest, sample_readings: Path, sample_log: Path, slot: str, taken_away_first: bool
+) -> None:
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
+    before, said = app.dataframe[0].value, app.error[0].value
+    if taken_away_first:
+        uploader(app, slot).set_value(None).run()
+    uploader(app, slot).set_value(bad_file(slot)).run()
+    assert not app.exception
+    assert "was not taken" in texts(app)
+    mine = "mine.xlsx" if slot == "Measuring sheet" else "drive.csv"
+    assert f"Shown are still the results of {mine}" in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    assert said in [found.value for found in app.error]
+    uploader(app, slot).set_value(None).run()
+    assert "was not taken" not in texts(app)
+    assert app.dataframe[0].value.equals(before)
+    assert app.session_state["atleak"].good.road_test.name == "drive.csv"
+
+
+def test_a_sheet_taken_away_long_ago_does_not_come_back(app: AppTest, sample_readings: Path) -> None:
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    uploader(app, "Measuring sheet").set_value(None).run()
+    at, fitted = app.session_state["atleak"].away["readings"]
+    app.session_state["atleak"].away["readings"] = at - 3600.0, fitted
+    uploader(app, "Measuring sheet").set_value(bad_file("Measuring sheet")).run()
+    assert "The job is as it was" in texts(app)
+    assert app.session_state["atleak"].good.readings is None
+
+
+def press(app: AppTest, label: str) -> AppTest:
+    return next(found for found in app.button if found.label == label).click().run()
+
+
+@pytest.mark.parametrize("label", ["New, empty job", "Take the sample job"])
+def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, label: str) -> None:
+    choice(app, "Fluid").select("mobil_atf_220").run()
+    uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
+    number(app, "Mileage [km]").set_value("120000.0").run()
+    go(app, "5_Report")
+    next(found for found in app.text_input if found.label == "Technician").set_value("T. Old").run()
+    assert app.session_state["job"].technician == "T. Old"
+    press(app, label)
+    assert not app.exception
+    assert next(found for found in app.text_input if found.label == "Technician").value == ""
+    assert app.session_state["job"].empty
+    assert number(app, "Mileage [km]").value == ""
+    case = app.session_state["atleak"].good
+    assert case.sample == (label != "New, empty job")
+    if not case.sample:
+        assert (case.readings, case.road_test, case.fluid) == (None, None, "mobil_atf_220")
+
+
+def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: AppTest) -> None:
+    table = app.dataframe[0].value
+    assert list(table)[:4] == ["Verdict", "Pair", "Wear [%]", "Share [%]"]
+    assert table["Pair"].iloc[0] == "25 · 1 main pressure valve"
+    assert table["Decided by"].iloc[0].startswith("share of pump flow, hot idle in drive")
+    number(app, "Temperature [°C]").set_value("120.0").run()
+    choice(app, "Gear").select(3).run()
+    assert not any("share stated" in text for text in app.dataframe[0].value["Decided by"].dropna())
+
+
+def test_steps_that_change_nothing_are_told(app: AppTest) -> None:
+    steps = next(found.value for found in app.dataframe if "After [%]" in found.value)
+    idle = steps[steps["Before [%]"].round(1) == steps["After [%]"].round(1)]["No."]
+    assert len(idle)
+    assert f"Steps {', '.join(map(str, idle[:-1]))} and {idle.iloc[-1]} change this total by less than" in texts(app)
+
+
+def test_options_have_plain_labels_and_keep_their_value_in_the_help(app: AppTest) -> None:
+    found = choice(app, "Viscosity")
+    assert found.options[0] == "ASTM D341"
+    assert "viscosity=d341" in found.help
+    assert choice(app, "Pump efficiency").options[0] == "Wilson slip"
+    for label in ("Diameter in the gap law", "Viscosity", "Counted as drawn from the pump", "Pump efficiency"):
+        assert not any("_" in option for option in choice(app, label).options)
+
+
+def test_means_have_sensible_digits() -> None:
+    from pages.shared.show import rounded
+
+    assert [rounded(value) for value in (2.8, 1.6512, 92.715, 99.97, 2345.6, 0.0, -0.0, 1e-9)] == [
+        "2.8", "1.65", "92.7", "100", "2346", "0.000", "0.000", "0.000",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("theme", "paper"), [("light", "#ffffff"), ("dark", "#10171c")])
+def test_a_charts_words_stand_out_from_its_ground(
+    sample: Diagnosis, monkeypatch: pytest.MonkeyPatch, theme: str, paper: str
+) -> None:
+    from pages.shared import show
+
+    def luminance(colour: str) -> float:
+        parts = [int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)]
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        return sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+
+    def contrast(colour: str) -> float:
+        low, high = sorted((luminance(colour), luminance(paper)))
+        return (high + 0.05) / (low + 0.05)
+
+    drawn = []
+    monkeypatch.setattr(show, "dark", lambda: theme == "dark")
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure))
+    show.chart(leakage_ranking(sample), "any")
+    (figure,) = drawn
+    bars = [trace for trace in figure.data if trace.type == "bar"]
+    inks = [figure.layout.xaxis.tickfont.color, figure.layout.yaxis.title.font.color, figure.layout.legend.font.color]
+    inks += [bar.error_x.color for bar in bars]
+    assert len(bars) > 1
+    assert min(contrast(ink) for ink in inks) >= 4.5
+
+
+def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
+    for drawing in (spool_svg(four_speed, "25"), controller_svg(four_speed)):
+        assert PAPER.ink in drawing
+        assert PAPER.ink not in on_dark(drawing)
+        assert 'rx="4" fill="#FFFFFF"' not in on_dark(drawing)

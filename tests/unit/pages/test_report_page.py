@@ -1,0 +1,147 @@
+"""The report's page: what is typed there stays, and is in what is taken along."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from streamlit.testing.v1 import AppTest
+
+from atleak.job.record import Job
+from atleak.report.pdf.body import SECTIONS
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture
+def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    main = tmp_path / "main.py"
+    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
+    return go(AppTest.from_file(str(main), default_timeout=60).run(), "5_Report")
+
+
+def go(app: AppTest, page: str) -> AppTest:
+    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+
+
+def field(app: AppTest, label: str):
+    return next(found for found in (*app.text_input, *app.text_area) if found.label == label)
+
+
+def test_opens_without_a_word_and_offers_everything(app: AppTest) -> None:
+    assert not app.exception
+    assert not app.error
+    labels = {found.proto.label for found in app.get("download_button")}
+    assert labels == {"PDF", "Excel workbook", "JSON", "Job record", "Job file"}
+
+
+def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
+    field(app, "Job number").set_value("A-17")
+    field(app, "Complaint").set_value("late 1-2 shift: 12.715")
+    app.run()
+    go(app, "2_Readings")
+    go(app, "5_Report")
+    assert not app.exception
+    assert field(app, "Job number").value == "A-17"
+    assert field(app, "Complaint").value == "late 1-2 shift: 12.715"
+    job: Job = app.session_state["job"]
+    assert job.number == "A-17"
+
+
+def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
+    field(app, "Fault codes, separated by commas").set_value("P0730, P0741")
+    key = "job0-repair_decisions"
+    app.session_state[key] = {
+        "edited_rows": {},
+        "added_rows": [{"component": "8", "work": "ream", "decision": "declined", "reason": "too dear"}],
+        "deleted_rows": [],
+    }
+    app.run()
+    job: Job = app.session_state["job"]
+    assert job.fault_codes == ("P0730", "P0741")
+    assert job.repair_decisions[0].reason == "too dear"
+    go(app, "2_Readings")
+    go(app, "5_Report")
+    assert app.session_state["job"].repair_decisions == job.repair_decisions
+
+
+def test_no_column_to_type_into_drops_a_decimal_comma(app: AppTest) -> None:
+    """A column of numbers takes a pasted ``23,4`` for 234; one of text or choices keeps it."""
+    kinds = {
+        f"{title}: {name}": column["type_config"]["type"]
+        for title, table in zip(("decisions", "scratches", "instruments"), app.dataframe, strict=True)
+        for name, column in json.loads(table.proto.columns).items()
+        if not column.get("hidden")
+    }
+    assert set(kinds.values()) == {"text", "selectbox", "date"}
+    assert kinds["decisions: work"] == kinds["scratches: description"] == kinds["instruments: serial"] == "text"
+
+
+def test_a_record_fills_the_form(app: AppTest) -> None:
+    record = {"number": "9", "vehicle": {"vin": "W1"}, "notes": "seen"}
+    uploader = next(found for found in app.file_uploader if found.label == "Job record")
+    uploader.set_value(("job.json", json.dumps(record).encode(), "application/json")).run()
+    assert not app.exception
+    assert field(app, "VIN").value == "W1"
+    assert field(app, "Notes").value == "seen"
+
+
+def test_a_record_that_cannot_be_used_is_refused_with_its_reason(app: AppTest) -> None:
+    uploader = next(found for found in app.file_uploader if found.label == "Job record")
+    uploader.set_value(("job.toml", b"numbr = 1", "application/toml")).run()
+    assert any("did you mean" in found.value for found in app.error)
+    assert app.session_state["job"].empty
+
+
+def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(app: AppTest) -> None:
+    target = io.BytesIO()
+    Image.new("RGB", (40, 30)).save(target, "PNG")
+
+    def folds() -> list[tuple[str, bool]]:
+        return [(found.label, found.proto.expanded) for found in app.expander]
+
+    before = folds()
+    field(app, "Make").set_value("Mercedes").run()
+    assert folds() == before
+    uploader = next(found for found in app.file_uploader if found.label == "Photos")
+    uploader.set_value([("a.png", target.getvalue(), "image/png")]).run()
+    field(app, "Caption").set_value("scored").run()
+    assert app.session_state["job"].photos[0].caption == "scored"
+
+
+def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
+    target = io.BytesIO()
+    Image.new("RGB", (40, 30)).save(target, "PNG")
+    uploader = next(found for found in app.file_uploader if found.label == "Photos")
+    uploader.set_value([("a.png", target.getvalue(), "image/png"), ("b.png", b"no picture", "image/png")]).run()
+    assert not app.exception
+    assert any("b.png" in found.value.replace("\\", "") for found in app.error)
+    job: Job = app.session_state["job"]
+    assert list(job.pictures) == ["photos/a.png"]
+    go(app, "2_Readings")
+    go(app, "5_Report")
+    assert list(app.session_state["job"].pictures) == ["photos/a.png"]
+
+
+def test_the_example_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (ROOT / "docs" / "reports.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    shutil.copytree(ROOT / "sample_data", tmp_path / "sample_data")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example, "reports.md", "exec"), {})
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+    assert (tmp_path / "report.xlsx").read_bytes().startswith(b"PK")
+
+
+def test_sections_are_all_chosen_and_paper_is_named_as_people_do(app: AppTest) -> None:
+    assert next(found for found in app.selectbox if found.label == "Paper").options == ["A4", "Letter"]
+    (sections,) = app.get("button_group")
+    assert list(sections.value) == list(SECTIONS)

@@ -1,0 +1,51 @@
+"""The page of the source study, run without a browser: on the study itself and on a job of one's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from atleak.job.case import SourceFile
+
+testing = pytest.importorskip("streamlit.testing.v1")
+
+
+@pytest.fixture
+def page(root: Path):
+    found = testing.AppTest.from_file(str(root / "pages" / "6_Source_study.py"), default_timeout=60)
+    found.session_state["framed"] = True  # as app.py has it before it runs a page
+    return found
+
+
+def test_study_is_shown_beside_its_printed_tables(page) -> None:
+    page.run()
+    assert not page.exception
+    assert page.title[0].value == "The source study, reproduced"
+    assert not page.radio
+    table_2, table_3, points = (found.value for found in page.dataframe[:3])
+    assert table_2["variant"].tolist() == [f"W{number}" for number in range(1, 9)]
+    assert table_3["q printed [dm³/min]"].tolist() == [2.16, 2.81, 3.64, 8.56, 0.021, 0.38, 1.43, 11.23]
+    assert table_3["q digits"].tolist() == ["✓"] * 8
+    assert table_3["U digits"].tolist() == ["✓", "✓", "≠", "✓", "✓", "≠", "≠", "≠"]
+    assert len(points) == 9
+    assert len(page.table[0].value) == 23
+    assert len(page.get("plotly_chart")) == 3
+    assert any("56.2" in found.value for found in page.markdown)
+
+
+def test_a_job_of_ones_own_runs_through_the_same_variants(page, root: Path) -> None:
+    from pages.shared.cases import PageCase
+    from pages.shared.state import Session
+
+    log = root / "sample_data" / "minimum_acceleration_test.csv"
+    job = PageCase(road_test=SourceFile("mine.csv", log.read_bytes()), controller="minimal_example")
+    page.session_state["atleak"] = Session(job, job, {})
+    page.run()
+    assert not page.exception
+    assert page.radio[0].value == "the study's controller and test"
+    page.radio[0].set_value("this job's controller and log").run()
+    assert not page.exception
+    table_3 = page.dataframe[1].value
+    assert table_3["q computed"].iloc[3] < 2.0  # W4 of the small controller, not the study's 8.56
+    assert "every number" in " ".join(found.value for found in page.caption).lower()

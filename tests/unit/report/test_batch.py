@@ -1,0 +1,30 @@
+"""Reports of many jobs: one that cannot be read stops none of the others."""
+
+from __future__ import annotations
+
+import json
+
+from atleak.job.file import write_job_file
+from atleak.job.record import Job
+from atleak.report.batch import Reported, write_reports
+
+
+def test_every_job_gets_its_reports_and_progress_is_told(unmeasured, tmp_path):
+    sources = []
+    for folder in ("a", "b", "c"):
+        (tmp_path / folder).mkdir()
+        sources.append(tmp_path / folder / "job.zip")
+        sources[-1].write_bytes(write_job_file(unmeasured, Job(number=folder)))
+    sources[1].write_bytes(b"no job at all")
+    told: list[tuple[int, int, Reported]] = []
+    done = write_reports(
+        sources, tmp_path / "out", formats=("pdf", "xlsx", "json"), progress=lambda *found: told.append(found)
+    )
+    assert [found[:2] for found in told] == [(1, 3), (2, 3), (3, 3)]
+    assert [found.error is None for found in done] == [True, False, True]
+    assert "no sound zip" in str(done[1].error)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        f"{stem}.{form}" for stem in ("job-3", "job") for form in ("json", "pdf", "xlsx")
+    ]
+    assert json.loads((tmp_path / "out" / "job.json").read_text(encoding="utf-8"))["verdict"] == "not_measured"
+    assert done[2].verdict == "not_measured"

@@ -1,0 +1,202 @@
+"""The measuring sheet: what a person sees in it, and that it reads back."""
+
+from __future__ import annotations
+
+import io
+
+import openpyxl
+import pytest
+from openpyxl.cell import MergedCell
+
+from atleak.catalogue.controller import load_controller
+from atleak.errors import ReadingsError
+from atleak.intake.readings import read_readings
+from atleak.readings import Reading, clearances
+from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
+
+HEADER = 7  # row of the headings as a spreadsheet counts
+COMPONENT, NAME, PART, PLANE, DIRECTION, REPEAT, X1, X2, DIAMETER, NOMINAL, CLEARANCE, ORIGIN, DEVIATION = range(1, 14)
+
+
+@pytest.fixture(scope="module", params=["four_speed_2023", "minimal_example"])
+def controller(request):
+    return load_controller(request.param)
+
+
+@pytest.fixture(scope="module")
+def template(controller):
+    return write_template(controller)
+
+
+def opened(data):
+    return openpyxl.load_workbook(io.BytesIO(data))
+
+
+def merged_value(sheet, row, column):
+    """What stands in the first cell of the merged range."""
+    while isinstance(sheet.cell(row, column), MergedCell):
+        row -= 1
+    return sheet.cell(row, column).value
+
+
+def test_the_same_controller_gives_the_same_bytes(controller, template):
+    assert write_template(controller) == template
+
+
+def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats(controller, template):
+    sheet = opened(template)[SHEET]
+    found = [
+        tuple(merged_value(sheet, row, column) for column in (COMPONENT, PART, PLANE, DIRECTION, REPEAT))
+        for row in range(HEADER + 1, sheet.max_row + 1)
+    ]
+    wanted = {
+        (land.component, part, plane, direction, repeat)
+        for land in controller.lands
+        for part in (land.part, "sleeve")
+        for plane in land.planes
+        for direction in (0, 90)
+        for repeat in (1, 2)
+    }
+    assert {(str(component), part, str(plane), *rest) for component, part, plane, *rest in found} == wanted
+    assert len(found) == len(wanted)
+
+
+def test_names_nominal_diameters_and_clearances_stand_beside_and_say_where_they_are_representative(
+    controller, template
+):
+    sheet = opened(template)[SHEET]
+    for row in range(HEADER + 1, sheet.max_row + 1):
+        component, name, part, plane, nominal, clearance, origin = (
+            merged_value(sheet, row, column) for column in (COMPONENT, NAME, PART, PLANE, NOMINAL, CLEARANCE, ORIGIN)
+        )
+        land = controller.land_of_plane(str(component), str(plane))
+        assert name == controller.components[land.component]
+        diameter = land.nominal_sleeve_diameter if part == "sleeve" else land.nominal_diameter
+        assert nominal == pytest.approx(diameter * 1e3, abs=1e-9)
+        assert clearance == pytest.approx(land.mounting_clearance * 1e6, abs=1e-6)
+        assert ("representative" in origin) == ("mounting_clearance_um" in land.representative)
+    assert sheet["A3"].value == controller.representative
+
+
+def test_the_published_diameters_of_spool_6_are_not_called_representative():
+    sheet = opened(write_template(load_controller("four_speed_2023")))[SHEET]
+    row = next(row for row in range(HEADER + 1, sheet.max_row) if merged_value(sheet, row, COMPONENT) == 6)
+    assert merged_value(sheet, row, ORIGIN) == "clearance representative"
+
+
+def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
+    book = opened(template)
+    sheet = book[SHEET]
+    assert book.sheetnames == [SHEET, INSTRUCTIONS]
+    assert sheet.freeze_panes == f"D{HEADER + 1}"
+    assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
+    assert sheet.page_setup.orientation == "landscape"
+    assert sheet.sheet_properties.pageSetUpPr.fitToPage
+    assert sheet.page_setup.fitToWidth in (None, 1)  # 1 is what a missing attribute means
+    assert sheet.page_setup.fitToHeight == 0  # as many pages as it takes
+    (validation,) = sheet.data_validations.dataValidation
+    assert (validation.type, validation.operator, validation.formula1) == ("decimal", "greaterThan", "0")
+    assert str(validation.sqref) == f"G{HEADER + 1}:I{sheet.max_row}"
+    inputs = {sheet.cell(HEADER + 1, column).fill.fgColor.rgb for column in (X1, X2, DIAMETER)}
+    assert inputs == {"FFFFF8DC"}
+    assert sheet.cell(HEADER + 1, NOMINAL).fill.fgColor.rgb != "FFFFF8DC"
+    headings = " ".join(str(cell.value) for cell in sheet[HEADER])
+    assert headings.count("[mm]") == 4
+    assert "[µm]" in headings
+
+
+def test_the_instructions_are_there(controller, template):
+    text = " ".join(str(cell.value) for row in opened(template)[INSTRUCTIONS].iter_rows() for cell in row if cell.value)
+    for word in ("twice", "20 °C", "lower bound", "0.001", controller.representative):
+        assert word in text
+
+
+def test_an_empty_one_says_that_nothing_is_filled_in(controller, template):
+    with pytest.raises(ReadingsError, match="no readings are filled in") as caught:
+        read_readings(template, controller, name="sheet.xlsx")
+    assert (caught.value.place.sheet, caught.value.place.row) == (SHEET, HEADER)
+
+
+@pytest.mark.parametrize("with_coordinates", [True, False])
+def test_filled_in_it_reads_back(controller, template, with_coordinates):
+    book = opened(template)
+    sheet = book[SHEET]
+    for row in range(HEADER + 1, sheet.max_row + 1):
+        worn = 0.004 if merged_value(sheet, row, PART) == "sleeve" else 0.0
+        diameter = round(merged_value(sheet, row, NOMINAL) + worn + 0.001 * (sheet.cell(row, REPEAT).value - 1), 3)
+        if with_coordinates:
+            sheet.cell(row, X1, 20.0 + 0.001 * row)
+            sheet.cell(row, X2, round(20.0 + 0.001 * row + diameter, 3))
+        else:
+            sheet.cell(row, DIAMETER, diameter)
+    buffer = io.BytesIO()
+    book.save(buffer)
+    found = read_readings(buffer.getvalue(), controller, name="sheet.xlsx")
+    assert (found.sheet, found.unit, found.unit_assumed) == (SHEET, "mm", False)
+    assert found.layout == ("table" if with_coordinates else "tidy")
+    assert len(found.readings) == sheet.max_row - HEADER
+    for state in clearances(found, controller):
+        assert state.status == "measured"
+        rounding = 0.5e-6  # the sheet takes micrometres
+        assert state.radial_clearance == pytest.approx(state.land.mounting_clearance + 2e-6, abs=1.01 * rounding)
+        assert (state.spool_repeats, state.sleeve_repeats) == (2, 2)
+        assert state.messages == ()
+
+
+def test_readings_are_written_and_read_back_with_their_places(controller):
+    land = controller.lands[-1]
+    diameter = land.nominal_diameter
+    given = [
+        Reading(land.component, "spool", land.planes[0], 0.0, 1, diameter, coordinates=(0.05, 0.05 + diameter)),
+        Reading(land.component, "spool", land.planes[0], 45.0, 1, diameter),
+        Reading(land.component, "sleeve", land.planes[0], 0.0, 3, diameter + 70e-6),
+        Reading("no such component", "sleeve", "1", 0.0, 1, 0.01),
+    ]
+    for blank_rows in (True, False):
+        data = write_readings(controller, given, blank_rows=blank_rows)
+        found = read_readings(data, controller)
+        assert {(one.part, one.direction, one.repeat) for one in found.readings} == {
+            ("spool", 0.0, 1),
+            ("spool", 45.0, 1),
+            ("sleeve", 0.0, 3),
+        }
+        for one in found.readings:
+            wanted = given[[(each.part, each.direction) for each in given].index((one.part, one.direction))]
+            assert one.diameter == pytest.approx(wanted.diameter, rel=1e-12, abs=0.0)
+            sheet = opened(data)[SHEET]
+            column = openpyxl.utils.column_index_from_string(one.place.column)
+            assert isinstance(sheet.cell(one.place.row, column).value, float | int)
+
+
+def test_the_deviation_from_the_nominal_diameter_is_a_formula_with_its_value(controller):
+    land = controller.lands[0]
+    reading = Reading(land.component, "spool", land.planes[0], 0.0, 1, land.nominal_diameter - 7e-6)
+    data = write_readings(controller, [reading])
+    values = openpyxl.load_workbook(io.BytesIO(data), data_only=True)[SHEET]
+    assert values.cell(HEADER + 1, DEVIATION).value == pytest.approx(-7.0, abs=1e-6)
+    formula = opened(data)[SHEET].cell(HEADER + 1, DEVIATION).value
+    assert formula.startswith("=IF(")
+    assert f"$J${HEADER + 1}" in formula
+
+
+def test_nothing_that_a_user_wrote_becomes_a_formula_or_a_link(tmp_path):
+    source = load_controller("minimal_example").origin.path.read_text(encoding="utf-8")
+    evil = ("=1+1", "http://example.invalid/", "@SUM(A1)", "&[Path]")
+    for number, name in enumerate(("pressure regulator valve", "accumulator piston", "solenoid modulator valve")):
+        assert name in source
+        source = source.replace(name, evil[number])
+    source = source.replace('name = "Example of a workshop\'s own description"', 'name = "=cmd|calc & co"')
+    path = tmp_path / "evil.toml"
+    path.write_text(source, encoding="utf-8")
+    controller = load_controller(path)
+    assert controller.name == "=cmd|calc & co"
+    data = write_readings(controller, (), fields={"Job": "=2+2", "Vehicle": "+3", "Date": "-4"})
+    sheet = opened(data)[SHEET]
+    for row in sheet.iter_rows():
+        for cell in row:
+            if cell.data_type == "f":
+                assert cell.column == DEVIATION
+            assert cell.hyperlink is None
+    texts = {cell.value for row in sheet.iter_rows() for cell in row if cell.data_type == "s"}
+    assert {"=1+1", "http://example.invalid/", "@SUM(A1)", "=2+2", "+3", "-4"} <= texts
+    assert "=cmd|calc && co" in sheet.oddFooter.left.text

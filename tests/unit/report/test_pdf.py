@@ -1,0 +1,371 @@
+"""The printed report, read back page by page."""
+
+from __future__ import annotations
+
+import io
+import re
+import tomllib
+import unicodedata
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import pypdfium2
+import pytest
+from PIL import Image
+
+import atleak.wording
+from atleak.catalogue.controller import load_controller
+from atleak.diagnosis import diagnose
+from atleak.engine.profile import PAPER
+from atleak.errors import InputError
+from atleak.job.record import Job
+from atleak.look import look_of
+from atleak.report.pdf import write_pdf
+from atleak.report.pdf.body import SECTIONS
+from atleak.report.pdf.pictures import printable_picture
+from atleak.wording import languages, wording
+
+TEXTS = Path(atleak.wording.__file__).parent / "texts"
+
+
+def picture(width: int = 300, height: int = 200, form: str = "PNG", **options: object) -> bytes:
+    target = io.BytesIO()
+    Image.new("RGB", (width, height), "#336699").save(target, form, **options)
+    return target.getvalue()
+
+
+@pytest.fixture(scope="module")
+def job() -> Job:
+    return Job(
+        number="2026-17",
+        date="2026-03-14",
+        workshop={"name": "Łódź Automaty", "address": "Long Street 12\n00-001 Town", "logo": "logo.png"},
+        customer={"name": "Ελένη Παπαδοπούλου"},
+        vehicle={"make": "Example", "vin": "WEXAMPLE123456789", "mileage_km": 106_315},
+        transmission={"code": "4G-22", "serial": "Привет-7"},
+        complaint="Shifts late when hot.",
+        contamination={"grade": "moderate"},
+        repair_decisions=[
+            {"component": "8", "land": 1, "work": "ream", "decision": "done"},
+            {"component": "15", "work": "new sleeve", "decision": "declined", "reason": "too dear for an old car"},
+            {"component": "22", "work": "polish", "decision": "deferred", "reason": "at the next oil change"},
+        ],
+        scratches=[{"component": "8", "description": "two long scratches", "photo": "scratch.jpg"}],
+        photos=[{"file": "open.jpg", "caption": "controller opened"}],
+        instruments=[{"name": "bore gauge", "calibrated": "2025-11-02"}],
+        notes="Told the customer about valve 22.",
+    ).with_pictures({"logo.png": picture(), "open.jpg": picture(form="JPEG"), "scratch.jpg": picture(form="JPEG")})
+
+
+@pytest.fixture(scope="module")
+def printed(worn, job) -> bytes:
+    return write_pdf(worn, job)
+
+
+def pages_of(content: bytes) -> list[str]:
+    with pypdfium2.PdfDocument(content) as document:
+        return [page.get_textpage().get_text_range() for page in document]
+
+
+def text_of(content: bytes) -> str:
+    """All text, with line breaks and hard spaces as single spaces."""
+    return re.sub(r"\s+", " ", " ".join(pages_of(content)))
+
+
+def squeezed(text: str) -> str:
+    """Text without any space or sign of direction, as a reader of long broken words compares it."""
+    return "".join(sign for sign in text if not sign.isspace() and unicodedata.category(sign) != "Cf")
+
+
+def is_archival(content: bytes) -> bool:
+    return b"<pdfaid:part>2<" in content and b"<pdfaid:conformance>A<" in content and b"<pdfuaid:part>1<" in content
+
+
+def test_claims_archival_and_accessible(printed):
+    assert is_archival(printed)
+    assert b"/StructTreeRoot" in printed
+    assert b"/Lang" in printed
+
+
+def test_says_every_flagged_pair_with_its_numbers(worn, printed):
+    text = text_of(printed)
+    say = wording("en")
+    for found in worn.flagged:
+        name = worn.controller.components[found.state.land.component]
+        assert f"{found.state.land.component} {name}" in text
+        assert say.number(found.state.radial_clearance * 1e6, 1) in text
+        assert say.number(found.share * 100, 2) in text
+    for word in ("replace", "watch", "not measured", "fail", "published"):
+        assert word in text
+    repair = sum(land.verdict in {"replace", "critical"} for land in worn.lands)
+    assert f"{repair} of {worn.measured} measured lands" in text
+
+
+def test_says_what_the_workshop_wrote(printed):
+    text = text_of(printed)
+    for said in (
+        "Łódź Automaty",
+        "Ελένη Παπαδοπούλου",
+        "Привет-7",
+        "WEXAMPLE123456789",
+        "Shifts late when hot.",
+        "declined",
+        "too dear for an old car",
+        "two long scratches",
+        "controller opened",
+        "calibrated 2025-11-02",
+        "Told the customer about valve 22.",
+    ):
+        assert said in text, said
+
+
+def test_says_where_everything_comes_from(worn, printed):
+    text = squeezed(text_of(printed))
+    for digest in (worn.readings.sha256, worn.road.road_test.sha256, worn.controller.sha256, worn.limits.origin.sha256):
+        assert digest in text
+    assert "10.3390/en16227667" in text
+    assert "representative" in text
+
+
+def test_nothing_is_printed_for_what_was_not_filled_in(unmeasured):
+    text = text_of(write_pdf(unmeasured, sections=[name for name in SECTIONS if name != "signatures"]))
+    for label in (
+        "Job",
+        "Customer",
+        "Vehicle",
+        "VIN",
+        "Complaint",
+        "Repair decisions",
+        "Photos",
+        "As found",
+        "Road test",
+    ):
+        assert label not in text
+    assert "Nothing was measured" in text
+    assert is_archival(write_pdf(unmeasured))
+
+
+@pytest.mark.parametrize(("language", "paper"), [("en", "a4"), ("de", "letter"), ("pl", "letter")])
+def test_no_page_runs_over_its_margins(worn, job, language, paper):
+    with pypdfium2.PdfDocument(write_pdf(worn, job, language=language, paper=paper)) as document:
+        width, height = document[0].get_size()
+        assert (round(width), round(height)) == ((595, 842) if paper == "a4" else (612, 792))
+        for number, page in enumerate(document, start=1):
+            image = np.asarray(page.render(scale=0.5, grayscale=True).to_pil())
+            assert image[:, :20].min() == 255, (number, "left")  # 40 points; text begins at 45
+            assert image[:, -20:].min() == 255, (number, "right")
+            assert image[:10].min() == 255, (number, "top")
+            assert image[-10:].min() == 255, (number, "bottom")
+
+
+@pytest.mark.parametrize("language", languages())
+def test_no_heading_stands_alone_at_the_foot_of_a_page(worn, job, language):
+    titles = set(wording(language).texts["sections"].values())
+    for page in pages_of(write_pdf(worn, job, language=language)):
+        lines = [line.strip() for line in page.splitlines() if line.strip()]
+        assert lines[-1].startswith("atleak")  # the footer
+        assert lines[-2] not in titles
+
+
+def test_table_headers_are_repeated(worn, printed):
+    pages = [page for page in pages_of(printed) if "sleeve D" in page]
+    assert len(pages) >= 2
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_language_is_archival_and_says_its_words(worn, job, language):
+    content = write_pdf(worn, job, language=language)
+    say, text = wording(language), text_of(content)
+    assert is_archival(content)
+    assert say("title.report") in text
+    assert say("verdicts.replace") in text
+    assert say.number(worn.flagged[0].state.radial_clearance * 1e6, 1) in text
+    assert say("job_decisions.declined") in text
+
+
+def test_languages_have_the_same_keys_and_places():
+    english = tomllib.loads((TEXTS / "en.toml").read_text(encoding="utf-8"))
+
+    def places(texts: dict) -> dict[tuple[str, str], list[str]]:
+        tables = {name: table for name, table in texts.items() if isinstance(table, dict)}
+        return {
+            (name, key): sorted(re.findall(r"\{(\w+)\}", text))
+            for name, table in tables.items()
+            for key, text in table.items()
+        }
+
+    assert len(languages()) == 3
+    for language in languages():
+        assert places(tomllib.loads((TEXTS / f"{language}.toml").read_text(encoding="utf-8"))) == places(english)
+
+
+def test_hostile_text_stays_text(worn, hostile):
+    for text in hostile:
+        job = Job(customer={"name": text}, workshop={"name": text}, notes=text, technician=text)
+        said = squeezed(text_of(write_pdf(replace(worn, road=None), job, sections=["notes", "signatures"])))
+        if any(unicodedata.bidirectional(sign) in ("R", "AL") for sign in text):
+            assert sum(sign in said for sign in squeezed(text)) == len(squeezed(text))  # order is the reader's business
+        else:
+            assert said.count(squeezed(text)) >= 4, text
+
+
+def test_characters_without_a_glyph_make_a_plain_file_that_says_so(unmeasured):
+    content = write_pdf(unmeasured, Job(customer={"name": "漢 wrench 🔧"}), sections=["method"])
+    assert not is_archival(content)
+    text = text_of(content)
+    assert "Plain PDF without PDF/A" in text
+    assert "U+1F527" in text
+    assert "漢 wrench 🔧" in text
+
+
+def test_long_notes_are_not_cut(unmeasured):
+    notes = "\n".join(f"Line {number} of what was seen, heard and smelt on the test drive." for number in range(600))
+    text = text_of(write_pdf(unmeasured, Job(notes=notes), sections=["notes"]))
+    assert all(f"Line {number} of what" in text for number in range(600))
+
+
+def test_a_long_cell_runs_over_the_page(unmeasured):
+    reason = " ".join(f"word{number}" for number in range(3000))
+    job = Job(repair_decisions=[{"component": "8", "work": "ream", "decision": "declined", "reason": reason}])
+    content = write_pdf(unmeasured, job, sections=["repair"])
+    assert len(pages_of(content)) > 2
+    text = text_of(content)
+    assert all(f"word{number} " in text for number in range(2999))
+
+
+def test_sections_can_be_chosen(worn, job):
+    text = text_of(write_pdf(worn, job, sections=["flagged", "signatures"]))
+    say = wording("en")
+    assert say("sections.flagged") in text
+    assert say("sections.signatures") in text
+    assert say("sections.all") not in text
+    assert say("sections.road_test") not in text
+    with pytest.raises(InputError, match="did you mean 'road_test'"):
+        write_pdf(worn, job, sections=["road_tests"])
+
+
+def test_unknown_language_and_paper_are_refused(worn):
+    with pytest.raises(InputError, match="expected one of de, en, pl"):
+        write_pdf(worn, language="fr")
+    with pytest.raises(InputError, match="did you mean 'letter'"):
+        write_pdf(worn, paper="leter")
+
+
+def test_every_section_has_a_title():
+    assert set(SECTIONS) == set(wording("en").texts["sections"])
+
+
+def test_same_job_same_bytes_also_from_threads(worn, job, printed):
+    with ThreadPoolExecutor(3) as pool:
+        copies = list(pool.map(lambda _: write_pdf(worn, job), range(3)))
+    assert copies == [printed] * 3
+
+
+def test_shades_are_told_apart_in_grey():
+    def grey(colour: str) -> float:
+        red, green, blue = (int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5))
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    greys = [grey(look_of(verdict).fill) for verdict in ("ok", "watch", "replace", "critical")]
+    assert all(light - dark > 0.1 for light, dark in pairwise(greys)), greys
+
+
+def test_a_picture_loses_where_it_was_taken_and_stands_upright():
+    exif = Image.Exif()
+    exif[0x0112] = 6  # turned by a quarter
+    exif.get_ifd(0x8825)[1] = "N"  # a place
+    suffix, content = printable_picture("a.jpg", picture(400, 100, "JPEG", exif=exif))
+    assert suffix == "jpg"
+    shown = Image.open(io.BytesIO(content))
+    assert shown.size == (100, 400)
+    assert not shown.getexif()
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"not a picture", b"<svg xmlns='http://www.w3.org/2000/svg'/>", picture()[:200]]
+)
+def test_a_damaged_picture_is_refused_by_name(worn, content):
+    job = Job(photos=[{"file": "a.png"}]).with_pictures({"a.png": content})
+    with pytest.raises(InputError, match=r"picture cannot be read \(found 'a\.png'\)"):
+        write_pdf(worn, job)
+
+
+def test_a_picture_that_unfolds_without_end_is_refused():
+    target = io.BytesIO()
+    Image.new("1", (20_000, 20_000)).save(target, "PNG")
+    with pytest.raises(InputError):
+        printable_picture("bomb.png", target.getvalue())
+
+
+def test_names_of_a_workshops_own_controller_stay_text(worn, hostile):
+    controller = worn.controller
+    for text in hostile:
+        named = MappingProxyType(dict.fromkeys(controller.components, text))
+        other = replace(worn, road=None, controller=replace(controller, name=text, components=named))
+        sections = ["picture", "flagged", "shares", "conditions"]
+        said = squeezed(text_of(write_pdf(other, sections=sections)))
+        if not any(unicodedata.bidirectional(sign) in ("R", "AL") for sign in text):
+            assert said.count(squeezed(text)) > len(worn.flagged), text
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
+    doubtful = [found for found in worn.flagged if found.decision == "conditional_fail"]
+    assert doubtful
+    text = text_of(write_pdf(worn, language=language, sections=["again"]))
+    say = wording(language)
+    assert say("sections.again") in text
+    for found in doubtful:
+        assert f"{found.state.land.component} {worn.controller.components[found.state.land.component]}" in text
+    assert (
+        say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
+        in text
+    )
+
+
+def test_a_pump_that_delivers_nothing_and_another_controller(worn):
+    standing = replace(worn.projection.condition, name="stated", engine_speed=1e-3)
+    still = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, condition=standing)
+    assert still.projection.pump_capacity == 0.0
+    text = text_of(write_pdf(still))
+    assert "∞" in text
+    minimal = load_controller("minimal_example")
+    other = diagnose(minimal, worn.fluid, worn.limits, profile=PAPER)
+    assert minimal.name in text_of(write_pdf(other, paper="letter"))
+    for each in (still, other):
+        assert is_archival(write_pdf(each, language="de"))
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "23.5 °C (noted, not corrected)"),
+        ("pl", "23,5 °C (odnotowano, bez korekty wyników)"),
+        ("de", "23,5 °C (vermerkt, nicht korrigiert)"),
+    ],
+)
+def test_a_measuring_temperature_is_noted_and_not_corrected(unmeasured, language, said):
+    printed = write_pdf(unmeasured, Job(measuring_temperature_c=23.5), language=language, sections=["conditions"])
+    assert said in text_of(printed)
+    unknown = write_pdf(unmeasured, Job(number="1"), language=language, sections=["conditions"])
+    assert said.partition("(")[2] not in text_of(unknown)
+
+
+def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):
+    job = Job(
+        number="2026-0417",
+        workshop={"name": "شركة النور للسيارات"},
+        customer={"name": "محمد علي", "number": "44-17", "email": "somebody@example.org"},
+        vehicle={"registration": "12-345-67"},
+        transmission={"maker": "אבג", "code": "4G-22"},
+    )
+    first, *others = pages_of(write_pdf(worn, job))
+    assert len(others) > 2
+    for page in others:
+        assert page.splitlines()[0].split(" · ")[1:3] == ["2026-0417", "12-345-67 Internal leakage of a valve body"]
+    for numbers in (", 44-17, somebody@example.org", "Transmission אבג 4G-22"):
+        assert numbers in first

@@ -1,0 +1,272 @@
+"""The workbook, read back, recalculated and changed."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+from python_calamine import CalamineWorkbook
+
+from atleak.catalogue.controller import load_controller
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.profile import PAPER, WORKSHOP
+from atleak.job.record import Job
+from atleak.report.xlsx import write_workbook
+from atleak.report.xlsx.book import NUMBER_FORMATS
+from atleak.wording import signed
+
+SHEETS = ["Summary", "Lands", "Gaps", "Gaps hot idle", "Rules", "Readings", "Road test", "Conditions", "Limits"]
+
+
+def column_of(book: openpyxl.Workbook, sheet: str, heading: str) -> str:
+    """The letter of the column under a heading."""
+    found = [cell.column_letter for cell in book[sheet][1] if str(cell.value).startswith(heading)]
+    assert found, (heading, [cell.value for cell in book[sheet][1]])
+    return found[0]
+
+
+def same(left: object, right: object) -> bool:
+    if isinstance(left, int | float) and isinstance(right, int | float):
+        return abs(left - right) <= 1e-9 * max(abs(left), abs(right)) + 1e-9
+    return left == right
+
+
+@pytest.fixture(scope="module")
+def content(worn) -> bytes:
+    return write_workbook(worn)
+
+
+def test_sheets_and_numbers_are_read_by_pandas(worn, content):
+    sheets = pd.read_excel(io.BytesIO(content), sheet_name=None, engine="calamine")
+    assert list(sheets) == [*SHEETS, "Messages", "Provenance"]
+    lands = sheets["Lands"]
+    assert lands["component"].astype(str).tolist() == [found.state.land.component for found in worn.lands]
+    clearances = [found.state.radial_clearance * 1e6 for found in worn.lands]
+    assert lands["radial clearance c_r [µm]"].tolist() == pytest.approx(clearances, rel=1e-12, abs=0.0)
+    shares = [found.share * 100 for found in worn.lands]
+    assert lands["share of pump capacity [%], stated condition"].tolist() == pytest.approx(shares, rel=1e-12, abs=0.0)
+    assert len(sheets["Gaps"]) == len(worn.projection.gaps)
+    assert sheets["Gaps"]["leakage q [mm³/s]"].sum() == pytest.approx(
+        sum(gap.leakage for gap in worn.projection.gaps) * 1e9, rel=1e-12, abs=0.0
+    )
+    assert len(sheets["Readings"]) == len(worn.readings.readings)
+
+
+def test_calamine_and_openpyxl_see_the_same_cells(content):
+    calamine = CalamineWorkbook.from_filelike(io.BytesIO(content))
+    book = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+    assert calamine.sheet_names == book.sheetnames
+    for name in ("Lands", "Gaps", "Rules"):
+        rows = calamine.get_sheet_by_name(name).to_python(skip_empty_area=False)
+        for row, cells in zip(rows, book[name].iter_rows(values_only=True), strict=True):
+            assert [value or None for value in row] == [value or None for value in cells]
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [
+        WORKSHOP,
+        PAPER,
+        WORKSHOP.with_options(entry_loss="on"),
+        WORKSHOP.with_options(eccentricity="0.4"),
+        WORKSHOP.with_options(viscosity="regression"),
+    ],
+    ids=lambda profile: profile.label,
+)
+def test_every_formula_gives_its_cached_value(worn, profile, calculator):
+    diagnosis = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, profile=profile)
+    sheets = calculator(write_workbook(diagnosis))
+    cells = sheets.formulas()
+    assert len(cells) > 1500
+    wrong = [
+        (sheet, address, sheets.value(sheet, address), sheets.cached[sheet][address].value)
+        for sheet, address in cells
+        if not same(sheets.value(sheet, address), sheets.cached[sheet][address].value)
+    ]
+    assert wrong == []
+
+
+def test_a_changed_diameter_changes_clearance_flow_share_and_verdict(worn, content, calculator):
+    """What the sheet then says is what atleak says of a unit with that diameter."""
+    sheets = calculator(content)
+    row = 2  # component 5, not worn
+    land = worn.lands[0].state.land
+    sheets.set("Lands", f"{column_of(sheets.book, 'Lands', 'sleeve diameter')}{row}", 14.25)
+    readings = replace(
+        worn.readings,
+        readings=tuple(
+            replace(reading, diameter=14.25e-3)
+            if reading.component == land.component and reading.part == "sleeve"
+            else reading
+            for reading in worn.readings.readings
+        ),
+    )
+    other = diagnose(worn.controller, worn.fluid, worn.limits, readings=readings)
+    expected = {
+        "radial clearance": other.lands[0].state.radial_clearance * 1e6,
+        "effective clearance": other.lands[0].effective_clearance * 1e6,
+        "leakage q": other.lands[0].leakage * 6e4,
+        "share of pump capacity": other.lands[0].share * 100,
+        "wear Z": other.lands[0].wear * 100,
+    }
+    for heading, value in expected.items():
+        found = sheets.value("Lands", f"{column_of(sheets.book, 'Lands', heading)}{row}")
+        assert found == pytest.approx(value, rel=1e-9, abs=0.0), heading
+    assert worn.lands[0].verdict == "ok"
+    assert other.lands[0].verdict != "ok"
+    assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == signed(other.lands[0].verdict)
+    total = sheets.book.defined_names["stated_share"].attr_text.split("!")
+    assert sheets.value(*total) == pytest.approx(other.projection.share * 100, rel=1e-9, abs=0.0)
+
+
+def test_a_changed_reading_changes_the_mean_diameter(worn, content, calculator):
+    sheets = calculator(content)
+    column, row = column_of(sheets.book, "Lands", "spool diameter"), 2
+    before = sheets.value("Lands", f"{column}{row}")
+    sheets.set("Readings", "G2", sheets.value("Readings", "G2") + 0.004)  # one of four readings of one plane
+    assert sheets.value("Lands", f"{column}{row}") == pytest.approx(before + 0.001, abs=1e-12)
+
+
+def test_a_changed_temperature_changes_the_viscosity(worn, content, calculator):
+    sheets = calculator(content)
+    at = sheets.book.defined_names["stated_T"].attr_text.split("!")
+    sheets.set(at[0], at[1].replace("$", ""), 95.0)
+    nu = sheets.book.defined_names["stated_nu"].attr_text.split("!")
+    assert sheets.value(*nu) == pytest.approx(worn.fluid.kinematic_viscosity(95.0) * 1e6, rel=1e-12, abs=0.0)
+
+
+def test_libreoffice_recalculates_atleaks_numbers(content, tmp_path):
+    """An office suite that must calculate every cell itself arrives at the cached values."""
+    soffice = shutil.which("soffice") or shutil.which("libreoffice")
+    if soffice is None:
+        pytest.skip("LibreOffice is not installed; the independent calculator checks the same cells")
+    stripped = openpyxl.load_workbook(io.BytesIO(content))  # openpyxl writes formulas without cached values
+    stripped.save(tmp_path / "in.xlsx")
+    profile = (tmp_path / "profile").as_uri()
+    command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", "ods"]
+    subprocess.run([*command, "--outdir", tmp_path, tmp_path / "in.xlsx"], check=True, capture_output=True, timeout=120)
+    recalculated = CalamineWorkbook.from_path(tmp_path / "in.ods")
+    formulas = openpyxl.load_workbook(io.BytesIO(content))
+    cached = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+    compared = 0
+    for sheet in formulas:
+        rows = recalculated.get_sheet_by_name(sheet.title).to_python(skip_empty_area=False)
+        for cells in sheet.iter_rows():
+            for cell in cells:
+                if cell.data_type == "f":
+                    compared += 1
+                    expected = cached[sheet.title][cell.coordinate].value
+                    assert same(rows[cell.row - 1][cell.column - 1], expected), (sheet.title, cell.coordinate)
+    assert compared > 1500
+
+
+def test_libreoffice_shows_a_negative_wear_with_its_sign(worn, tmp_path):
+    soffice = shutil.which("soffice") or shutil.which("libreoffice")
+    if soffice is None:
+        pytest.skip("LibreOffice is not installed; how it shows a number format cannot be seen")
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(replace(worn, road=None))))
+    for name in book.sheetnames:
+        if name != "Lands":
+            del book[name]
+    column = column_of(book, "Lands", "wear Z")
+    for row, value in enumerate((-3.2, 0.0, 3.2, 9.99e99), start=2):
+        book["Lands"][f"{column}{row}"] = value  # in place of the formula, whose other sheets are gone
+    book.save(tmp_path / "in.xlsx")
+    as_shown = "csv:Text - txt - csv (StarCalc):44,34,76,1,,0,false,true,true"
+    profile = (tmp_path / "profile").as_uri()
+    command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", as_shown]
+    subprocess.run([*command, "--outdir", tmp_path, tmp_path / "in.xlsx"], check=True, capture_output=True, timeout=120)
+    lands = pd.read_csv(tmp_path / "in.csv", dtype=str)
+    shown = lands[next(name for name in lands.columns if name.startswith("wear Z"))]
+    assert shown.tolist()[:4] == ["-3.20", "0.00", "3.20", "pump delivers nothing"]
+
+
+def test_every_number_format_keeps_the_sign_of_a_negative_number():
+    """A format of several parts shows a negative number without its sign unless one part is for negative numbers."""
+    several = {name: form.split(";") for name, form in NUMBER_FORMATS.items() if ";" in form}
+    assert several
+    assert [name for name, parts in several.items() if not parts[1].startswith("[<0]-")] == []
+
+
+def test_a_measuring_temperature_is_noted_and_not_corrected(unmeasured):
+    content = io.BytesIO(write_workbook(unmeasured, Job(measuring_temperature_c=23.5)))
+    job = pd.read_excel(content, sheet_name="Job", header=None, engine="calamine")
+    assert "23.5 °C (noted, not corrected)" in job[1].tolist()
+
+
+def test_nothing_a_user_typed_becomes_a_formula(worn, hostile):
+    for text in hostile:
+        readings = replace(worn.readings, file=text)
+        job = Job(customer={"name": text}, notes=text)
+        book = openpyxl.load_workbook(
+            io.BytesIO(write_workbook(replace(worn, readings=readings, road=None), job)), rich_text=False
+        )
+        found = [cell for sheet in book for row in sheet.iter_rows() for cell in row if cell.value == text.strip()]
+        assert len(found) >= 3, text
+        assert {cell.data_type for cell in found} == {"s"}
+        assert all(cell.hyperlink is None for cell in found)
+
+
+def test_long_notes_are_not_cut(unmeasured):
+    notes = "".join(f"line {number}\n" for number in range(9000))
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(unmeasured, Job(notes=notes))))
+    text = "".join(str(row[1]) for row in book["Job"].iter_rows(values_only=True) if row[1] is not None)
+    assert text == notes.strip()
+
+
+def test_a_unit_nobody_measured(unmeasured):
+    sheets = pd.read_excel(io.BytesIO(write_workbook(unmeasured)), sheet_name=None, engine="calamine")
+    assert set(sheets["Lands"]["verdict"]) == {"○ not measured"}
+    assert "Road test" not in sheets
+    assert "Readings" not in sheets
+    assert "Job" not in sheets
+
+
+def test_job_prints_no_empty_label(unmeasured):
+    job = Job(number="17", vehicle={"vin": "WVWZZZ1JZXW000001"}, repair_decisions=[{"component": "8", "work": "ream"}])
+    sheets = pd.read_excel(io.BytesIO(write_workbook(unmeasured, job)), sheet_name=None, header=None, engine="calamine")
+    rows = sheets["Job"].fillna("").astype(str).to_numpy().tolist()
+    assert ["vin", "WVWZZZ1JZXW000001"] in rows
+    assert ["work", "ream"] in rows
+    assert not any("customer" in row[0] or "mileage" in row[0] for row in rows)
+
+
+def test_road_series_keeps_a_spike_and_the_gap(worn):
+    sheets = pd.read_excel(io.BytesIO(write_workbook(worn)), sheet_name="Road test", header=None, engine="calamine")
+    first = int(np.flatnonzero(sheets[0] == "time [s]")[-1])
+    series = sheets.iloc[first + 1 :].astype(float)
+    assert len(series) <= 2500
+    peak = series[1].max()
+    assert peak == pytest.approx(worn.road.max_leakage.leakage * 6e4, rel=1e-12, abs=0.0)
+    assert series[1].isna().any()
+
+
+def test_same_job_same_bytes(worn):
+    assert write_workbook(worn, Job(date="2026-03-04")) == write_workbook(worn, Job(date="2026-03-04"))
+
+
+def test_unit_without_hot_idle(worn):
+    other: Diagnosis = replace(worn, projections=worn.projections[:1], road=None)
+    sheets = pd.read_excel(io.BytesIO(write_workbook(other)), sheet_name=None, engine="calamine")
+    assert "Gaps hot idle" not in sheets
+
+
+def test_a_pump_that_delivers_nothing_and_another_controller(worn, calculator):
+    standing = replace(worn.projection.condition, name="stated", engine_speed=1e-3)
+    still = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, condition=standing)
+    minimal = load_controller("minimal_example")
+    other = diagnose(minimal, worn.fluid, worn.limits)
+    for each in (still, other):
+        sheets = calculator(write_workbook(each))
+        wrong = [
+            (sheet, address, sheets.value(sheet, address), sheets.cached[sheet][address].value)
+            for sheet, address in sheets.formulas()
+            if not same(sheets.value(sheet, address), sheets.cached[sheet][address].value)
+        ]
+        assert wrong == []

@@ -1,0 +1,70 @@
+"""The drawings: sound XML whatever a controller's file says, every land there, nothing beside the sheet."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from types import MappingProxyType
+from xml.etree import ElementTree
+
+import pytest
+
+from atleak.catalogue.controller import load_controller
+from atleak.look import LOOKS
+from atleak.views.drawing import controller_svg, shortened, spool_svg
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def rectangles(svg: str) -> list[dict[str, str]]:
+    return [element.attrib for element in ElementTree.fromstring(svg).iter(f"{SVG}rect")]
+
+
+def test_every_land_is_drawn_in_the_shade_of_its_verdict():
+    controller = load_controller("four_speed_2023")
+    order = list(LOOKS)
+    verdicts = {land.key: order[number % 5] for number, land in enumerate(controller.lands)}
+    fills = [found["fill"] for found in rectangles(controller_svg(controller, verdicts))]
+    for verdict in ("watch", "replace", "critical"):
+        expected = sum(given == verdict for given in verdicts.values())
+        assert fills.count(LOOKS[verdict].fill) == expected > 0
+
+
+@pytest.mark.parametrize("columns", [1, 5, 6, 50])
+def test_nothing_lies_beside_the_sheet(columns):
+    svg = controller_svg(load_controller("four_speed_2023"), columns=columns)
+    width, height = (float(ElementTree.fromstring(svg).attrib[name]) for name in ("width", "height"))
+    for found in rectangles(svg):
+        x, y, w, h = (float(found[name]) for name in ("x", "y", "width", "height"))
+        assert min(x, y) >= 0.0
+        assert x + w <= width
+        assert y + h <= height
+
+
+def test_spool_shows_every_plane_and_diameter():
+    controller = load_controller("four_speed_2023")
+    texts = [element.text for element in ElementTree.fromstring(spool_svg(controller, "17")).iter(f"{SVG}text")]
+    lands = controller.lands_of("17")
+    for land in lands:
+        assert f"⌀ {land.nominal_diameter * 1e3:.3f}" in texts
+        assert set(land.planes) <= set(texts)
+    with pytest.raises(KeyError):
+        spool_svg(controller, "1")
+
+
+def test_names_from_a_file_stay_text(hostile):
+    controller = load_controller("four_speed_2023")
+    for text in hostile:
+        named = MappingProxyType(dict.fromkeys(controller.components, text))
+        svg = controller_svg(replace(controller, name=text, components=named))
+        root = ElementTree.fromstring(svg)
+        assert root.find(f"{SVG}title").text == text
+        assert {re.sub(r"\{.*\}", "", element.tag) for element in root.iter()} <= {
+            "svg", "title", "rect", "path", "text", "g", "circle"
+        }  # fmt: skip
+        assert max(len(element.text or "") for element in root.iter(f"{SVG}text")) <= 40
+
+
+def test_shortened_keeps_what_fits():
+    assert shortened("valve", 5) == "valve"
+    assert shortened("valves", 5) == "valv…"
