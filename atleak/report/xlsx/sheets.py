@@ -20,13 +20,9 @@ from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
 ROAD_ROWS = 2000  # of the thinned road test
-_KINDS = {
-    "gear": "count",
-    "time_s": "time",
-    "share_percent": "percent",
-    "temperature_c": "temperature",
-    "engine_rpm": "rpm",
-}
+_KINDS = {  # of numbers, by their unit
+    "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
+}  # fmt: skip
 _RULE_LABELS = {
     RuleKind.WEAR: "wear [%]",
     RuleKind.CLEARANCE: "radial clearance [µm]",
@@ -221,9 +217,9 @@ class Sheets:
             put(sheet, row, 0, text)
         row += 34  # room for two charts
         names = list(series.columns)
-        book.headings(sheet, row, [_heading(name) for name in names])
+        book.headings(sheet, row, [f"{label} [{unit}]" if unit else label for label, unit in series.labels.values()])
         for column, (name, values) in enumerate(series.columns.items()):
-            form = book.form(_KINDS.get(name, "kpa" if name.endswith("kpa") else "flow"))
+            form = book.form(_KINDS[series.labels[name][1]])
             for line, value in enumerate(values.tolist(), start=row + 1):
                 if value == value:  # NaN: an empty cell, a gap in the chart
                     sheet.write_number(line, column, value, form)
@@ -231,20 +227,22 @@ class Sheets:
         sheet.set_column(1, len(names), 15)
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
-        self._chart(sheet, row - 33, "Flow [dm³/min]", [(name, names.index(name)) for name in flows], first, last)
+        drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
+        self._chart(sheet, row - 33, "Flow [dm³/min]", drawn, first, last)
         if "share_percent" in names:
-            self._chart(sheet, row - 16, "Share [%]", [("share_percent", names.index("share_percent"))], first, last)
+            drawn = [("share_percent", "share", names.index("share_percent"))]
+            self._chart(sheet, row - 16, "Share [%]", drawn, first, last)
 
     def _chart(
-        self, sheet: Worksheet, row: int, axis: str, series: list[tuple[str, int]], first: int, last: int
+        self, sheet: Worksheet, row: int, axis: str, series: list[tuple[str, str, int]], first: int, last: int
     ) -> None:
         chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
         dashes = {"pump_capacity_dm3_min": (PAPER.pump, "dash"), "leakage_dm3_min": (PAPER.leakage, "solid")}
-        for name, column in series:
+        for name, label, column in series:
             colour, dash = dashes.get(name, (PAPER.share, "solid"))
             chart.add_series(
                 {
-                    "name": _heading(name).partition(" [")[0],
+                    "name": label,
                     "categories": "=" + span(first, last, 0, "Road test"),
                     "values": "=" + span(first, last, column, "Road test"),
                     "line": {"color": colour, "width": 1.25, "dash_type": dash},
@@ -361,22 +359,4 @@ def _words(name: str) -> str:
     for ending, unit in (("_km", "km"), ("_c", "°C")):
         if name.endswith(ending):
             name = f"{name.removesuffix(ending)} [{unit}]"
-    return name.replace("_", " ")
-
-
-def _heading(name: str) -> str:
-    """A series' name: ``leakage_p_g_dm3_min`` → ``leakage p_g [dm³/min]``."""
-    for ending, unit in (
-        ("_dm3_min", "dm³/min"),
-        ("_percent", "%"),
-        ("_kpa", "kPa"),
-        ("_rpm", "1/min"),
-        ("_c", "°C"),
-        ("_s", "s"),
-    ):
-        if name.endswith(ending):
-            stem = name.removesuffix(ending)
-            if not stem.startswith("p_"):
-                stem = stem.replace("_", " ").replace(" p ", " p_")
-            return f"{stem} [{unit}]"
     return name.replace("_", " ")
