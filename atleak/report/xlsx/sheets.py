@@ -135,13 +135,13 @@ class Sheets:
             land, at = found.state.land, live.row_of[found.key]
             put(sheet, row, 0, land.component, book.bold)
             put(sheet, row, 1, self.diagnosis.controller.components[land.component])
-            verdict = cell(at, live.columns.at["verdict"], "Lands")
+            verdict = cell(at, live.column_of["verdict"], "Lands")
             formula(sheet, row, 2, verdict, signed(found.verdict), book.bold)
             put(sheet, row, 3, land.land, book.form(align="left"))
             for column, (key, _, kind) in enumerate(keys, start=4):
                 value = self._land_value(found, key)
                 if value is not None:
-                    address = cell(at, live.columns.at[key], "Lands")
+                    address = cell(at, live.column_of[key], "Lands")
                     formula(sheet, row, column, address, value, book.form(kind, align="left"))
             if found.deciding is not None:
                 put(sheet, row, because, found.deciding.label)
