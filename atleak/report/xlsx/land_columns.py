@@ -112,12 +112,12 @@ def _names(sheet: LandSheet) -> Iterable[LandColumn]:
 
 def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     def diameter(part: Part) -> Callable[[LandRow], Cell]:
-        def found(row: LandRow) -> Cell:
+        def measured(row: LandRow) -> Cell:
             state = row.land.state
             value = state.spool_diameter if part == "spool" else state.sleeve_diameter
             return Cell("mm", value * MM, sheet.means.get((row.land.key, part)), CHANGEABLE)
 
-        return found
+        return measured
 
     def radial_clearance(row: LandRow) -> Cell:
         formula = f"({row.here('sleeve')}-{row.here('spool')})/2*1000"
@@ -178,11 +178,11 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     """Results of the program that no formula of the workbook gives."""
 
     def recorded(key: str, kind: str, factor: float = 1.0) -> Callable[[LandRow], Cell]:
-        def found(row: LandRow) -> Cell:
+        def issued(row: LandRow) -> Cell:
             value = row.record[key]
             return Cell(kind, None if value is None else value * factor)
 
-        return found
+        return issued
 
     def decision(row: LandRow) -> Cell:
         return Cell("plain", row.record["decision"] and row.record["decision"].replace("_", " "))

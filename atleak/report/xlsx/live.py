@@ -25,6 +25,8 @@ from atleak.report.xlsx.book import Book, cell, exact, formula, put, span
 from atleak.report.xlsx.land_columns import (
     CHANGEABLE,
     RANKED,
+    Cell,
+    ColumnKey,
     LandRow,
     LandSheet,
     SheetCondition,
@@ -48,7 +50,7 @@ class LiveSheets:
     def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         self.book, self.diagnosis, self.record = book, diagnosis, record
         self.lands = diagnosis.lands
-        self.row_of = {found.key: row for row, found in enumerate(self.lands, start=1)}
+        self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
         first = diagnosis.projection
         self.conditions = [SheetCondition(first, "stated", "Gaps", "stated condition")]
         if diagnosis.hot_idle is not None and diagnosis.hot_idle is not first:
@@ -72,14 +74,20 @@ class LiveSheets:
 
     def _by_land(self, gaps: Iterable[GapLeakage]) -> list[GapLeakage]:
         """The gaps of a land below one another, so that a land's leakage is the sum of one stretch."""
-        return sorted(gaps, key=lambda found: self.row_of[found.gap.key])
+        return sorted(gaps, key=lambda leak: self.row_of[leak.gap.key])
+
+    def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> Cell:
+        """What stands in one of a land's cells."""
+        row = self.row_of[land.key]
+        there = LandRow(land, self.record["lands"][row - 1], lambda column: address(row, self.column_of[column]))
+        return self.columns[self.column_of[key]].cell(there)
 
     def _rule_rows(self) -> dict[tuple[str, int], tuple[int, int]]:
         rows, row = {}, 1
-        for found in self.lands:
-            if found.rules:
-                rows[found.key] = (row, row + len(found.rules) - 1)
-                row += len(found.rules)
+        for land in self.lands:
+            if land.rules:
+                rows[land.key] = (row, row + len(land.rules) - 1)
+                row += len(land.rules)
         return rows
 
     # --- conditions
@@ -129,7 +137,7 @@ class LiveSheets:
 
     def _condition(self, at: SheetCondition) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
         """(label, unit, name, formula or None for an input, value, kind of number)."""
-        found, condition = at.projection, at.projection.condition
+        projection, condition = at.projection, at.projection.condition
         yield "gear", "", "gear", None, condition.gear, "count"
         yield "temperature", "°C", "T", None, condition.temperature, "temperature"
         yield "engine speed", "1/min", "n", None, condition.engine_speed * RPM, "rpm"
@@ -139,7 +147,7 @@ class LiveSheets:
             text = f"{at('p_g')}*{exact(relation.ratio)}+{exact(relation.offset * KPA)}"
             if relation.limit is not None:
                 text = f"MIN({text},{exact(relation.limit * KPA)})"
-            yield label, "kPa", section, text, found.pressures[section] * KPA, "kpa"
+            yield label, "kPa", section, text, projection.pressures[section] * KPA, "kpa"
         yield "converter pressure p_k", "kPa", "p_k", None, condition.converter_pressure * KPA, "kpa"
         yield from self._fluid(at)
         yield from self._pump(at)
@@ -167,8 +175,8 @@ class LiveSheets:
         yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"
 
     def _pump(self, at: SheetCondition) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
-        engine, found = self.diagnosis.model, at.projection
-        pump, condition = engine.controller.pump, found.condition
+        engine, projection = self.diagnosis.model, at.projection
+        pump, condition = engine.controller.pump, projection.condition
         yield "pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3"
         displaced = f"{at('q_p')}*{at('n')}*1E-6"
         if engine.uses_slip:
@@ -181,18 +189,18 @@ class LiveSheets:
             yield "volumetric efficiency", "", "eta_v", None, pump.volumetric_efficiency, "plain"
             capacity = f"{displaced}*{at('eta_v')}"
             lowest = f"{at('leakage')}/({at('q_p')}*{at('eta_v')}*1E-6)"
-        yield "pump capacity", "dm³/min", "capacity", capacity, found.pump_capacity * DM3_MIN, "flow"
+        yield "pump capacity", "dm³/min", "capacity", capacity, projection.pump_capacity * DM3_MIN, "flow"
         drawn, flows = self._gap_span(at, 12), self._gap_span(at, 11)
-        leakage = f'SUMIF({drawn},"yes",{flows})*6E-5' if found.gaps else "0"
-        yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, found.leakage * DM3_MIN, "flow"
+        leakage = f'SUMIF({drawn},"yes",{flows})*6E-5' if projection.gaps else "0"
+        yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, projection.leakage * DM3_MIN, "flow"
         share = share_of(at("leakage"), at("capacity"))
-        yield "share of pump capacity", "%", "share", share, found.share * PERCENT, "percent"
-        yield "pump needs for this leakage alone", "1/min", "n_min", lowest, found.minimum_speed * RPM, "rpm"
+        yield "share of pump capacity", "%", "share", share, projection.share * PERCENT, "percent"
+        yield "pump needs for this leakage alone", "1/min", "n_min", lowest, projection.minimum_speed * RPM, "rpm"
         band = f'"{Band.GREEN}"'
         for level, _ in self.diagnosis.limits.total_share.levels:  # rising, so that the highest is asked first
             limit = self.limit_cells[RuleKind.TOTAL_SHARE, level]
             band = f'IF({at("share")}>={limit}*(1-{ROUNDING:E}),"{level}",{band})'
-        yield "band of the total share", "", "band", band, self.diagnosis.band(found), "plain"
+        yield "band of the total share", "", "band", band, self.diagnosis.band(projection), "plain"
 
     def _gap_span(self, at: SheetCondition, column: int) -> str:
         return span(1, max(len(self.gaps[at.prefix]), 1), column, at.sheet)
@@ -205,11 +213,10 @@ class LiveSheets:
         book.headings(sheet, 0, [column.heading for column in self.columns], lines=4)
         sheet.repeat_columns(0, 3)
         sheet.fit_to_pages(2, 0)
-        for land, record in zip(self.lands, self.record["lands"], strict=True):
+        for land in self.lands:
             row = self.row_of[land.key]
-            on_sheet = LandRow(land, record, lambda key, row=row: address(row, self.column_of[key]))
             for number, column in enumerate(self.columns):
-                there = column.cell(on_sheet)
+                there = self.land_cell(land, column.key)
                 form = book.form(there.kind, **there.look)
                 if there.formula is None:
                     put(sheet, row, number, there.value, form)
@@ -248,28 +255,28 @@ class LiveSheets:
         ]
         book = self.book
         book.headings(sheet, 0, names, lines=3)
-        for row, found in enumerate(self.gaps[at.prefix], start=1):
-            gap = found.gap
+        for row, leak in enumerate(self.gaps[at.prefix], start=1):
+            gap = leak.gap
             for column, value in enumerate((gap.component, gap.land, gap.section, str(gap.high), str(gap.low))):
                 put(sheet, row, column, value)
-            drop = found.pressure_drop * KPA
+            drop = leak.pressure_drop * KPA
             formula(sheet, row, 5, _drop(gap.high, gap.low, at), drop, book.form("kpa"))
-            formula(sheet, row, 6, self._diameter(row, found), found.diameter * MM, book.form("mm"))
-            put(sheet, row, 7, found.contact_length * MM, book.form("mm", **CHANGEABLE))
+            formula(sheet, row, 6, self._diameter(row, leak), leak.diameter * MM, book.form("mm"))
+            put(sheet, row, 7, leak.contact_length * MM, book.form("mm", **CHANGEABLE))
             clearance = cell(self.row_of[gap.key], self.column_of["c_re", at.prefix], "Lands")
-            formula(sheet, row, 8, clearance, found.effective_clearance * UM, book.form("um"))
-            formula(sheet, row, 9, at("nu"), found.kinematic_viscosity * MM2_S, book.form("nu"))
-            formula(sheet, row, 10, at("rho"), found.density * G_CM3, book.form("rho"))
-            formula(sheet, row, 11, self._flow(row), found.leakage * MM3_S, book.form("mm3"))
-            put(sheet, row, 12, found.drawn_from_pump)
+            formula(sheet, row, 8, clearance, leak.effective_clearance * UM, book.form("um"))
+            formula(sheet, row, 9, at("nu"), leak.kinematic_viscosity * MM2_S, book.form("nu"))
+            formula(sheet, row, 10, at("rho"), leak.density * G_CM3, book.form("rho"))
+            formula(sheet, row, 11, self._flow(row), leak.leakage * MM3_S, book.form("mm3"))
+            put(sheet, row, 12, leak.drawn_from_pump)
             reynolds = f"2*L{row + 1}/(PI()*G{row + 1}*J{row + 1})"
-            formula(sheet, row, 13, reynolds, found.reynolds_number, book.form("um"))
+            formula(sheet, row, 13, reynolds, leak.reynolds_number, book.form("um"))
             put(sheet, row, 14, gap.published)
         sheet.set_column(0, 14, 13)
         sheet.autofilter(0, 0, max(len(self.gaps[at.prefix]), 1), len(names) - 1)
 
-    def _diameter(self, row: int, found: GapLeakage) -> str:
-        spool = cell(self.row_of[found.gap.key], self.column_of["spool"], "Lands")
+    def _diameter(self, row: int, leak: GapLeakage) -> str:
+        spool = cell(self.row_of[leak.gap.key], self.column_of["spool"], "Lands")
         return f"{spool}+I{row + 1}*0.001" if self.diagnosis.profile.diameter == "mean" else spool
 
     def _flow(self, row: int) -> str:
@@ -291,23 +298,23 @@ class LiveSheets:
         names = ["component", "land", "rule", "unit", "value", *(f"{level} from" for level in FLAGGED)]
         names += ["verdict", "rank", "origin of the limit", "source"]
         self.book.headings(sheet, 0, names)
-        for found in self.lands:
-            if not found.rules:
+        for judged in self.lands:
+            if not judged.rules:
                 continue
-            for row, rule in enumerate(found.rules, start=self.rule_rows[found.key][0]):
-                self._rule(sheet, row, found, rule)
+            for row, rule in enumerate(judged.rules, start=self.rule_rows[judged.key][0]):
+                self._rule(sheet, row, judged, rule)
         last = max((rows[1] for rows in self.rule_rows.values()), default=1)
         for column, width in enumerate((12, 7, 44, 7, 12, *(12 for _ in FLAGGED), 14, 7, 24, 60)):
             sheet.set_column(column, column, width)
         sheet.autofilter(0, 0, last, len(names) - 1)
         self.book.colour_words(sheet, (1, _VERDICT), (last, _VERDICT), VERDICTS)
 
-    def _rule(self, sheet: Worksheet, row: int, found: LandDiagnosis, rule: Rule) -> None:
-        book, land, r = self.book, found.state.land, row + 1
+    def _rule(self, sheet: Worksheet, row: int, judged: LandDiagnosis, rule: Rule) -> None:
+        book, land, r = self.book, judged.state.land, row + 1
         kind, factor = rule.kind.suffix, rule.kind.factor
         for column, value in enumerate((land.component, land.land, rule.label, rule.kind.unit)):
             put(sheet, row, column, value)
-        source = self._rule_source(found, rule)
+        source = self._rule_source(judged, rule)
         if source is None:
             put(sheet, row, 4, rule.value * factor, book.form(kind))
         else:
@@ -326,9 +333,9 @@ class LiveSheets:
         put(sheet, row, _VERDICT + 2, rule.origin)
         put(sheet, row, _VERDICT + 3, rule.source)
 
-    def _rule_source(self, found: LandDiagnosis, rule: Rule) -> str | None:
+    def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str | None:
         """Where the rule's value stands among the lands; None where the workbook holds no such condition."""
-        row, at = self.row_of[found.key], self.column_of
+        row, at = self.row_of[judged.key], self.column_of
         if rule.kind is RuleKind.WEAR:
             return cell(row, at["wear"], "Lands")
         if rule.kind is RuleKind.CLEARANCE:
