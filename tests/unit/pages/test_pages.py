@@ -546,3 +546,21 @@ def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
         assert PAPER.ink in drawing
         assert PAPER.ink not in on_dark(drawing)
         assert 'rx="4" fill="#FFFFFF"' not in on_dark(drawing)
+
+
+def test_moving_the_cursors_diagnoses_and_reads_nothing_again(app: AppTest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the leakage between them is computed, by the engine that the diagnosis keeps."""
+    go(app, "4_Road_test")
+
+    def again(*_: object, **__: object) -> None:
+        raise AssertionError("the whole job is worked on again")
+
+    for worked in ("job.case.diagnose", "diagnosis.assess", "job.case.understand", "job.case.read_readings"):
+        monkeypatch.setattr(f"atleak.{worked}", again)
+    for reading in ("understand", "read_readings"):
+        monkeypatch.setattr(f"pages.shared.cases.{reading}", again)
+    whole = app.dataframe[-1].value
+    cursors = next(found for found in app.main.slider if "cursors" in found.label)
+    cursors.set_value((3.0, 9.0)).run()
+    assert not app.exception
+    assert not app.dataframe[-1].value.equals(whole)
