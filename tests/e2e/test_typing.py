@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import re
@@ -13,6 +14,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from PIL import Image
 from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import TimeoutError as TooLate
 
 SOON = 30.0  # [s]
 VEHICLE = {
@@ -46,10 +48,14 @@ def field(page: Page, label: str) -> Locator:
 
 
 def download(page: Page, button: str) -> bytes:
-    settled(page)
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name=button).click(delay=80)
-    return Path(waiting.value.path()).read_bytes()
+    """What a button gives; a click that goes astray, because the page is drawn anew meanwhile, is made again."""
+    for _ in range(6):
+        settled(page)
+        with contextlib.suppress(TooLate):
+            with page.expect_download(timeout=15_000) as waiting:
+                page.get_by_role("button", name=button).click(delay=80)
+            return Path(waiting.value.path()).read_bytes()
+    raise AssertionError(f"{button} gives nothing")
 
 
 def expect_record(page: Page, wanted: dict) -> None:
