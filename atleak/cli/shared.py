@@ -126,9 +126,9 @@ def constant(text: str) -> tuple[str, float]:
 def chosen_controller(options: argparse.Namespace) -> Controller:
     """The controller that the command line names, or the default of every job."""
     from atleak.catalogue.controller import load_controller
-    from atleak.job.case import DEFAULT_CONTROLLER
+    from atleak.job.case import Case
 
-    return load_controller(DEFAULT_CONTROLLER if options.controller is None else options.controller)
+    return load_controller(Case.controller if options.controller is None else options.controller)
 
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
