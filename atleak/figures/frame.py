@@ -54,8 +54,8 @@ def error_bars(
     }
 
 
-def by_land(figure: go.Figure, names: Sequence[str], height: int, **layout: object) -> go.Figure:
+def by_land(figure: go.Figure, names: Sequence[str], height: int, bargap: float | None = None) -> go.Figure:
     """A figure with one row per land, the first on top; ``height`` is that of a row in pixels."""
     order = list(reversed(names))
     figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
-    return framed(figure, 110 + height * max(len(names), 3), **layout)
+    return framed(figure, 110 + height * max(len(names), 3), bargap=bargap)
