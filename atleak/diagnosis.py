@@ -361,36 +361,38 @@ def _messages(
     road: RoadLeakage | None,
     states: Iterable[LandClearance],
 ) -> list[Message]:
-    found: list[Message] = []
+    messages: list[Message] = []
     if controller.representative:
-        found.append(Message("warning", "controller_representative", f"{controller.name}: {controller.representative}"))
+        messages.append(
+            Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
+        )
     leaking = {gap.key for gap in controller.gaps}
     silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking]
     if silent:
         text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
-        found.append(Message("warning", "land_without_gap", text))
+        messages.append(Message("warning", "land_without_gap", text))
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
-        found.append(Message("warning", "no_readings", text))
+        messages.append(Message("warning", "no_readings", text))
     else:
-        found += readings.messages
+        messages += readings.messages
     for state in states:
-        found += state.messages
+        messages += state.messages
     temperatures = [projection.condition.temperature for projection in projections]
     if road is not None:
         logged = road.road_test.values("atf_temperature")
         if logged is not None:
             temperatures += [float(value) for value in (np.nanmin(logged), np.nanmax(logged))]
-    found += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
+    messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
     for projection in projections:
-        found += projection.messages
+        messages += projection.messages
         if projection.pump_capacity <= 0.0:
             text = f"{projection.condition.label}: the pump delivers nothing at this pressure and viscosity."
-            found.append(Message("warning", "pump_delivers_nothing", text))
+            messages.append(Message("warning", "pump_delivers_nothing", text))
     if idle is None:
         text = f"{controller.name} states no operating point hot_idle, where a worn unit fails first."
-        found.append(Message("info", "no_hot_idle", text))
+        messages.append(Message("info", "no_hot_idle", text))
     if road is not None:
-        found += road.road_test.messages
-        found += road.messages
-    return list(dict.fromkeys(found))
+        messages += road.road_test.messages
+        messages += road.messages
+    return list(dict.fromkeys(messages))
