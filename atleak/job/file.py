@@ -1,4 +1,4 @@
-"""The job record from a TOML or JSON file; the whole job as a zip that another atleak opens to the same verdict."""
+"""Read the job record from a TOML or JSON file, and write a whole job as a zip that gives the same verdict again."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
 _ENTRIES = 1000
-_STAMP = (1980, 1, 1, 0, 0, 0)  # of every file in the zip: the same job gives the same bytes
-_LISTED = 8  # faults of a record that are named
+_STAMP = (1980, 1, 1, 0, 0, 0)  # date of every file in the zip, fixed so that the same job gives the same bytes
+_LISTED = 8  # most faults of a record that a message lists
 
 
 # --- the record alone
 
 
 def load_job(path: str | Path) -> Job:
-    """A job record from a ``.toml`` or ``.json`` file, with the pictures that lie beside it.
+    """Read a job record from a ``.toml`` or ``.json`` file, with the pictures that lie beside it.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def load_job(path: str | Path) -> Job:
 
 
 def parse_job(content: bytes, name: str) -> Job:
-    """A job record from the bytes of a TOML or JSON file, without its pictures.
+    """Read a job record from the bytes of a TOML or JSON file, without its pictures.
 
     Raises
     ------
@@ -92,19 +92,19 @@ def _picture_beside(record: Path, name: str) -> bytes:
         ) from error
 
 
-# --- the job with everything it rests on
+# --- the job with all its files
 
 
 @dataclass(frozen=True)
 class JobFile:
-    """A job as its zip held it: the record, the case to diagnose anew, and the result as it was written."""
+    """A job as its zip contained it: the record, the case to diagnose anew, and the result as it was written."""
 
     job: Job
     case: Case
     result: dict[str, Any]
 
     def diagnose(self) -> Diagnosis:
-        """The diagnosis of this job by the atleak that reads it.
+        """Diagnose this job anew, with the installed version of atleak.
 
         Raises
         ------
@@ -115,7 +115,7 @@ class JobFile:
 
 
 def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
-    """The zip's bytes: job record, measuring sheet, log, pictures, catalogue files and result.
+    """Return the bytes of the zip: job record, measuring sheet, log, pictures, catalogue files and result.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
 
 
 def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_limit: int = SIZE_LIMIT) -> JobFile:
-    """A job from its zip. Nothing is written to disk and no path of the zip is followed.
+    """Read a job from its zip; nothing is written to disk and no path of the zip is followed.
 
     Parameters
     ----------
@@ -178,8 +178,8 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     Raises
     ------
     InputError
-        what is no job file, is damaged, would unpack to more than ``size_limit`` bytes, or holds entries that no job
-        has.
+        a file that is no job file, is damaged, would unpack to more than ``size_limit`` bytes, or holds entries that
+        no job has.
     """
     name = name if isinstance(source, bytes) else Path(source).name
     place = Place(file=name)
@@ -228,7 +228,7 @@ class _Strict(BaseModel):
 
 
 def _known_slot(name: str) -> str:
-    """One of the files that a job can hold."""
+    """Check that a name is one of the files that a job can hold."""
     if name not in (*_OWN_FILES, *SLOTS):
         raise ValueError(f"one of {', '.join((*_OWN_FILES, *SLOTS))}")
     return name
@@ -248,7 +248,7 @@ class Condition(_Strict):
 
 
 class ReadingChoices(_Strict):
-    """What `read_readings` was told of the measuring sheet."""
+    """The choices by which `read_readings` read the measuring sheet."""
 
     sheet: str | None = None
     unit: str | None = None
@@ -259,7 +259,7 @@ _LogChoices = dict[Literal["mapping", "units", "constants"], dict[str, str | flo
 
 
 class Choices(_Strict):
-    """Everything of a job but its files."""
+    """The content of ``job.json``: everything of a job but its files."""
 
     format: Literal[1]
     atleak: str
@@ -275,7 +275,7 @@ class Choices(_Strict):
     files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
 
     def case(self, sources: Mapping[str, SourceFile]) -> Case:
-        """The case that these choices and files make up; nothing that a computer remembers is consulted."""
+        """Return the case that these choices and files make up; nothing that this computer remembers is used."""
         profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
         return Case(
             profile=profile.name,
@@ -347,7 +347,7 @@ def _known_entry(name: str) -> bool:
 
 
 def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
-    """What of the catalogue the diagnosis rests on, each file still as it was when it was loaded."""
+    """Return the catalogue files that the diagnosis used, each checked to be unchanged since it was loaded."""
     sure = diagnosis.uncertainty
     used: dict[str, Any] = {name: getattr(diagnosis, name) for name, slot in SLOTS.items() if slot.required}
     if sure is not None:
@@ -357,7 +357,9 @@ def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
         origin, choice = entry.origin, getattr(case, name)
         if origin is None:
             continue  # an instrument made in Python: the catalogue's defaults are taken instead
-        source = SourceFile(origin.file, choice.content if isinstance(choice, SourceFile) else _still(name, origin))
+        source = SourceFile(
+            origin.file, choice.content if isinstance(choice, SourceFile) else _bytes_loaded(name, origin)
+        )
         if source.sha256 != origin.sha256:
             what = f"the file of the {name.replace('_', ' ')}"
             raise InputError(f"{what} has changed since it was loaded", value=origin.file)
@@ -365,7 +367,7 @@ def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
     return files
 
 
-def _still(name: str, origin: Origin) -> bytes:
+def _bytes_loaded(name: str, origin: Origin) -> bytes:
     try:
         return origin.path.read_bytes()
     except OSError as error:
@@ -405,10 +407,10 @@ def _validated(model: type[Any], data: Any, name: str) -> Any:
         return model.model_validate(data)
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        told = [_fault(fault, model, name) for fault in faults[:_LISTED]]
-        first = told[0]
+        problems = [_fault(fault, model, name) for fault in faults[:_LISTED]]
+        first = problems[0]
         if len(faults) > 1:
-            more = "; ".join(str(found) for found in told[1:])
+            more = "; ".join(str(problem) for problem in problems[1:])
             first.problem += f" (and {len(faults) - 1} more: {more})"
             first.args = (str(first),)
         raise first from None
@@ -432,12 +434,13 @@ def _keys(model: type[BaseModel], location: tuple[Any, ...]) -> list[str]:
     current: Any = model
     for part in location:
         if isinstance(part, str) and current is not None:
-            found = current.model_fields.get(part)
-            current = _model_of(found.annotation) if found else None
+            field = current.model_fields.get(part)
+            current = _model_of(field.annotation) if field else None
     return list(current.model_fields) if current is not None else []
 
 
 def _model_of(annotation: Any) -> type[BaseModel] | None:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    return next((found for inner in getattr(annotation, "__args__", ()) if (found := _model_of(inner))), None)
+    models = (_model_of(inner) for inner in getattr(annotation, "__args__", ()))
+    return next((model for model in models if model is not None), None)
