@@ -272,8 +272,8 @@ def diagnose(
 
 
 def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:
-    past = [land for land in lands if land.verdict.flagged]
-    return tuple(sorted(past, key=lambda land: (-land.verdict.rank, -land.excess_share)))
+    flagged = [land for land in lands if land.verdict.flagged]
+    return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
 
 
 def _repair_plan(
@@ -286,12 +286,12 @@ def _repair_plan(
 
     The total is that at hot idle where the controller states it: there the pump is weakest.
     """
-    at = projections.index(idle) if idle is not None else 0
-    now, new = projections[at], when_new[at]
-    left, steps = now.leakage, []
+    index = projections.index(idle) if idle is not None else 0
+    now, new = projections[index], when_new[index]
+    leakage, steps = now.leakage, []
     for land in _flagged(lands):
-        before, left = left, left - (now.drawn_by(land.key) - new.drawn_by(land.key))
-        steps.append(RepairStep(land, now.condition, now.share_of(before), now.share_of(left)))
+        before, leakage = leakage, leakage - (now.drawn_by(land.key) - new.drawn_by(land.key))
+        steps.append(RepairStep(land, now.condition, now.share_of(before), now.share_of(leakage)))
     return tuple(steps)
 
 

@@ -84,19 +84,19 @@ def check_targets(
         naming the file and, where that helps, ``--force``. An empty file, a device and a file that is not there are no
         obstacle.
     """
-    taken = {Path(name).resolve() for name in inputs if name is not None}
+    paths_in_use = {Path(name).resolve() for name in inputs if name is not None}
     foreign = []
     for kind, target in targets:
         if target is None:
             continue
         path = Path(target) if target == "-" else Path(target).resolve()
-        if path in taken:
+        if path in paths_in_use:
             where = "standard output" if target == "-" else target
             raise OutputError("would be written over another file of this command", place=Place(file=where))
-        taken.add(path)
+        paths_in_use.add(path)
         if target != "-" and not force and (reason := _obstacle(path, kind)):
-            wanted = "another name, or --force to write over it"
-            foreign.append(OutputError(reason, place=Place(file=target), expected=wanted))
+            expected = "another name, or --force to write over it"
+            foreign.append(OutputError(reason, place=Place(file=target), expected=expected))
     if foreign:
         raise OutputError(foreign[0].problem, place=foreign[0].place, expected=foreign[0].expected, others=foreign[1:])
 

@@ -211,7 +211,7 @@ class LeakageModel:
         rates = {
             key: state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter) for key, state in states.items()
         }
-        every = self.profile.pump_draw == "all_gaps"
+        counts_every_gap = self.profile.pump_draw == "all_gaps"
         return tuple(
             GapGeometry(
                 gap=gap,
@@ -219,7 +219,7 @@ class LeakageModel:
                 contact_length=states[gap.key].land.contact_length,
                 radial_clearance=states[gap.key].radial_clearance,
                 thermal_rate=rates[gap.key],
-                drawn_from_pump=every or gap.into_sump,
+                drawn_from_pump=counts_every_gap or gap.into_sump,
             )
             for gap in self.controller.gaps
         )

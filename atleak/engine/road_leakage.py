@@ -118,7 +118,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
                 "its relation does not hold: its leakage there is too high."
             )
             messages.append(Message("warning", "pressure_relation", text))
-    known = gear[np.isfinite(series.total)]
+    known_gears = gear[np.isfinite(series.total)]
     share = None if capacity is None else _share(series.total, capacity)
 
     def instant(index: int) -> Instant:
@@ -130,7 +130,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         leakage=series.total,
         sections=series.sections,
         pump_capacity=capacity,
-        gears=tuple(int(number) for number in np.unique(known)),
+        gears=tuple(int(number) for number in np.unique(known_gears)),
         section_shares=_section_shares(series.sections, road_test.time),
         max_leakage=instant(int(np.nanargmax(series.total))),
         min_leakage=instant(int(np.nanargmin(series.total))),

@@ -136,7 +136,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
     entries = _catalogue_files(diagnosis, case)
     sheet = _source(case.readings, diagnosis.readings, "the measuring sheet")
     log = _source(case.road_test, diagnosis.road.road_test if diagnosis.road else None, "the road-test log")
-    sure = diagnosis.uncertainty
+    uncertainty = diagnosis.uncertainty
     choices = Choices(
         format=FORMAT,
         atleak=__version__,
@@ -147,8 +147,8 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         mileage=diagnosis.mileage,
         readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
         road_test=_log_choices(case) if log else {},
-        assumptions=sure.assumptions.settings if sure else {},
-        guard_factor=sure.guard_factor if sure else None,
+        assumptions=uncertainty.assumptions.settings if uncertainty else {},
+        guard_factor=uncertainty.guard_factor if uncertainty else None,
         files=_names(sheet, log, entries),
     )
     target = io.BytesIO()
@@ -348,10 +348,10 @@ def _known_entry(name: str) -> bool:
 
 def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
     """Return the catalogue files that the diagnosis used, each checked to be unchanged since it was loaded."""
-    sure = diagnosis.uncertainty
+    uncertainty = diagnosis.uncertainty
     used: dict[str, Any] = {name: getattr(diagnosis, name) for name, slot in SLOTS.items() if slot.required}
-    if sure is not None:
-        used |= {"spool_instrument": sure.instruments.spool, "sleeve_instrument": sure.instruments.sleeve}
+    if uncertainty is not None:
+        used |= {"spool_instrument": uncertainty.instruments.spool, "sleeve_instrument": uncertainty.instruments.sleeve}
     files = {}
     for name, entry in used.items():
         origin, choice = entry.origin, getattr(case, name)

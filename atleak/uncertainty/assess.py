@@ -143,7 +143,7 @@ class LandUncertainty:
 
     def _at(self, rule: Rule) -> AtCondition:
         """Return the condition at which a rule about a share holds."""
-        return next(at for at in self.conditions if rule.condition and at.condition == rule.condition.name)
+        return next(each for each in self.conditions if rule.condition and each.condition == rule.condition.name)
 
     def _per_clearance(self, decided: RuleDecision) -> float:
         rule = decided.rule
@@ -151,8 +151,10 @@ class LandUncertainty:
             return 1.0
         if rule.kind is RuleKind.WEAR:
             return 1.0 / self.sources.state.land.mounting_clearance
-        at = self._at(rule)
-        return at.u_share * math.sqrt(at.clearance_fraction) / self.u_clearance if self.u_clearance else 0.0
+        if not self.u_clearance:
+            return 0.0
+        condition = self._at(rule)
+        return condition.u_share * math.sqrt(condition.clearance_fraction) / self.u_clearance
 
 
 @dataclass(frozen=True)
@@ -372,7 +374,7 @@ def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric
     of_clearance = (spread.share_per_clearance * land.standard_uncertainty) ** 2
     effects = {source.label: fraction * of_clearance for source, fraction in land.budget}
     effects |= {name: effect**2 for name, effect in spread.share_effects.items()}
-    whole = math.fsum(effects.values())
+    variance = math.fsum(effects.values())
     return AtCondition(
         condition=projection.condition.name,
         label=projection.condition.label,
@@ -384,7 +386,7 @@ def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric
         share_interval=spread.share_spread.interval,
         eccentric=(spread.leakage / eccentric, FULLY_ECCENTRIC * spread.leakage / eccentric),
         budget=_fractions(effects),
-        clearance_fraction=of_clearance / whole if whole > 0.0 and math.isfinite(whole) else 0.0,
+        clearance_fraction=of_clearance / variance if variance > 0.0 and math.isfinite(variance) else 0.0,
         closed_form=spread.by_quadrature,
     )
 
@@ -427,13 +429,13 @@ def _lower_bound(state: LandClearance) -> bool:
 def _total(
     projection: Projection, spread: TotalSpread, rule: Rule, limits: Limits, guard_factor: float
 ) -> TotalUncertainty:
-    at, share, bands = projection.condition, projection.share, limits.bands
+    condition, share, bands = projection.condition, projection.share, limits.bands
     u = spread.share_spread.standard_uncertainty
     decision = decide_rule(rule, (u,) * len(bands), spread.share_spread.probabilities, guard_factor, skewed=u > 0.0)
     names = (Band.GREEN, *(band for band, _ in bands))
     return TotalUncertainty(
-        condition=at.name,
-        label=at.label,
+        condition=condition.name,
+        label=condition.label,
         leakage=projection.leakage,
         u_leakage=spread.leakage_spread.standard_uncertainty,
         leakage_interval=spread.leakage_spread.interval,
@@ -454,8 +456,10 @@ def _messages(
     used = [part for part in PARTS if any(part in land.plans for land in sources)]
     for instrument in dict.fromkeys(instruments.of(part) for part in used):
         if instrument.representative:
-            said = ", ".join(instrument.representative)
-            text = f"{instrument.name}: representative, not from a certificate: {said}. Set your own instrument's."
+            quantities = ", ".join(instrument.representative)
+            text = (
+                f"{instrument.name}: representative, not from a certificate: {quantities}. Set your own instrument's."
+            )
             messages.append(Message("info", "instrument_representative", text))
     for part in used:
         spread = repeats[part]

@@ -162,15 +162,15 @@ class _Drawn:
         d = law.diameter(state.spool_diameter, c)
         if not law.linear:
             flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length) for gap, _ in gaps]
-            every = sum(flows)
-            drawn = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
-            return every, sum(drawn) if drawn else np.zeros_like(every)
+            flow = sum(flows)
+            drawn_flows = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
+            return flow, sum(drawn_flows) if drawn_flows else np.zeros_like(flow)
         geometry = law.flow(1.0, d, c, 1.0, 1.0, length)  # for a pressure drop over viscosity of one
-        every = geometry * self.driving([gap for gap, _ in gaps])
-        counted = [gap for gap, counts in gaps if counts]
-        if len(counted) == len(gaps):
-            return every, every
-        return every, geometry * self.driving(counted) if counted else np.zeros_like(every)
+        flow = geometry * self.driving([gap for gap, _ in gaps])
+        drawn_gaps = [gap for gap, counts in gaps if counts]
+        if len(drawn_gaps) == len(gaps):
+            return flow, flow
+        return flow, geometry * self.driving(drawn_gaps) if drawn_gaps else np.zeros_like(flow)
 
 
 @dataclass
@@ -239,11 +239,11 @@ def propagate(
         exact = only_clearance and land.is_normal
         by_condition = []
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
-            every, counted = now.leakage(land, clearance, length)
-            totals[index] += counted
-            share = _ratio(every, now.capacity)
+            flow, drawn_flow = now.leakage(land, clearance, length)
+            totals[index] += drawn_flow
+            share = _ratio(flow, now.capacity)
             slopes = _probe(probe, land, assumptions)
-            leakage_spread = _spread(every, (), coverage)
+            leakage_spread = _spread(flow, (), coverage)
             if exact:
                 leakage_spread = _exact(conditions[index], land, coverage) or leakage_spread
             by_condition.append(
@@ -396,21 +396,21 @@ def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slope
     clearance[-4] -= step
     length[-3] += _SMALL * assumptions.contact_length
     length[-2] -= _SMALL * assumptions.contact_length
-    every, counted = probe.leakage(land, clearance, length)
-    share = _ratio(every, probe.capacity)
+    flow, drawn_flow = probe.leakage(land, clearance, length)
+    share = _ratio(flow, probe.capacity)
 
     def effects(values: np.ndarray) -> dict[str, float]:
         by_factor = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
         by_factor["contact length"] = _difference(values, -3) / _SMALL
         return by_factor
 
-    counted_effects = effects(counted)
+    counted_effects = effects(drawn_flow)
     return _Slopes(
-        leakage=float(every[-1]),
+        leakage=float(flow[-1]),
         share_per_clearance=_difference(share, -5) / step,
         share_effects=effects(share),
-        counted_probe=counted,
-        counted_per_clearance=_difference(counted, -5) / step,
+        counted_probe=drawn_flow,
+        counted_per_clearance=_difference(drawn_flow, -5) / step,
         counted_length_effect=counted_effects["contact length"],
     )
 

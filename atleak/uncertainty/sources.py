@@ -286,10 +286,10 @@ def _form(
     """
     ovality = state.spool_ovality if part == "spool" else state.sleeve_ovality
     taper = state.spool_taper if part == "spool" else state.sleeve_taper
-    seen = assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
+    residual = assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
     if ovality is None:
         ovality = spread.ovality if spread.ovality is not None else assumptions.unseen_ovality
-    return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), seen)
+    return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), residual)
 
 
 def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
@@ -358,7 +358,7 @@ def _spread(
         freedom, pooled = 0, 0.0
     s, origin = _single_reading(pooled, freedom, resolution, roundings, instrument)
     ovalities = [state.spool_ovality if part == "spool" else state.sleeve_ovality for state in states]
-    seen = [ovality for ovality in ovalities if ovality is not None]
+    measured = [ovality for ovality in ovalities if ovality is not None]
     return RepeatSpread(
         part=part,
         standard_deviation=s,
@@ -366,7 +366,7 @@ def _spread(
         resolution=resolution,
         roundings=roundings,
         origin=origin,
-        ovality=math.sqrt(math.fsum(o * o for o in seen) / len(seen)) if seen else None,
+        ovality=math.sqrt(math.fsum(o * o for o in measured) / len(measured)) if measured else None,
     )
 
 
