@@ -97,11 +97,14 @@ class OutputError(InputError):
     """A file that cannot be written, or that may not be written over."""
 
 
+MessageLevel = Literal["info", "warning"]
+
+
 @dataclass(frozen=True)
 class Message:
     """What a result has to say besides its numbers: ``code`` for programs, ``text`` for people."""
 
-    level: Literal["info", "warning"]
+    level: MessageLevel
     code: str
     text: str
     place: Place | None = None

@@ -9,6 +9,7 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
+from atleak.wording import value_names
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, RPM, UM
 
 Tables = dict[str, list[dict[str, Any]]]
@@ -46,7 +47,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "mounting clearance [µm]": land.mounting_clearance * UM,
                 "own limit [µm]": None if land.clearance_limit is None else land.clearance_limit * UM,
                 "body / spool": f"{land.body_material} / {land.spool_material}",
-                "representative": ", ".join(name.rsplit("_", 1)[0].replace("_", " ") for name in land.representative),
+                "representative": value_names(land.representative),
             }
             for land in controller.lands
         ],
@@ -78,7 +79,7 @@ def fluid_tables(fluid: Fluid) -> Tables:
     """Data-sheet points, density, and the viscosity that follows from them where it can be trusted."""
     low, high = fluid.span()
     between = [temperature for temperature in range(-20, 141, 20) if low <= temperature <= high]
-    tables = {
+    tables: Tables = {
         "Data sheet": [
             *({"what": f"viscosity at {at:g} °C", "value": nu * MM2_S, "unit": "mm²/s"} for at, nu in fluid.points),
             {"what": f"density at {fluid.density_at[0]:g} °C", "value": fluid.density_at[1] * G_CM3, "unit": "g/cm³"},

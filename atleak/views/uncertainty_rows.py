@@ -35,7 +35,7 @@ def _land_row(land: LandUncertainty) -> dict[str, Any]:
         "component": state.land.component,
         "land": state.land.land,
         "radial_clearance_um": state.radial_clearance * UM,
-        "uncertainty_um": land.u_clearance * UM,
+        "uncertainty_um": _scaled(land.u_clearance, UM),
         **_interval("radial_clearance", "um", land.clearance_interval, UM),
         "worst_direction_deg": shape.worst_direction,
         "worst_clearance_um": shape.worst_clearance * UM,

@@ -126,8 +126,8 @@ def _splitting(
             found.append((1, index, splits))
         elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits):
             found.append((2, index, splits))
-    for _, index, splits in sorted(found, key=lambda each: each[:2]):
-        yield index, splits
+    for _, index, surest in sorted(found, key=lambda each: each[:2]):
+        yield index, surest
 
 
 def _day(cell: Cell) -> str:
@@ -224,7 +224,7 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Mes
     """The first block of rows that hold the same readings in the same order as rows above them."""
     seen: dict[object, int] = {}
     runs: list[list[tuple[int, int]]] = []
-    rows: dict[int, list[tuple[object, ...]]] = defaultdict(list)
+    rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
     for entry in entries:
         rows[entry.row].append((_station(entry)[:4], entry.raw.size, entry.column))
     order = list(rows)
