@@ -56,7 +56,7 @@ def printable_streams() -> Iterator[None]:
         for stream in earlier:
             if hasattr(stream, "reconfigure"):
                 stream.reconfigure(encoding="utf-8", errors="backslashreplace")
-        sys.stdout, sys.stderr = (PrintableStream(stream or nowhere) for stream in earlier)  # type: ignore[assignment]
+        sys.stdout, sys.stderr = (PrintableStream(stream or nowhere) for stream in earlier)
         try:
             yield
         finally:

@@ -1,6 +1,6 @@
 """What a cursor moved on the page Road test costs, beside the whole diagnosis of the same job.
 
-    python benchmarks/road_test_cursor.py
+    python benchmarks/road_test_cursor.py [--small]
 
 The sample job, in Streamlit's own test harness: the page's script with both cursors at a new place each time, from its
 first line to its last, and of that the leakage between the cursors. The peer is the diagnosis with sheet and log read
@@ -10,6 +10,7 @@ diagnosis.
 
 from __future__ import annotations
 
+import argparse
 import logging
 import os
 import statistics
@@ -21,18 +22,21 @@ from typing import Any
 
 from streamlit.runtime.scriptrunner import script_runner
 from streamlit.testing.v1 import AppTest
+from timing import options
 
 from atleak.catalogue.controller import Controller
 from atleak.intake.road_test import Understood
 from atleak.job.case import SLOTS, Case, Choice, Reader, Slot
 from atleak.readings import Readings
 
+OPTIONS = options(__doc__)
 ROOT = Path(__file__).resolve().parents[1]
 ROUNDS = 9
+SMALL = 2
 scripts: list[float] = []
 
 
-def main() -> None:
+def main(chosen: argparse.Namespace) -> None:
     logging.disable()  # the harness warns of what only a browser has
     sys.path.insert(0, str(ROOT))
     script_runner.exec_func_with_error_handling = _timed(script_runner.exec_func_with_error_handling)  # type: ignore[attr-defined]
@@ -43,10 +47,10 @@ def main() -> None:
         start.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
         page = AppTest.from_file(str(start), default_timeout=60).run()
         page.switch_page(str(ROOT / "pages" / "4_Road_test.py")).run()
-        _measure(page)
+        _measure(page, SMALL if chosen.small else ROUNDS)
 
 
-def _measure(page: AppTest) -> None:
+def _measure(page: AppTest, rounds: int) -> None:
     from pages.shared.cases import sample_case
 
     case = sample_case()
@@ -56,7 +60,7 @@ def _measure(page: AppTest) -> None:
     test = diagnosis.road.road_test
     times: dict[str, list[float]] = {"leakage": [], "diagnosis": []}
     scripts.clear()
-    for number in range(ROUNDS):
+    for number in range(rounds):
         ends = (test.time[0] + 1.0 + 0.5 * number, test.time[-1] - 2.0)
         cursors = next(found for found in page.main.slider if "cursors" in found.label)
         cursors.set_value(ends)
@@ -70,7 +74,7 @@ def _measure(page: AppTest) -> None:
             run()
             times[name].append(time.thread_time() - begin)
     script, leakage, whole = (statistics.median(found) for found in (scripts, times["leakage"], times["diagnosis"]))
-    assert len(scripts) == ROUNDS
+    assert len(scripts) == rounds
     print(f"leakage between the cursors / whole diagnosis   {leakage / whole:.3f}   ({_ms(leakage)} / {_ms(whole)})")
     print(f"the page's script / whole diagnosis             {script / whole:.2f}    ({_ms(script)} / {_ms(whole)})")
 
@@ -110,4 +114,4 @@ def _ms(seconds: float) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    main(OPTIONS.parse_args())

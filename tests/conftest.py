@@ -29,8 +29,10 @@ settings.load_profile("quick")
 NOTHING_MAY_SKIP = bool(os.environ.get("ATLEAK_NOTHING_MAY_SKIP"))
 
 # What is left out of the quick round.
-WHOLE = ("e2e", "unit/pages", "unit/report", "unit/intake/native", *(f"unit/test_{name}.py" for name in (
-    "cli", "files", "marks", "verdicts")))  # fmt: skip
+WHOLE = (
+    "e2e", "unit/cli", "unit/pages", "unit/report", "unit/intake/native",
+    *(f"unit/test_{name}.py" for name in ("files", "marks", "rounds", "verdicts")),
+)  # fmt: skip
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

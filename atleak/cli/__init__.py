@@ -13,6 +13,7 @@ import sys
 from collections.abc import Sequence
 
 from atleak.cli import app, catalogue, diagnose, import_log, report, template, variants
+from atleak.cli.shared import without_colours
 from atleak.errors import AtleakError
 from atleak.printable import printable_streams
 from atleak.version import __version__
@@ -58,6 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="atleak", description="Internal leakage of automatic-transmission valve bodies."
     )
+    without_colours(parser)
     parser.add_argument("--version", action="version", version=f"atleak {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for group in (diagnose, variants, import_log, report, template, catalogue, app):  # as --help lists them

@@ -25,7 +25,13 @@ def add_command(commands: Any, name: str, run: Callable[..., int], about: str) -
         name, help=about, description=about[0].upper() + about[1:] + "."
     )
     parser.set_defaults(run=run)
+    without_colours(parser)
     return parser
+
+
+def without_colours(parser: argparse.ArgumentParser) -> None:
+    """Plain help and messages: from Python 3.14 on argparse colours them, which no guarded stream lets through."""
+    parser.color = False  # type: ignore[attr-defined,unused-ignore]
 
 
 # --- options ------------------------------------------------------------------------------------------------------
@@ -125,10 +131,11 @@ def constant(text: str) -> tuple[str, float]:
 
 def chosen_controller(options: argparse.Namespace) -> Controller:
     """The controller that the command line names, or the default of every job."""
-    from atleak.catalogue.controller import load_controller
-    from atleak.job.case import DEFAULT_CONTROLLER
+    from atleak.job.case import SLOTS, Case, Reader
 
-    return load_controller(DEFAULT_CONTROLLER if options.controller is None else options.controller)
+    choice = Case.controller if options.controller is None else options.controller
+    controller: Controller = Reader().entry(SLOTS["controller"], choice)
+    return controller
 
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:

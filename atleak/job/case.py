@@ -35,8 +35,6 @@ from atleak.readings import Readings
 from atleak.road_test import RoadTest
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 
-DEFAULT_CONTROLLER = "four_speed_2023"  # that of the source study
-
 Loaded = TypeVar("Loaded")
 Pairs = tuple[tuple[str, Any], ...]
 
@@ -149,7 +147,7 @@ class Case:
 
     readings: SourceFile | None = None  # the measuring sheet
     road_test: SourceFile | None = None  # the log
-    controller: Choice = DEFAULT_CONTROLLER
+    controller: Choice = "four_speed_2023"
     fluid: Choice = "hipol_atf_iid"
     limits: Choice = "project_default"
     spool_instrument: Choice = DEFAULT_SPOOL_INSTRUMENT

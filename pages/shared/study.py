@@ -8,7 +8,7 @@ import pandas as pd
 import streamlit as st
 
 from atleak.intake.road_test import read_road_test
-from atleak.job.case import DEFAULT_CONTROLLER
+from atleak.job.case import Case
 from atleak.variants import compare_options, run_variants, sample_log, temperature_curves
 from pages.shared.cases import controller_of
 
