@@ -124,11 +124,7 @@ def load_limits(id_or_path: str | Path) -> Limits:
     """
     entry, origin = read_entry("limits", id_or_path, LimitsFile)
     return Limits(
-        id=entry.id,
-        name=entry.name,
-        source=entry.source,
-        date=entry.date,
-        note=entry.note,
+        **entry.heading(),
         wear=entry.wear_percent and entry.wear_percent.steps(1e-2),
         clearance=entry.clearance_um and entry.clearance_um.steps(1e-6),
         pair_share=entry.pair_share_percent and entry.pair_share_percent.steps(1e-2),

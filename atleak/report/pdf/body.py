@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.limits import LimitOrigin
-from atleak.errors import InputError, nearest_name
+from atleak.errors import unknown
 from atleak.report.pdf.blocks import Block, facts, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
@@ -52,12 +52,7 @@ def chosen_sections(sections: Iterable[str] | None) -> tuple[str, ...]:
     wanted = list(sections)
     for name in wanted:
         if name not in SECTIONS:
-            raise InputError(
-                "no such section",
-                value=name,
-                expected=f"one of {', '.join(SECTIONS)}",
-                nearest=nearest_name(name, SECTIONS),
-            )
+            raise unknown("no such section", name, SECTIONS)
     return tuple(name for name in SECTIONS if name in wanted)
 
 
