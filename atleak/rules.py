@@ -59,9 +59,14 @@ class Rule:
         return self.steps.source
 
     @property
+    def quantity(self) -> str:
+        """What is limited, in plain words."""
+        return _LABELS[self.kind]
+
+    @property
     def label(self) -> str:
         """The quantity and its condition in plain words."""
-        return _LABELS[self.kind] + (f", {self.condition.label}" if self.condition else "")
+        return self.quantity + (f", {self.condition.label}" if self.condition else "")
 
     @property
     def id(self) -> str:

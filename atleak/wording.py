@@ -7,7 +7,7 @@ import math
 import re
 import tomllib
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -110,6 +110,11 @@ def wording(language: str) -> Wording:
     if language not in known:
         raise unknown("no report in this language", language, known)
     return Wording(language, tomllib.loads((_FOLDER / f"{language}.toml").read_text(encoding="utf-8")))
+
+
+def value_names(names: Iterable[str]) -> str:
+    """The English names of values that a catalogue file states: ``nominal diameter, contact length``."""
+    return ", ".join(wording("en").get("parts", name) for name in names)
 
 
 def signed(level: Verdict | Band) -> str:

@@ -114,7 +114,7 @@ class JobFile:
         return self.case.diagnose()
 
 
-def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case = Case()) -> bytes:  # noqa: B008 - frozen
+def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
     """The zip's bytes: job record, measuring sheet, log, pictures, catalogue files and result.
 
     Parameters
@@ -124,14 +124,15 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case = Ca
     job
         what the workshop wrote down.
     case
-        the files and choices that the result follows from, the log's columns as `with_log_choices` settles them.
+        the files and choices that the result follows from, the log's columns as `with_log_choices` gives them; none for
+        a unit that nobody measured or drove.
 
     Raises
     ------
     InputError
         files that are missing, or not those that the diagnosis rests on.
     """
-    job = job or Job()
+    job, case = job or Job(), case or Case()
     entries = _catalogue_files(diagnosis, case)
     sheet = _source(case.readings, diagnosis.readings, "the measuring sheet")
     log = _source(case.road_test, diagnosis.road.road_test if diagnosis.road else None, "the road-test log")

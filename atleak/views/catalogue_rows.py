@@ -9,6 +9,7 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
+from atleak.wording import value_names
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, RPM, UM
 
 Tables = dict[str, list[dict[str, Any]]]
@@ -46,7 +47,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "mounting clearance [µm]": land.mounting_clearance * UM,
                 "own limit [µm]": None if land.clearance_limit is None else land.clearance_limit * UM,
                 "body / spool": f"{land.body_material} / {land.spool_material}",
-                "representative": ", ".join(name.rsplit("_", 1)[0].replace("_", " ") for name in land.representative),
+                "representative": value_names(land.representative),
             }
             for land in controller.lands
         ],

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from atleak.diagnosis import LandDiagnosis
+from atleak.wording import value_names
 from atleak.workshop_units import MM, PERCENT, UM
 
 STATUS = {
@@ -45,7 +46,7 @@ def _row(found: LandDiagnosis) -> dict[str, Any]:
         "spool_spread_um": _scaled(state.spool_repeat_spread),
         "sleeve_spread_um": _scaled(state.sleeve_repeat_spread),
         "readings": state.spool_readings + state.sleeve_readings,
-        "representative": ", ".join(name.rsplit("_", 1)[0].replace("_", " ") for name in land.representative) or None,
+        "representative": value_names(land.representative) or None,
     }
 
 

@@ -16,6 +16,7 @@ class RoadSeries:
     """Columns of equal length by name, in workshop units; NaN where a sample is not usable."""
 
     columns: dict[str, np.ndarray]
+    labels: dict[str, tuple[str, str]]  # the same names → words and unit for people
     samples: int  # of the log
     instants: dict[str, Instant]
 
@@ -31,27 +32,38 @@ def road_series(road: RoadLeakage, points: int) -> RoadSeries:
     """
     keep = _samples(road, points)
     instants = {"max_leakage": road.max_leakage, "min_leakage": road.min_leakage, "max_share": road.max_share}
-    columns = {name: array[keep] * factor for name, array, factor in _columns(road)}
-    return RoadSeries(columns, len(road.time), {name: found for name, found in instants.items() if found})
+    named = _columns(road)
+    return RoadSeries(
+        columns={name: array[keep] * factor for name, _, _, array, factor in named},
+        labels={name: (label, unit) for name, label, unit, _, _ in named},
+        samples=len(road.time),
+        instants={name: instant for name, instant in instants.items() if instant},
+    )
 
 
-def _columns(road: RoadLeakage) -> list[tuple[str, np.ndarray, float]]:
-    found = [("time_s", road.time, 1.0), ("leakage_dm3_min", road.leakage, DM3_MIN)]
+def _columns(road: RoadLeakage) -> list[tuple[str, str, str, np.ndarray, float]]:
+    """Name, words, unit, values in SI and the factor from SI to the unit."""
+    columns = [
+        ("time_s", "time", "s", road.time, 1.0),
+        ("leakage_dm3_min", "leakage", "dm³/min", road.leakage, DM3_MIN),
+    ]
     share = road.share
     if road.pump_capacity is not None and share is not None:
-        found += [("pump_capacity_dm3_min", road.pump_capacity, DM3_MIN), ("share_percent", share, PERCENT)]
-    found += [(f"leakage_{name}_dm3_min", flow, DM3_MIN) for name, flow in road.sections.items()]
-    for quantity, name, factor in (
-        ("main_pressure", "p_g_kpa", KPA),
-        ("converter_pressure", "p_k_kpa", KPA),
-        ("engine_speed", "engine_rpm", RPM),
-        ("atf_temperature", "temperature_c", 1.0),
-        ("gear", "gear", 1.0),
+        columns.append(("pump_capacity_dm3_min", "pump capacity", "dm³/min", road.pump_capacity, DM3_MIN))
+        columns.append(("share_percent", "share", "%", share, PERCENT))
+    for section, flow in road.sections.items():
+        columns.append((f"leakage_{section}_dm3_min", f"leakage {section}", "dm³/min", flow, DM3_MIN))
+    for quantity, name, label, unit, factor in (
+        ("main_pressure", "p_g_kpa", "p_g", "kPa", KPA),
+        ("converter_pressure", "p_k_kpa", "p_k", "kPa", KPA),
+        ("engine_speed", "engine_rpm", "engine", "1/min", RPM),
+        ("atf_temperature", "temperature_c", "temperature", "°C", 1.0),
+        ("gear", "gear", "gear", "", 1.0),
     ):
         values = road.road_test.values(quantity)
         if values is not None:
-            found.append((name, values, factor))
-    return found
+            columns.append((name, label, unit, values, factor))
+    return columns
 
 
 def _samples(road: RoadLeakage, points: int) -> np.ndarray:

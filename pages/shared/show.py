@@ -44,7 +44,7 @@ HELP = {
 }
 WIDTHS = {
     "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "u [µm]": 56, "Over it [%]": 76, "from": 60,
-    "to": 60, "Before [%]": 80, "After [%]": 72, "No.": 44, "Clearance [µm]": 100,
+    "to": 60, "Before [%]": 80, "After [%]": 72, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
 }  # fmt: skip
 HAIR_SPACE = "\u200a"
 

@@ -142,10 +142,11 @@ def _percent(fraction: float | None) -> float | None:
 
 
 def rule_text(rule: Rule) -> str:
-    """``wear 69 %, limit 50 %``."""
+    """``share of pump flow 6.19 %, limit 4 %, hot idle``: what counts first, where a narrow column cuts the rest."""
     kind = rule.kind
     value = f"{rule.value * kind.factor:.3g} {kind.unit}" if math.isfinite(rule.value) else "beyond the pump"
-    return f"{rule.label} {value}, limit {rule.limit * kind.factor:g} {kind.unit}"
+    where = f", {rule.condition.label}" if rule.condition else ""
+    return f"{rule.quantity} {value}, limit {rule.limit * kind.factor:g} {kind.unit}{where}"
 
 
 def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

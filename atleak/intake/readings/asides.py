@@ -23,6 +23,7 @@ from atleak.intake.readings.words import (
     is_rejected,
     letters,
     number,
+    number_of,
     part_of,
     repeat_of,
     says_no,
@@ -125,10 +126,18 @@ class Asides:
 
     def _specification(self, row: int) -> str | None:
         """The word that says of a row that its number is what should be, beside rows of what is."""
-        for cell in self.sheet.rows[row]:
-            if isinstance(cell, str) and says_specification(cell) and self.names.component(cell) is None:
+        for index, cell in enumerate(self.sheet.rows[row]):
+            if isinstance(cell, str) and says_specification(cell) and self._is_label(index, cell):
                 return cell
         return None
+
+    def _is_label(self, index: int, cell: str) -> bool:
+        """Whether a cell stands where rows are named: in a key's column, or one that holds no numbers."""
+        if index in self._keys:
+            return self.names.component(cell) is None
+        return index in self._others and not any(
+            isinstance(each, int | float) or number_of(str(each)) is not None for each in self._cells(index)
+        )
 
     def _is_struck(self, row: int, index: int) -> bool:
         return bool(self.sheet.marks.struck) and self.sheet.is_struck(row, index)

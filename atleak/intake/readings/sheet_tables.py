@@ -14,7 +14,17 @@ from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.headings import Column, Header, find_headers, settled
 from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
-from atleak.intake.readings.words import ERRORS, is_blank, is_page_title, number_of, part_in, plain, vocabulary
+from atleak.intake.readings.words import (
+    ERRORS,
+    is_blank,
+    is_page_title,
+    number_of,
+    part_in,
+    part_of,
+    plain,
+    text_of,
+    vocabulary,
+)
 
 _ASIDE = vocabulary("aside")
 _READ = vocabulary("reading", "found")
@@ -86,10 +96,17 @@ class Table:
 
     @property
     def has_part(self) -> bool:
-        """Whether a column, or every heading of a value, says the part."""
-        return bool(self.header.of("part")) or (
-            bool(self.header.values) and all(column.part for column in self.header.values)
+        """Whether a column, or every heading of a value, says the part; also one headed "component", by its cells."""
+        values = self.header.values
+        return (
+            bool(self.header.of("part"))
+            or (bool(values) and all(column.part for column in values))
+            or any(self._holds_parts(column) for column in self.header.of("component"))
         )
+
+    def _holds_parts(self, column: Column) -> bool:
+        cells = [cell for row in self.rows if not is_blank(cell := self.sheet.cell(row, column.index))]
+        return 2 * sum(part_of(text_of(cell)) is not None for cell in cells) > len(cells)
 
     @property
     def readable(self) -> bool:
@@ -192,7 +209,9 @@ def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: Contro
 
 
 def _is_single(sheet: Sheet, row: int) -> bool:
-    return sum(not is_blank(cell) for cell in sheet.rows[row]) == 1
+    """Whether a row holds one text and nothing else: a title, or a line between the rows."""
+    cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+    return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
 
 
 def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:

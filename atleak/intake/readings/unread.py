@@ -131,7 +131,7 @@ class Account:
         table, role = rows.table, _role(rows.table, index)
         if role not in ("specification", "mean", "raw"):
             return False
-        self._leave_column(table, index, self._sizes_under(table, index) or self._near(rows, index), role)
+        self._leave_column(table, index, self._sizes_in(rows, index), role)
         return True
 
     def _is_quantity(self, rows: Rows, index: int) -> bool:
@@ -142,6 +142,10 @@ class Account:
         self._leave_column(table, index, self._sizes_under(table, index), "quantity")
         return True
 
+    def _sizes_in(self, rows: Rows, index: int) -> list[tuple[int, int]]:
+        """The cells of a column of the size of any diameter, whole numbers too where they are near their row's."""
+        return sorted({*self._sizes_under(rows.table, index), *self._near(rows, index)})
+
     def _sizes_under(self, table: Table, index: int) -> list[tuple[int, int]]:
         return [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
 
@@ -151,11 +155,11 @@ class Account:
             return False
         table, near = rows.table, self._near(rows, index)
         if _role(table, index) == "remark":
-            self._leave_column(table, index, near, "remark")
+            self._leave_column(table, index, self._sizes_in(rows, index), "remark")
             return False
         units = _units(table, index) or self._units
         if units[0].factor >= MM.factor and all(is_whole(table.sheet.cell(*at)) for at in near):
-            self._leave_column(table, index, near, None)
+            self._leave_column(table, index, self._sizes_in(rows, index), None)
             return False
         return True
 

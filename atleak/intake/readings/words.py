@@ -120,7 +120,7 @@ def says_specification(text: str) -> bool:
     """
     words = set(re.findall(r"[^\W\d_]+", plain(text)))
     specified = words & vocabulary("specification")
-    return bool(specified) and not words - specified - words & vocabulary("diameter", "reading")
+    return bool(specified) and not words - specified - (words & vocabulary("diameter", "reading"))
 
 
 def is_blank(cell: Cell) -> bool:

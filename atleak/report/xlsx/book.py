@@ -196,3 +196,9 @@ def span(first: int, last: int, column: int, sheet: str | None = None) -> str:
 
 def quoted(sheet: str) -> str:
     return f"'{sheet}'" if not sheet.isidentifier() else sheet
+
+
+def exact(value: float) -> str:
+    """A number as a formula takes it, with every digit; negative ones in brackets."""
+    text = repr(float(value)).upper()
+    return f"({text})" if value < 0 else text

@@ -7,44 +7,41 @@ an auditor may change (diameters, contact lengths, conditions, limits) is blue.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Pressure
-from atleak.catalogue.limits import ROUNDING, RuleKind
+from atleak.catalogue.controller import Pressure
+from atleak.catalogue.instruments import Part
+from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.leakage import GapLeakage
-from atleak.engine.projection import Projection
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS
-from atleak.look import DATA_BAR, INPUT
+from atleak.look import DATA_BAR
 from atleak.readings import Reading
-from atleak.report.xlsx.book import Book, cell, formula, put, span
-from atleak.rules import Rule
-from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
+from atleak.report.xlsx.book import Book, cell, exact, formula, put, span
+from atleak.report.xlsx.land_columns import (
+    CHANGEABLE,
+    RANKED,
+    Cell,
+    ColumnKey,
+    LandRow,
+    LandSheet,
+    SheetCondition,
+    address,
+    land_columns,
+    share_of,
+    verdict_of_rank,
+)
+from atleak.rules import LandKey, Rule
+from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Band
 from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
-_INPUT = {"font_color": INPUT}
-_RANKED = [verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED]
 _FIRST_LEVEL = 5  # column of the sheet of rules in which the first level's limit stands
 _VERDICT = _FIRST_LEVEL + len(FLAGGED)  # and of the verdict, behind the limits
-
-
-@dataclass(frozen=True)
-class _At:
-    """One condition of the workbook: its projection, the prefix of its names and its sheet of gaps."""
-
-    projection: Projection
-    prefix: str
-    sheet: str
-    title: str
-
-    def __call__(self, name: str) -> str:
-        return f"{self.prefix}_{name}"
 
 
 class LiveSheets:
@@ -53,28 +50,44 @@ class LiveSheets:
     def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         self.book, self.diagnosis, self.record = book, diagnosis, record
         self.lands = diagnosis.lands
-        self.row_of = {found.key: row for row, found in enumerate(self.lands, start=1)}
+        self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
         first = diagnosis.projection
-        self.conditions = [_At(first, "stated", "Gaps", "stated condition")]
+        self.conditions = [SheetCondition(first, "stated", "Gaps", "stated condition")]
         if diagnosis.hot_idle is not None and diagnosis.hot_idle is not first:
-            self.conditions.append(_At(diagnosis.hot_idle, "hot_idle", "Gaps hot idle", "hot idle"))
+            self.conditions.append(SheetCondition(diagnosis.hot_idle, "hot_idle", "Gaps hot idle", "hot idle"))
         self.gaps = {at.prefix: self._by_land(at.projection.gaps) for at in self.conditions}
-        self.columns = _Columns(self)
-        self.limit_cells: dict[
-            tuple[RuleKind, Verdict | Band], str
-        ] = {}  # (quantity, level) → address in the sheet of limits
         self.rule_rows = self._rule_rows()
+        self.limit_cells: dict[tuple[RuleKind, Level], str] = {}  # their addresses in the sheet of limits
+        self.means: dict[tuple[LandKey, Part], str] = {}  # filled in when the readings are written
+        self.columns = land_columns(
+            LandSheet(
+                lands=self.lands,
+                records=record["lands"],
+                components=diagnosis.controller.components,
+                conditions=self.conditions,
+                gaps=self.gaps,
+                ranks={key: span(*rows, _VERDICT + 1, "Rules") for key, rows in self.rule_rows.items()},
+                means=self.means,
+            )
+        )
+        self.column_of = {column.key: number for number, column in enumerate(self.columns)}
 
     def _by_land(self, gaps: Iterable[GapLeakage]) -> list[GapLeakage]:
         """The gaps of a land below one another, so that a land's leakage is the sum of one stretch."""
-        return sorted(gaps, key=lambda found: self.row_of[found.gap.key])
+        return sorted(gaps, key=lambda leak: self.row_of[leak.gap.key])
+
+    def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> Cell:
+        """What stands in one of a land's cells."""
+        row = self.row_of[land.key]
+        there = LandRow(land, self.record["lands"][row - 1], lambda column: address(row, self.column_of[column]))
+        return self.columns[self.column_of[key]].cell(there)
 
     def _rule_rows(self) -> dict[tuple[str, int], tuple[int, int]]:
         rows, row = {}, 1
-        for found in self.lands:
-            if found.rules:
-                rows[found.key] = (row, row + len(found.rules) - 1)
-                row += len(found.rules)
+        for land in self.lands:
+            if land.rules:
+                rows[land.key] = (row, row + len(land.rules) - 1)
+                row += len(land.rules)
         return rows
 
     # --- conditions
@@ -92,7 +105,7 @@ class LiveSheets:
                 put(sheet, row, 0, label, book.bold)
                 put(sheet, row, 1, unit)
                 if text is None:
-                    put(sheet, row, column, value, book.form(kind, align="right", **_INPUT))
+                    put(sheet, row, column, value, book.form(kind, align="right", **CHANGEABLE))
                 else:
                     formula(sheet, row, column, text, value, book.form(kind, align="right"))
                 book.workbook.define_name(at(name), f"={cell(row, column, 'Conditions')}")
@@ -122,24 +135,24 @@ class LiveSheets:
         }[model]
         return f"{said}; answers from {low:g} to {high:g} °C"
 
-    def _condition(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
+    def _condition(self, at: SheetCondition) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
         """(label, unit, name, formula or None for an input, value, kind of number)."""
-        found, condition = at.projection, at.projection.condition
+        projection, condition = at.projection, at.projection.condition
         yield "gear", "", "gear", None, condition.gear, "count"
         yield "temperature", "°C", "T", None, condition.temperature, "temperature"
         yield "engine speed", "1/min", "n", None, condition.engine_speed * RPM, "rpm"
         yield "main pressure p_g", "kPa", "p_g", None, condition.main_pressure * KPA, "kpa"
         for section, label in (("p_s", "control pressure p_s"), ("p_m", "modulated pressure p_m")):
             relation = self.diagnosis.controller.relations[section]
-            text = f"{at('p_g')}*{_number(relation.ratio)}+{_number(relation.offset * KPA)}"
+            text = f"{at('p_g')}*{exact(relation.ratio)}+{exact(relation.offset * KPA)}"
             if relation.limit is not None:
-                text = f"MIN({text},{_number(relation.limit * KPA)})"
-            yield label, "kPa", section, text, found.pressures[section] * KPA, "kpa"
+                text = f"MIN({text},{exact(relation.limit * KPA)})"
+            yield label, "kPa", section, text, projection.pressures[section] * KPA, "kpa"
         yield "converter pressure p_k", "kPa", "p_k", None, condition.converter_pressure * KPA, "kpa"
         yield from self._fluid(at)
         yield from self._pump(at)
 
-    def _fluid(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
+    def _fluid(self, at: SheetCondition) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
         fluid, model = self.diagnosis.fluid, self.diagnosis.profile.viscosity
         temperature = at.projection.condition.temperature
         viscosity = fluid.kinematic_viscosity(temperature, model) * MM2_S
@@ -147,23 +160,23 @@ class LiveSheets:
         texts: tuple[str | None, str | None] = (None, None)
         if model == "d341":
             a, b = fluid.d341
-            reference, slope = fluid.density_at, _number(fluid.density_slope * G_CM3)
+            reference, slope = fluid.density_at, exact(fluid.density_slope * G_CM3)
             texts = (
-                f"10^(10^({_number(a)}-{_number(b)}*LOG10({at('T')}+{_number(-ABSOLUTE_ZERO)})))-{ASTM_D341_SHIFT}",
-                f"{_number(reference[1] * G_CM3)}+{slope}*({at('T')}-{_number(reference[0])})",
+                f"10^(10^({exact(a)}-{exact(b)}*LOG10({at('T')}+{exact(-ABSOLUTE_ZERO)})))-{ASTM_D341_SHIFT}",
+                f"{exact(reference[1] * G_CM3)}+{slope}*({at('T')}-{exact(reference[0])})",
             )
         elif model == "regression":
             (nu, exponent), (rho, slope) = STUDY_VISCOSITY, STUDY_DENSITY
             texts = (
-                f"{_number(nu)}*EXP({exponent}*{at('T')})",
-                f"{slope * G_CM3}*{at('T')}+{_number(rho * G_CM3)}",
+                f"{exact(nu)}*EXP({exponent}*{at('T')})",
+                f"{slope * G_CM3}*{at('T')}+{exact(rho * G_CM3)}",
             )
         yield "kinematic viscosity ν", "mm²/s", "nu", texts[0], viscosity, "nu"
         yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"
 
-    def _pump(self, at: _At) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
-        engine, found = self.diagnosis.model, at.projection
-        pump, condition = engine.controller.pump, found.condition
+    def _pump(self, at: SheetCondition) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
+        engine, projection = self.diagnosis.model, at.projection
+        pump, condition = engine.controller.pump, projection.condition
         yield "pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3"
         displaced = f"{at('q_p')}*{at('n')}*1E-6"
         if engine.uses_slip:
@@ -176,51 +189,52 @@ class LiveSheets:
             yield "volumetric efficiency", "", "eta_v", None, pump.volumetric_efficiency, "plain"
             capacity = f"{displaced}*{at('eta_v')}"
             lowest = f"{at('leakage')}/({at('q_p')}*{at('eta_v')}*1E-6)"
-        yield "pump capacity", "dm³/min", "capacity", capacity, found.pump_capacity * DM3_MIN, "flow"
+        yield "pump capacity", "dm³/min", "capacity", capacity, projection.pump_capacity * DM3_MIN, "flow"
         drawn, flows = self._gap_span(at, 12), self._gap_span(at, 11)
-        leakage = f'SUMIF({drawn},"yes",{flows})*6E-5' if found.gaps else "0"
-        yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, found.leakage * DM3_MIN, "flow"
-        share = _share(at("leakage"), at("capacity"))
-        yield "share of pump capacity", "%", "share", share, found.share * PERCENT, "percent"
-        yield "pump needs for this leakage alone", "1/min", "n_min", lowest, found.minimum_speed * RPM, "rpm"
+        leakage = f'SUMIF({drawn},"yes",{flows})*6E-5' if projection.gaps else "0"
+        yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, projection.leakage * DM3_MIN, "flow"
+        share = share_of(at("leakage"), at("capacity"))
+        yield "share of pump capacity", "%", "share", share, projection.share * PERCENT, "percent"
+        yield "pump needs for this leakage alone", "1/min", "n_min", lowest, projection.minimum_speed * RPM, "rpm"
         band = f'"{Band.GREEN}"'
         for level, _ in self.diagnosis.limits.total_share.levels:  # rising, so that the highest is asked first
             limit = self.limit_cells[RuleKind.TOTAL_SHARE, level]
             band = f'IF({at("share")}>={limit}*(1-{ROUNDING:E}),"{level}",{band})'
-        yield "band of the total share", "", "band", band, self.diagnosis.band(found), "plain"
+        yield "band of the total share", "", "band", band, self.diagnosis.band(projection), "plain"
 
-    def _gap_span(self, at: _At, column: int) -> str:
+    def _gap_span(self, at: SheetCondition, column: int) -> str:
         return span(1, max(len(self.gaps[at.prefix]), 1), column, at.sheet)
 
     # --- lands
 
     def write_lands(self, sheet: Worksheet) -> None:
         """One row per land: D, d → c_r → c_re → q → share → verdict."""
-        book, columns = self.book, self.columns
-        book.headings(sheet, 0, columns.names, lines=4)
+        book, last = self.book, len(self.lands)
+        book.headings(sheet, 0, [column.heading for column in self.columns], lines=4)
         sheet.repeat_columns(0, 3)
         sheet.fit_to_pages(2, 0)
-        for found in self.lands:
-            row = self.row_of[found.key]
-            for column, (kind, text, value, properties) in enumerate(columns.cells(found)):
-                form = book.form(kind, **properties)
-                if text is None:
-                    put(sheet, row, column, value, form)
-                elif value is not None:
-                    formula(sheet, row, column, text, value, form)
-        for column, width in enumerate(columns.widths):
-            sheet.set_column(column, column, width)
-        last = len(self.lands)
-        sheet.autofilter(0, 0, last, len(columns.names) - 1)
-        verdict = columns.at["verdict"]
+        for land in self.lands:
+            row = self.row_of[land.key]
+            for number, column in enumerate(self.columns):
+                there = self.land_cell(land, column.key)
+                form = book.form(there.kind, **there.look)
+                if there.formula is None:
+                    put(sheet, row, number, there.value, form)
+                elif there.value is not None:
+                    formula(sheet, row, number, there.formula, there.value, form)
+        for number, column in enumerate(self.columns):
+            sheet.set_column(number, number, column.width)
+        sheet.autofilter(0, 0, last, len(self.columns) - 1)
+        verdict = self.column_of["verdict"]
         book.colour_words(sheet, (1, verdict), (last, verdict), VERDICTS)
-        for name in columns.shares:
+        for condition in self.conditions:
+            share = self.column_of["share", condition.prefix]
             bar = {"type": "data_bar", "bar_color": DATA_BAR, "min_type": "num", "min_value": 0}
-            sheet.conditional_format(1, columns.at[name], last, columns.at[name], bar)
+            sheet.conditional_format(1, share, last, share, bar)
 
     # --- gaps
 
-    def write_gaps(self, sheet: Worksheet, at: _At) -> None:
+    def write_gaps(self, sheet: Worksheet, at: SheetCondition) -> None:
         """One row per gap of the condition's gear, its flow from the other cells of the row."""
         names = [
             "component",
@@ -241,34 +255,34 @@ class LiveSheets:
         ]
         book = self.book
         book.headings(sheet, 0, names, lines=3)
-        for row, found in enumerate(self.gaps[at.prefix], start=1):
-            gap = found.gap
+        for row, leak in enumerate(self.gaps[at.prefix], start=1):
+            gap = leak.gap
             for column, value in enumerate((gap.component, gap.land, gap.section, str(gap.high), str(gap.low))):
                 put(sheet, row, column, value)
-            drop = found.pressure_drop * KPA
+            drop = leak.pressure_drop * KPA
             formula(sheet, row, 5, _drop(gap.high, gap.low, at), drop, book.form("kpa"))
-            formula(sheet, row, 6, self._diameter(row, found), found.diameter * MM, book.form("mm"))
-            put(sheet, row, 7, found.contact_length * MM, book.form("mm", **_INPUT))
-            clearance = cell(self.row_of[gap.key], self.columns.at["c_re", at.prefix], "Lands")
-            formula(sheet, row, 8, clearance, found.effective_clearance * UM, book.form("um"))
-            formula(sheet, row, 9, at("nu"), found.kinematic_viscosity * MM2_S, book.form("nu"))
-            formula(sheet, row, 10, at("rho"), found.density * G_CM3, book.form("rho"))
-            formula(sheet, row, 11, self._flow(row), found.leakage * MM3_S, book.form("mm3"))
-            put(sheet, row, 12, found.drawn_from_pump)
+            formula(sheet, row, 6, self._diameter(row, leak), leak.diameter * MM, book.form("mm"))
+            put(sheet, row, 7, leak.contact_length * MM, book.form("mm", **CHANGEABLE))
+            clearance = cell(self.row_of[gap.key], self.column_of["c_re", at.prefix], "Lands")
+            formula(sheet, row, 8, clearance, leak.effective_clearance * UM, book.form("um"))
+            formula(sheet, row, 9, at("nu"), leak.kinematic_viscosity * MM2_S, book.form("nu"))
+            formula(sheet, row, 10, at("rho"), leak.density * G_CM3, book.form("rho"))
+            formula(sheet, row, 11, self._flow(row), leak.leakage * MM3_S, book.form("mm3"))
+            put(sheet, row, 12, leak.drawn_from_pump)
             reynolds = f"2*L{row + 1}/(PI()*G{row + 1}*J{row + 1})"
-            formula(sheet, row, 13, reynolds, found.reynolds_number, book.form("um"))
+            formula(sheet, row, 13, reynolds, leak.reynolds_number, book.form("um"))
             put(sheet, row, 14, gap.published)
         sheet.set_column(0, 14, 13)
         sheet.autofilter(0, 0, max(len(self.gaps[at.prefix]), 1), len(names) - 1)
 
-    def _diameter(self, row: int, found: GapLeakage) -> str:
-        spool = cell(self.row_of[found.gap.key], self.columns.at["spool"], "Lands")
+    def _diameter(self, row: int, leak: GapLeakage) -> str:
+        spool = cell(self.row_of[leak.gap.key], self.column_of["spool"], "Lands")
         return f"{spool}+I{row + 1}*0.001" if self.diagnosis.profile.diameter == "mean" else spool
 
     def _flow(self, row: int) -> str:
         """The gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
         profile, r = self.diagnosis.profile, row + 1
-        eccentric = f"(1+{ECCENTRIC_GAIN}*{_number(profile.eccentricity)}^2)*" if profile.eccentricity else ""
+        eccentric = f"(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2)*" if profile.eccentricity else ""
         if profile.entry_loss:
             viscous = f"(12*J{r}*K{r}*H{r})"
             root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
@@ -284,23 +298,23 @@ class LiveSheets:
         names = ["component", "land", "rule", "unit", "value", *(f"{level} from" for level in FLAGGED)]
         names += ["verdict", "rank", "origin of the limit", "source"]
         self.book.headings(sheet, 0, names)
-        for found in self.lands:
-            if not found.rules:
+        for judged in self.lands:
+            if not judged.rules:
                 continue
-            for row, rule in enumerate(found.rules, start=self.rule_rows[found.key][0]):
-                self._rule(sheet, row, found, rule)
+            for row, rule in enumerate(judged.rules, start=self.rule_rows[judged.key][0]):
+                self._rule(sheet, row, judged, rule)
         last = max((rows[1] for rows in self.rule_rows.values()), default=1)
         for column, width in enumerate((12, 7, 44, 7, 12, *(12 for _ in FLAGGED), 14, 7, 24, 60)):
             sheet.set_column(column, column, width)
         sheet.autofilter(0, 0, last, len(names) - 1)
         self.book.colour_words(sheet, (1, _VERDICT), (last, _VERDICT), VERDICTS)
 
-    def _rule(self, sheet: Worksheet, row: int, found: LandDiagnosis, rule: Rule) -> None:
-        book, land, r = self.book, found.state.land, row + 1
+    def _rule(self, sheet: Worksheet, row: int, judged: LandDiagnosis, rule: Rule) -> None:
+        book, land, r = self.book, judged.state.land, row + 1
         kind, factor = rule.kind.suffix, rule.kind.factor
         for column, value in enumerate((land.component, land.land, rule.label, rule.kind.unit)):
             put(sheet, row, column, value)
-        source = self._rule_source(found, rule)
+        source = self._rule_source(judged, rule)
         if source is None:
             put(sheet, row, 4, rule.value * factor, book.form(kind))
         else:
@@ -312,16 +326,16 @@ class LiveSheets:
             if shared:
                 formula(sheet, row, column, self.limit_cells[rule.kind, level], limit * factor, book.form(kind))
             else:  # the land's own
-                put(sheet, row, column, limit * factor, book.form(kind, **_INPUT))
-            text = f"IF(E{r}>={cell(row, column)}*(1-{ROUNDING:E}),{_RANKED.index(level) + 1},{text})"
-        formula(sheet, row, _VERDICT + 1, text, _RANKED.index(rule.verdict) + 1)
-        formula(sheet, row, _VERDICT, _choose(cell(row, _VERDICT + 1)), signed(rule.verdict), book.form())
+                put(sheet, row, column, limit * factor, book.form(kind, **CHANGEABLE))
+            text = f"IF(E{r}>={cell(row, column)}*(1-{ROUNDING:E}),{RANKED.index(level) + 1},{text})"
+        formula(sheet, row, _VERDICT + 1, text, RANKED.index(rule.verdict) + 1)
+        formula(sheet, row, _VERDICT, verdict_of_rank(cell(row, _VERDICT + 1)), signed(rule.verdict), book.form())
         put(sheet, row, _VERDICT + 2, rule.origin)
         put(sheet, row, _VERDICT + 3, rule.source)
 
-    def _rule_source(self, found: LandDiagnosis, rule: Rule) -> str | None:
+    def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str | None:
         """Where the rule's value stands among the lands; None where the workbook holds no such condition."""
-        row, at = self.row_of[found.key], self.columns.at
+        row, at = self.row_of[judged.key], self.column_of
         if rule.kind is RuleKind.WEAR:
             return cell(row, at["wear"], "Lands")
         if rule.kind is RuleKind.CLEARANCE:
@@ -330,146 +344,6 @@ class LiveSheets:
             if rule.condition == condition.projection.condition:
                 return cell(row, at["share", condition.prefix], "Lands")
         return None
-
-
-class _Columns:
-    """The columns of the lands: their names, widths and what stands in each."""
-
-    def __init__(self, sheets: LiveSheets) -> None:
-        self.sheets = sheets
-        self.names: list[str] = []
-        self.widths: list[int] = []
-        self.at: dict[Any, int] = {}
-        self.shares: list[Any] = []
-        self.mean_of: dict[tuple[tuple[str, int], str], str] = {}  # (land, part) → formula over the readings
-        lands = sheets.record["lands"]
-        self.uncertain = any(row["uncertainty_um"] is not None for row in lands)
-        self.decided = any(row["decision"] is not None for row in lands)
-        self.projected = any(found.replace_mileage is not None for found in sheets.lands)
-        for key, name, width in self._layout():
-            self.at[key] = len(self.names)
-            self.names.append(name)
-            self.widths.append(width)
-            if isinstance(key, tuple) and key[0] == "share":
-                self.shares.append(key)
-
-    def _layout(self) -> Iterable[tuple[Any, str, int]]:
-        yield "component", "component", 12
-        yield "name", "name", 26
-        yield "land", "land", 7
-        yield "verdict", "verdict", 15
-        yield "status", "measured", 13
-        yield "sleeve", "sleeve diameter D [mm]", 12
-        yield "spool", "spool diameter d [mm]", 12
-        yield "c_r", "radial clearance c_r [µm]", 12
-        if self.uncertain:
-            yield "U", "standard uncertainty u(c_r) [µm]", 12
-        yield "c_m", "mounting clearance c_m [µm]", 12
-        yield "wear", "wear Z [%]", 10
-        yield "beta_k", "expansion of body β_k [1e-6/K]", 12
-        yield "beta_s", "expansion of spool β_s [1e-6/K]", 12
-        for condition in self.sheets.conditions:
-            at = f", {condition.title}"
-            yield ("c_re", condition.prefix), f"effective clearance c_re [µm]{at}", 14
-            yield ("q", condition.prefix), f"leakage q [dm³/min]{at}", 14
-            yield ("share", condition.prefix), f"share of pump capacity [%]{at}", 14
-        if self.uncertain:
-            yield "low", "leakage, low [dm³/min]", 12
-            yield "high", "leakage, high [dm³/min]", 12
-        if self.decided:
-            yield "decision", "decision as issued", 16
-            yield "probability", "probability over the limit as issued [%]", 14
-        if self.projected:
-            yield "mileage", "replace at mileage [km], wear ∝ mileage, as issued", 14
-        yield "because", "rule that gave the verdict, as issued", 34
-        yield "representative", "representative values", 40
-
-    def cells(self, found: LandDiagnosis) -> Iterable[tuple[str, str | None, Any, dict[str, Any]]]:
-        """(kind, formula or None, value, format) for every column of one land."""
-        state, land = found.state, found.state.land
-        sheets, row = self.sheets, self.sheets.row_of[found.key] + 1
-        record = sheets.record["lands"][row - 2]
-
-        def here(key: Any) -> str:
-            return cell(row - 1, self.at[key]).replace("$", "")
-
-        for key in self.at:
-            match key:
-                case "component":
-                    yield "plain", None, land.component, {"bold": True}
-                case "name":
-                    yield "plain", None, sheets.diagnosis.controller.components[land.component], {}
-                case "land":
-                    yield "plain", None, land.land, {"align": "center"}
-                case "verdict":
-                    rows = sheets.rule_rows.get(found.key)
-                    # ok is not claimed of half a pair
-                    fine = Verdict.OK if state.status == "measured" else Verdict.NOT_MEASURED
-                    ranks = None if rows is None else _choose(f"MAX({span(*rows, _VERDICT + 1, 'Rules')})", fine)
-                    yield "plain", ranks, signed(found.verdict), {"bold": True}
-                case "status":
-                    yield "plain", None, state.status.replace("_", " "), {}
-                case "sleeve" | "spool":
-                    value = state.sleeve_diameter if key == "sleeve" else state.spool_diameter
-                    yield "mm", self.mean_of.get((found.key, key)), value * MM, _INPUT
-                case "c_r":
-                    text = f"({here('sleeve')}-{here('spool')})/2*1000"
-                    yield "um", text, state.radial_clearance * UM, {}
-                case "c_m":
-                    yield "um", None, land.mounting_clearance * UM, _INPUT
-                case "wear":
-                    text = f"({here('c_r')}-{here('c_m')})/{here('c_m')}*100"
-                    yield "percent", text, None if found.wear is None else found.wear * PERCENT, {}
-                case "beta_k":
-                    yield "plain", None, land.body_expansion * 1e6, _INPUT
-                case "beta_s":
-                    yield "plain", None, land.spool_expansion * 1e6, _INPUT
-                case ("c_re", prefix):
-                    yield self._effective(found, prefix, here)
-                case ("q", prefix):
-                    yield self._leakage(found, prefix)
-                case ("share", prefix):
-                    at = next(each for each in sheets.conditions if each.prefix == prefix)
-                    text = _share(here(("q", prefix)), at("capacity"))
-                    share = at.projection.share_of(at.projection.leakage_of(found.key))
-                    yield "percent", text, share * PERCENT, {}
-                case "U":
-                    yield "um", None, record["uncertainty_um"], {}
-                case "low":
-                    yield "flow", None, record["leakage_low_dm3_min"], {}
-                case "high":
-                    yield "flow", None, record["leakage_high_dm3_min"], {}
-                case "decision":
-                    yield "plain", None, (record["decision"] or "").replace("_", " ") or None, {}
-                case "probability":
-                    probability = record["probability_over_limit"]
-                    yield "percent", None, None if probability is None else probability * PERCENT, {}
-                case "mileage":
-                    yield "mileage", None, found.replace_mileage, {}
-                case "because":
-                    deciding = found.deciding
-                    because = deciding.label if deciding and found.verdict != Verdict.OK else None
-                    yield "plain", None, because, {"text_wrap": True}
-                case "representative":
-                    yield "plain", None, ", ".join(land.representative) or None, {}
-
-    def _effective(self, found: LandDiagnosis, prefix: str, here: Any) -> tuple[str, str, float, dict[str, Any]]:
-        at = next(each for each in self.sheets.conditions if each.prefix == prefix)
-        opening = f"{here('beta_k')}*{here('sleeve')}-{here('beta_s')}*{here('spool')}"
-        rise = f"({at('T')}-{_number(REFERENCE_TEMPERATURE)})"
-        text = f"MAX({here('c_r')}+({opening})/2*{rise}*0.001,0)"
-        gaps = at.projection.gaps_of(found.key)
-        if gaps:
-            return "um", text, gaps[0].effective_clearance * UM, {}
-        return "um", text, found.state.effective_clearance(at.projection.condition.temperature) * UM, {}
-
-    def _leakage(self, found: LandDiagnosis, prefix: str) -> tuple[str, str | None, float, dict[str, Any]]:
-        at = next(each for each in self.sheets.conditions if each.prefix == prefix)
-        rows = [row for row, gap in enumerate(self.sheets.gaps[prefix], start=1) if gap.gap.key == found.key]
-        if not rows:
-            return "flow", None, 0.0, {}
-        text = f"SUM({span(rows[0], rows[-1], 11, at.sheet)})*6E-5"
-        return "flow", text, at.projection.leakage_of(found.key) * DM3_MIN, {}
 
 
 def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:
@@ -487,7 +361,7 @@ def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:
         direction = -1.0 if reading.direction is None else reading.direction
         known.append(((place, reading.part != "spool", planes, direction, reading.repeat), reading))
     known.sort(key=lambda pair: pair[0])
-    form, mm = book.form(), book.form("mm", **_INPUT)
+    form, mm = book.form(), book.form("mm", **CHANGEABLE)
     rows: dict[tuple[Any, ...], list[int]] = {}
     for row, (_, reading) in enumerate(known, start=1):
         land = controller.land_of_plane(reading.component, reading.plane)
@@ -504,7 +378,7 @@ def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:
             put(sheet, row, column, value, form)
     sheet.set_column(0, len(names), 13)
     sheet.autofilter(0, 0, max(len(known), 1), len(names) - 1)
-    live.columns.mean_of.update(_means(rows))
+    live.means.update(_means(rows))
 
 
 def _means(rows: dict[tuple[Any, ...], list[int]]) -> Iterable[tuple[Any, str]]:
@@ -524,28 +398,12 @@ def _average(terms: list[str]) -> str:
     return f"AVERAGE({','.join(terms)})"
 
 
-def _choose(rank: str, fine: Verdict = Verdict.OK) -> str:
-    words = ",".join(f'"{signed(verdict)}"' for verdict in (fine, *_RANKED[1:]))
-    return f"CHOOSE({rank},{words})"
-
-
-def _share(leakage: str, capacity: str) -> str:
-    """A share [%]; no leakage has no share of a pump that delivers nothing, any other has one without bounds."""
-    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,9.99E99,0))"
-
-
-def _drop(high: Pressure, low: Pressure, at: _At) -> str:
+def _drop(high: Pressure, low: Pressure, at: SheetCondition) -> str:
     def term(pressure: Pressure) -> str:
         if pressure.section is None:
             return ""
         name = at(pressure.section)
-        return name if pressure.coefficient == 1.0 else f"{_number(pressure.coefficient)}*{name}"
+        return name if pressure.coefficient == 1.0 else f"{exact(pressure.coefficient)}*{name}"
 
     taken = term(low)
     return (term(high) or "0") + (f"-{taken}" if taken else "")
-
-
-def _number(value: float) -> str:
-    """A number as a formula takes it, with every digit; negative ones in brackets."""
-    text = repr(float(value)).upper()
-    return f"({text})" if value < 0 else text

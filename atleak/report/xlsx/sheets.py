@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -12,21 +11,18 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job, Record
 from atleak.look import CHART_GRID, INPUT, PAPER
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
+from atleak.report.xlsx.land_columns import ColumnKey
 from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.road_series import road_series
 from atleak.wording import signed, wording
-from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
+from atleak.workshop_units import DM3_MIN, PERCENT, RPM
 
 ROAD_ROWS = 2000  # of the thinned road test
-_KINDS = {
-    "gear": "count",
-    "time_s": "time",
-    "share_percent": "percent",
-    "temperature_c": "temperature",
-    "engine_rpm": "rpm",
-}
+_KINDS = {  # of numbers, by their unit
+    "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
+}  # fmt: skip
 _RULE_LABELS = {
     RuleKind.WEAR: "wear [%]",
     RuleKind.CLEARANCE: "radial clearance [µm]",
@@ -89,10 +85,10 @@ class Sheets:
         total = f"At “{worst.condition.label}” leakage takes {share} ({diagnosis.band(worst)})."
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
-        found = f"{len(flagged)} of {diagnosis.measured} measured lands have reached a limit"
+        lands = f"{len(flagged)} of {diagnosis.measured} measured lands have reached a limit"
         if isinstance(decided_by, Rule):
-            return f"{signed(diagnosis.verdict)} because of the total: {total} {found}."
-        return f"{signed(diagnosis.verdict)}: {found}. {total}"
+            return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
+        return f"{signed(diagnosis.verdict)}: {lands}. {total}"
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
@@ -101,17 +97,17 @@ class Sheets:
         book.headings(sheet, row, names)
         first = row + 1
         for row, at in enumerate(live.conditions, start=first):
-            found, band = at.projection, self.diagnosis.band(at.projection)
-            put(sheet, row, 0, found.condition.label)
+            projection, band = at.projection, self.diagnosis.band(at.projection)
+            put(sheet, row, 0, projection.condition.label)
             cells: list[tuple[str, Any, str]] = [
-                ("T", found.condition.temperature, "temperature"),
-                ("n", found.condition.engine_speed * RPM, "rpm"),
-                ("gear", found.condition.gear, "count"),
-                ("leakage", found.leakage * DM3_MIN, "flow"),
-                ("capacity", found.pump_capacity * DM3_MIN, "flow"),
-                ("share", found.share * PERCENT, "percent"),
+                ("T", projection.condition.temperature, "temperature"),
+                ("n", projection.condition.engine_speed * RPM, "rpm"),
+                ("gear", projection.condition.gear, "count"),
+                ("leakage", projection.leakage * DM3_MIN, "flow"),
+                ("capacity", projection.pump_capacity * DM3_MIN, "flow"),
+                ("share", projection.share * PERCENT, "percent"),
                 ("band", band, "plain"),
-                ("n_min", found.minimum_speed * RPM, "rpm"),
+                ("n_min", projection.minimum_speed * RPM, "rpm"),
             ]
             for column, (name, value, kind) in enumerate(cells, start=1):
                 formula(sheet, row, column, at(name), value, book.form(kind, align="left"))
@@ -124,48 +120,30 @@ class Sheets:
         if not flagged:
             put(sheet, row, 1, "none")
             return row + 1
-        keys: list[tuple[Any, str, str]] = [
-            ("c_r", "radial clearance [µm]", "um"),
-            ("c_m", "mounting clearance [µm]", "um"),
-            ("wear", "wear [%]", "percent"),
-            *((key, f"share [%], {title}", "percent") for key, title in self._share_columns()),
-        ]
-        book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *(name for _, name, _ in keys)])
+        keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in live.conditions)]
+        headings = [live.columns[live.column_of[key]].heading for key in keys]
+        book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *headings])
         because = max(4 + len(keys), 9)
         put(sheet, row + 1, because, "because, as issued", book.heading)
         put(sheet, row + 1, because + 1, "origin of the limit", book.heading)
         first = row + 2
-        for row, found in enumerate(flagged, start=first):
-            land, at = found.state.land, live.row_of[found.key]
-            put(sheet, row, 0, land.component, book.bold)
-            put(sheet, row, 1, self.diagnosis.controller.components[land.component])
-            verdict = cell(at, live.columns.at["verdict"], "Lands")
-            formula(sheet, row, 2, verdict, signed(found.verdict), book.bold)
-            put(sheet, row, 3, land.land, book.form(align="left"))
-            for column, (key, _, kind) in enumerate(keys, start=4):
-                value = self._land_value(found, key)
-                if value is not None:
-                    address = cell(at, live.columns.at[key], "Lands")
-                    formula(sheet, row, column, address, value, book.form(kind, align="left"))
-            if found.deciding is not None:
-                put(sheet, row, because, found.deciding.label)
-                put(sheet, row, because + 1, found.deciding.origin)
+        for row, flag in enumerate(flagged, start=first):
+            (component, number), at = flag.key, live.row_of[flag.key]
+            put(sheet, row, 0, component, book.bold)
+            put(sheet, row, 1, self.diagnosis.controller.components[component])
+            verdict = cell(at, live.column_of["verdict"], "Lands")
+            formula(sheet, row, 2, verdict, signed(flag.verdict), book.bold)
+            put(sheet, row, 3, number, book.form(align="left"))
+            for column, key in enumerate(keys, start=4):
+                there = live.land_cell(flag, key)
+                if there.value is not None:
+                    address = cell(at, live.column_of[key], "Lands")
+                    formula(sheet, row, column, address, there.value, book.form(there.kind, align="left"))
+            if flag.deciding is not None:
+                put(sheet, row, because, flag.deciding.label)
+                put(sheet, row, because + 1, flag.deciding.origin)
         book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
         return row + 1
-
-    def _share_columns(self) -> Iterable[tuple[Any, str]]:
-        for at in self.live.conditions:
-            yield ("share", at.prefix), at.title
-
-    def _land_value(self, found: Any, key: Any) -> float | None:
-        if key == "c_r":
-            return found.state.radial_clearance * UM
-        if key == "c_m":
-            return found.state.land.mounting_clearance * UM
-        if key == "wear":
-            return None if found.wear is None else found.wear * PERCENT
-        at = next(each for each in self.live.conditions if each.prefix == key[1])
-        return at.projection.share_of(at.projection.leakage_of(found.key)) * PERCENT
 
     def _repair(self, sheet: Worksheet, row: int) -> int:
         plan = self.record["repair_plan"]
@@ -221,9 +199,9 @@ class Sheets:
             put(sheet, row, 0, text)
         row += 34  # room for two charts
         names = list(series.columns)
-        book.headings(sheet, row, [_heading(name) for name in names])
+        book.headings(sheet, row, [f"{label} [{unit}]" if unit else label for label, unit in series.labels.values()])
         for column, (name, values) in enumerate(series.columns.items()):
-            form = book.form(_KINDS.get(name, "kpa" if name.endswith("kpa") else "flow"))
+            form = book.form(_KINDS[series.labels[name][1]])
             for line, value in enumerate(values.tolist(), start=row + 1):
                 if value == value:  # NaN: an empty cell, a gap in the chart
                     sheet.write_number(line, column, value, form)
@@ -231,20 +209,22 @@ class Sheets:
         sheet.set_column(1, len(names), 15)
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
-        self._chart(sheet, row - 33, "Flow [dm³/min]", [(name, names.index(name)) for name in flows], first, last)
+        drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
+        self._chart(sheet, row - 33, "Flow [dm³/min]", drawn, first, last)
         if "share_percent" in names:
-            self._chart(sheet, row - 16, "Share [%]", [("share_percent", names.index("share_percent"))], first, last)
+            drawn = [("share_percent", "share", names.index("share_percent"))]
+            self._chart(sheet, row - 16, "Share [%]", drawn, first, last)
 
     def _chart(
-        self, sheet: Worksheet, row: int, axis: str, series: list[tuple[str, int]], first: int, last: int
+        self, sheet: Worksheet, row: int, axis: str, series: list[tuple[str, str, int]], first: int, last: int
     ) -> None:
         chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
         dashes = {"pump_capacity_dm3_min": (PAPER.pump, "dash"), "leakage_dm3_min": (PAPER.leakage, "solid")}
-        for name, column in series:
+        for name, label, column in series:
             colour, dash = dashes.get(name, (PAPER.share, "solid"))
             chart.add_series(
                 {
-                    "name": _heading(name).partition(" [")[0],
+                    "name": label,
                     "categories": "=" + span(first, last, 0, "Road test"),
                     "values": "=" + span(first, last, column, "Road test"),
                     "line": {"color": colour, "width": 1.25, "dash_type": dash},
@@ -323,13 +303,13 @@ class Sheets:
         record = self.record
         row = self.book.pairs(sheet, 0, [("atleak", record["atleak"]), ("format", str(record["format"]))]) + 1
         for name in ("profile", "controller", "fluid", "limits", "readings", "road_test"):
-            found = record[name]
-            if not found:
+            entry = record[name]
+            if not entry:
                 continue
             put(sheet, row, 0, _words(name), self.book.heading)
-            wanted = {key: value for key, value in found.items() if isinstance(value, str | int | float | bool | list)}
+            wanted = {key: value for key, value in entry.items() if isinstance(value, str | int | float | bool | list)}
             if name == "road_test":
-                wanted = {key: found[key] for key in ("file", "sha256", "rows", "duration_s")}
+                wanted = {key: entry[key] for key in ("file", "sha256", "rows", "duration_s")}
             pairs = [(key.replace("_", " "), _plain(value)) for key, value in wanted.items()]
             row = self.book.pairs(sheet, row + 1, pairs, 94) + 1
         sheet.set_column(0, 0, 24)
@@ -337,8 +317,8 @@ class Sheets:
 
 
 def _pairs(record: Record) -> list[tuple[str, Any]]:
-    found = ((name, getattr(record, name)) for name in type(record).model_fields)
-    return [(_words(name), _plain(value)) for name, value in found]
+    fields = ((name, getattr(record, name)) for name in type(record).model_fields)
+    return [(_words(name), _plain(value)) for name, value in fields]
 
 
 def _plain(value: Any) -> Any:
@@ -361,22 +341,4 @@ def _words(name: str) -> str:
     for ending, unit in (("_km", "km"), ("_c", "°C")):
         if name.endswith(ending):
             name = f"{name.removesuffix(ending)} [{unit}]"
-    return name.replace("_", " ")
-
-
-def _heading(name: str) -> str:
-    """A series' name: ``leakage_p_g_dm3_min`` → ``leakage p_g [dm³/min]``."""
-    for ending, unit in (
-        ("_dm3_min", "dm³/min"),
-        ("_percent", "%"),
-        ("_kpa", "kPa"),
-        ("_rpm", "1/min"),
-        ("_c", "°C"),
-        ("_s", "s"),
-    ):
-        if name.endswith(ending):
-            stem = name.removesuffix(ending)
-            if not stem.startswith("p_"):
-                stem = stem.replace("_", " ").replace(" p ", " p_")
-            return f"{stem} [{unit}]"
     return name.replace("_", " ")

@@ -484,7 +484,7 @@ def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: Ap
     table = app.dataframe[0].value
     assert list(table)[:4] == ["Verdict", "Pair", "Wear [%]", "Share [%]"]
     assert table["Pair"].iloc[0] == "25 · 1 main pressure valve"
-    assert table["Decided by"].iloc[0].startswith("share of pump flow, hot idle in drive")
+    assert table["Decided by"].iloc[0].startswith("share of pump flow 6.19 %, limit 4 %, hot idle")
     number(app, "Temperature [°C]").set_value("120.0").run()
     choice(app, "Gear").select(3).run()
     assert not any("share stated" in text for text in app.dataframe[0].value["Decided by"].dropna())
