@@ -15,11 +15,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atleak.errors import AtleakError, InputError, OutputError, Place, nearest_name
+from atleak.errors import AtleakError, InputError, OutputError, Place, unknown
 from atleak.files import replace_file
 from atleak.shipped import shipped
 from atleak.verdicts import FLAGGED
 from atleak.version import __version__
+from atleak.wording import languages
 from atleak.written_numbers import (
     ENGINE_SPEED,
     MILEAGE,
@@ -506,7 +507,7 @@ def _add_force(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_print(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--language", choices=["en", "pl", "de"], default="en", help="of the PDF")
+    parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
     parser.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
 
 
@@ -537,10 +538,7 @@ def _constant(text: str) -> tuple[str, float]:
 
     name, value = _pair(text)
     if name not in QUANTITIES:
-        near = nearest_name(name, QUANTITIES)
-        raise argparse.ArgumentTypeError(
-            f"{name!r} is no quantity of a log" + (f"; did you mean {near!r}?" if near else "")
-        )
+        raise argparse.ArgumentTypeError(str(unknown("no such quantity of a log", name, QUANTITIES)))
     known = QUANTITIES[name]
     number = _number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(number) if known.unit_kind else number
@@ -566,10 +564,12 @@ def _number_of(asked: AskedNumber) -> Callable[[str], float]:
 
 
 def _formats(text: str) -> list[str]:
+    from atleak.report.batch import KINDS
+
     names = [name.strip().lower() for name in text.split(",")]
     for name in names:
-        if name not in {"pdf", "xlsx", "json"}:
-            raise argparse.ArgumentTypeError(f"{name!r} is not one of pdf, xlsx, json")
+        if name not in KINDS:
+            raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(KINDS)}")
     return names
 
 

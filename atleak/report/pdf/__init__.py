@@ -63,7 +63,7 @@ def write_pdf(
     job
         what the workshop wrote down; what is not filled in is left out.
     language
-        ``"en"``, ``"pl"`` or ``"de"``.
+        one of `atleak.wording.languages`.
     paper
         ``"a4"`` or ``"letter"``.
     sections
