@@ -106,7 +106,7 @@ def unknown(
     value: object,
     known: Iterable[str],
     *,
-    kind: type[AnyInputError] = InputError,
+    kind: type[AnyInputError] = InputError,  # type: ignore[assignment]
     place: Place | None = None,
     otherwise: str = "",
 ) -> AnyInputError:
@@ -149,11 +149,14 @@ def one_of(known: Iterable[str]) -> str | None:
     return f"one of {', '.join(names[:_NAMES_SHOWN])}{more}" if names else None
 
 
+MessageLevel = Literal["info", "warning"]
+
+
 @dataclass(frozen=True)
 class Message:
     """What a result has to say besides its numbers: ``code`` for programs, ``text`` for people."""
 
-    level: Literal["info", "warning"]
+    level: MessageLevel
     code: str
     text: str
     place: Place | None = None

@@ -1,12 +1,13 @@
 """Start-up and run of ``atleak diagnose`` on the sample job, beside importing NumPy and pandas.
 
-    python benchmarks/command_line.py
+    python benchmarks/command_line.py [--small]
 
 Whole processes, imports compiled beforehand, median of 5 taken in turn. Goal: at most 3 times.
 """
 
 from __future__ import annotations
 
+import argparse
 import compileall
 import os
 import statistics
@@ -16,6 +17,9 @@ import time
 from importlib.util import find_spec
 from pathlib import Path
 
+from timing import options
+
+OPTIONS = options(__doc__)
 ROOT = Path(__file__).resolve().parents[1]
 SAMPLE = ROOT / "sample_data"
 PEER = [sys.executable, "-c", "import numpy, pandas"]
@@ -25,7 +29,7 @@ RUN = [
 ]
 
 
-def main() -> None:
+def main(chosen: argparse.Namespace) -> None:
     spec = find_spec("atleak")
     assert spec is not None
     assert spec.submodule_search_locations is not None
@@ -33,7 +37,7 @@ def main() -> None:
         compileall.compile_dir(folder, quiet=2)
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     times: dict[str, list[float]] = {"peer": [], "run": []}
-    for _ in range(6):
+    for _ in range(2 if chosen.small else 6):
         for name, command in (("peer", PEER), ("run", RUN)):
             start = time.perf_counter()
             subprocess.run(command, check=True, env=environment, stdout=subprocess.DEVNULL)
@@ -43,4 +47,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(OPTIONS.parse_args())

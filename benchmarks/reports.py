@@ -1,6 +1,6 @@
 """Time of the printed report and the workbook of a 60-land job with a log, beside the bare libraries.
 
-    python benchmarks/reports.py [--batch 100]
+    python benchmarks/reports.py [--batch 100] [--small]
 
 Imports are done and one report written beforehand; median of 7 taken in turn. Peers: typst compiling the same document
 with its data ready, and XlsxWriter writing the same cells as plain values. Goals: PDF 1.5 s, workbook 0.5 s. With
@@ -28,6 +28,7 @@ import typst
 import xlsxwriter
 from PIL import Image
 from rich.progress import Progress
+from timing import options
 
 from atleak.catalogue.controller import Controller, load_controller
 from atleak.catalogue.fluid import load_fluid
@@ -42,6 +43,8 @@ from atleak.report.batch import write_reports
 from atleak.report.xlsx import write_workbook
 from atleak.wording import wording
 
+OPTIONS = options(__doc__)
+OPTIONS.add_argument("--batch", type=int, default=0, metavar="N", help="also the reports of so many job files")
 ROOT = Path(__file__).resolve().parents[1]
 LANDS = 60
 RUNS = 7
@@ -148,10 +151,7 @@ def batch(count: int) -> None:
     print(f"{count} jobs, PDF and workbook each: {took:.1f} s, {took / count * 1e3:.0f} ms a job")
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--batch", type=int, default=0, metavar="N")
-    options = parser.parse_args()
+def main(chosen: argparse.Namespace) -> None:
     diagnosis, job = job_of_60()
     print(f"{len(diagnosis.lands)} lands, {len(diagnosis.road.time)} samples, {len(job.pictures)} photos")
     with tempfile.TemporaryDirectory() as folder:
@@ -163,16 +163,16 @@ def main() -> None:
         }
         sizes = {name: len(run()) for name, run in runs.items()}
         times: dict[str, list[float]] = {name: [] for name in runs}
-        for _ in range(RUNS):
+        for _ in range(1 if chosen.small else RUNS):
             for name, run in runs.items():
                 start = time.perf_counter()
                 run()
                 times[name].append(time.perf_counter() - start)
     for name, found in times.items():
         print(f"{name:28} {statistics.median(found) * 1e3:6.0f} ms   {sizes[name] / 1024:6.0f} KiB")
-    if options.batch:
-        batch(options.batch)
+    if count := chosen.batch or (2 if chosen.small else 0):
+        batch(count)
 
 
 if __name__ == "__main__":
-    main()
+    main(OPTIONS.parse_args())

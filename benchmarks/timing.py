@@ -1,11 +1,19 @@
-"""How the benchmarks time: the median of some runs, all in one process."""
+"""What every benchmark does alike: its one option, and the median of some runs, all in one process."""
 
 from __future__ import annotations
 
+import argparse
 import statistics
 import time
 from collections.abc import Callable
 from typing import Any
+
+
+def options(doc: str) -> argparse.ArgumentParser:
+    """The command line of a benchmark: its docstring, and ``--small`` for a run of seconds."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--small", action="store_true", help="seconds instead of minutes: that it runs, not how fast")
+    return parser
 
 
 def median_time(run: Callable[[], Any], rounds: int = 7) -> float:

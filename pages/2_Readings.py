@@ -33,7 +33,7 @@ only = st.segmented_control("Lands", ["all", "flagged", "not fully measured"], d
 chosen = {
     "flagged": diagnosis.flagged,
     "not fully measured": [land for land in diagnosis.lands if land.state.status != "measured"],
-}.get(only, diagnosis.lands)
+}.get(only or "all", diagnosis.lands)
 if chosen:
     show.verdict_table(words.clearance_table(controller, clearance_rows(chosen)), words.DIGITS)
     st.caption(

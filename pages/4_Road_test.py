@@ -13,10 +13,11 @@ from pages.shared import log_form, panel, show
 
 case, diagnosis = panel.shown()
 st.title("Road test")
-file, found = log_form.pending(case)
-if found is None:
+pending = log_form.pending(case)
+if pending is None:
     st.info("No road-test log in the job. Upload one in the panel at the side.")
     st.stop()
+file, found = pending
 test = found.road_test
 facts = [found.format, found.encoding, f"decimal sign {found.decimal}" if found.decimal else None]
 if test is not None:

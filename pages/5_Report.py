@@ -1,5 +1,8 @@
 """The report: what the workshop writes down about the job, and PDF, workbook, JSON and job file to take along."""
 
+from collections.abc import Callable
+from functools import partial
+
 import streamlit as st
 
 from atleak.errors import AtleakError
@@ -25,16 +28,23 @@ name = f"atleak_{record.number}" if record.number.isalnum() else "atleak"
 st.subheader("Take it along")
 options = st.columns(2)
 named = {language: wording(language).texts["language"] for language in languages()}
-language = options[0].selectbox("Language", list(named), list(named).index("en"), named.get, key="report-language")
-paper = options[1].selectbox("Paper", ["a4", "letter"], format_func=PAPERS.get, key="report-paper")
+language = options[0].selectbox(
+    "Language", list(named), list(named).index("en"), named.__getitem__, key="report-language"
+)
+paper = options[1].selectbox("Paper", ["a4", "letter"], format_func=PAPERS.__getitem__, key="report-paper")
 titles = wording("en").texts["sections"]
 picked = st.pills(
-    "Sections", SECTIONS, selection_mode="multi", default=SECTIONS, format_func=titles.get, key="report-sections"
+    "Sections",
+    SECTIONS,
+    selection_mode="multi",
+    default=SECTIONS,
+    format_func=titles.__getitem__,
+    key="report-sections",
 )
 sections = [name for name in SECTIONS if name in picked]
-printed = {"language": language, "paper": paper, "sections": sections}
-downloads = {
-    "PDF": ("pdf", lambda: write_pdf(diagnosis, record, **printed), "Ready to print, hand over and keep."),
+printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=sections)
+downloads: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
+    "PDF": ("pdf", printed, "Ready to print, hand over and keep."),
     "Excel workbook": ("xlsx", lambda: write_workbook(diagnosis, record, paper=paper), "With live formulas."),
     "JSON": ("json", lambda: to_json(diagnosis_record(diagnosis)), "Every number, for other programs."),
     "Job record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True), RECORD),

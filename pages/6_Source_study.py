@@ -18,10 +18,10 @@ STUDY, JOB = "the study's valve body and test", "this job's valve body and log"
 case, diagnosis = panel.shown()
 st.title("The source study, reproduced")
 st.markdown(f"{CITED}. Its eight variants W1 to W8 run through the same engine as every job, in the `paper` profile.")
-own = diagnosis.road is not None and not case.sample
+own = None if case.sample else diagnosis.road
 what = st.radio("Run them on", [STUDY, JOB], horizontal=True) if own else STUDY
 try:
-    job = (result_key(case), diagnosis.controller, diagnosis.road.road_test) if what == JOB else ("study", None, None)
+    job = (result_key(case), diagnosis.controller, own.road_test) if own and what == JOB else ("study", None, None)
     controller, road_test, results, options, curves = computed(*job)
 except AtleakError as error:
     st.error(show.error_line(error))

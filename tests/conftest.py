@@ -17,13 +17,29 @@ from atleak.catalogue.limits import Limits, load_limits
 
 ROOT = Path(__file__).resolve().parents[1]
 
-# No deadline: how long an example takes says more about the machine than about the code.
-settings.register_profile("atleak", deadline=None)
-settings.load_profile("atleak")
+# No deadline: how long an example takes says more about the machine than about the code. The README's round tries the
+# same examples everywhere, so that it fails for what was changed; continuous integration asks for the thorough profile
+# (--hypothesis-profile=thorough), which looks for new ones.
+settings.register_profile("quick", deadline=None, max_examples=40, derandomize=True)
+settings.register_profile("thorough", deadline=None, max_examples=300)
+settings.load_profile("quick")
 
 # A machine without a browser or an office program skips the tests that need one. Where everything is installed, as in
 # continuous integration, a skip is a failure.
 NOTHING_MAY_SKIP = bool(os.environ.get("ATLEAK_NOTHING_MAY_SKIP"))
+
+# What is left out of the quick round.
+WHOLE = (
+    "e2e", "unit/cli", "unit/pages", "unit/report", "unit/intake/native",
+    *(f"unit/test_{name}.py" for name in ("files", "marks", "rounds", "verdicts")),
+)  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    folders = [ROOT / "tests" / name for name in WHOLE]
+    for item in items:
+        if any(item.path.is_relative_to(folder) for folder in folders):
+            item.add_marker("whole")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -15,7 +15,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from atleak.catalogue.controller_tables import ComponentTable, ControllerFile, LandTable, PumpTable, RelationTable
+from atleak.catalogue.controller_tables import (
+    ComponentTable,
+    ControllerFile,
+    LandTable,
+    PumpGears,
+    PumpTable,
+    RelationTable,
+)
 from atleak.catalogue.entries import Origin, catalogue_error, catalogue_files, read_entry
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import pressure as pressure_equations
@@ -252,7 +259,9 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
     if twice:
         raise catalogue_error(origin.path, "", "gears", "gear given twice", value=twice[0])
     lands = tuple(_lands(entry, origin.path))
-    relations = {name: _relation(name, table, origin.path) for name, table in entry.pressures.items()}
+    relations: dict[str, PressureRelation] = {
+        name: _relation(name, table, origin.path) for name, table in entry.pressures.items()
+    }
     gaps = tuple(_gaps(entry, lands, origin.path))
     needed = {
         pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
@@ -410,12 +419,14 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
 
 
 def _pump(table: PumpTable) -> Pump:
-    if table.displacement_mm3 is not None:
-        displacement = table.displacement_mm3 * 1e-9
-    else:
-        displacement = pump_equations.displacement(
-            table.module_mm * 1e-3, table.teeth, table.width_mm * 1e-3, table.tooth_height_mm * 1e-3
+    size = table.size
+    displacement = (
+        pump_equations.displacement(
+            size.module_mm * 1e-3, size.teeth, size.width_mm * 1e-3, size.tooth_height_mm * 1e-3
         )
+        if isinstance(size, PumpGears)
+        else size * 1e-9
+    )
     return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
 
 
@@ -430,8 +441,8 @@ def _pressure_relation(table: RelationTable) -> PressureRelation:
     limit = None if table.limit_kpa is None else table.limit_kpa * 1e3
     if table.relation == "line":
         return PressureRelation("line", float(table.ratio or 0.0), table.offset_kpa * 1e3, limit)
-    spring, area = table.spring, pressure_equations.annulus_area
-    rod = table.rod_diameter_mm * 1e-3
+    valve, area = table.valve, pressure_equations.annulus_area
+    spring, rod = valve.spring, valve.rod_diameter_mm * 1e-3
     rate = pressure_equations.spring_rate(
         spring.shear_modulus_mpa * 1e6,
         spring.wire_diameter_mm * 1e-3,
@@ -441,11 +452,11 @@ def _pressure_relation(table: RelationTable) -> PressureRelation:
     deflection = pressure_equations.spring_deflection(spring.free_length_mm * 1e-3, spring.working_length_mm * 1e-3)
     force = pressure_equations.spring_force(rate, deflection)
     areas = (
-        area(table.diameter_1_mm * 1e-3),
-        area(table.diameter_2_mm * 1e-3, rod),
-        area(table.diameter_3_mm * 1e-3, rod),
-        area((table.diameter_g1_mm or table.diameter_2_mm) * 1e-3, rod),
-        area((table.diameter_g2_mm or table.diameter_3_mm) * 1e-3, rod),
+        area(valve.diameter_1_mm * 1e-3),
+        area(valve.diameter_2_mm * 1e-3, rod),
+        area(valve.diameter_3_mm * 1e-3, rod),
+        area((table.diameter_g1_mm or valve.diameter_2_mm) * 1e-3, rod),
+        area((table.diameter_g2_mm or valve.diameter_3_mm) * 1e-3, rod),
     )
     offset = pressure_equations.control_pressure(0.0, force, *areas)
     ratio = pressure_equations.control_pressure(1.0, 0.0, *areas)
@@ -453,7 +464,7 @@ def _pressure_relation(table: RelationTable) -> PressureRelation:
 
 
 def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]:
-    points = []
+    points: list[OperatingPoint] = []
     for number, table in enumerate(entry.operating_points, start=1):
         if table.gear not in entry.gears:
             raise catalogue_error(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -47,6 +48,16 @@ class GapTable(Strict):
     published: bool = False
 
 
+@dataclass(frozen=True)
+class PumpGears:
+    """The gears of a pump, from which its displacement follows."""
+
+    module_mm: float
+    teeth: int
+    width_mm: float
+    tooth_height_mm: float
+
+
 class PumpTable(Strict):
     module_mm: Positive | None = None
     teeth: int | None = Field(default=None, gt=0)
@@ -66,13 +77,27 @@ class PumpTable(Strict):
                 raise ValueError(f"keys of this table, not {name!r}")
         return names
 
-    @model_validator(mode="after")
-    def _geometry_or_displacement(self) -> PumpTable:
-        geometry = (self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm)
-        given = sum(value is not None for value in geometry)
-        if given == (4 if self.displacement_mm3 is None else 0):
-            return self
+    @property
+    def size(self) -> float | PumpGears:
+        """What the pump displaces [mm³/rev], or the gears from which that follows.
+
+        Raises
+        ------
+        ValueError
+            where the table states neither, both, or not all of the gears.
+        """
+        module, teeth, width, height = self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm
+        if self.displacement_mm3 is None:
+            if module is not None and teeth is not None and width is not None and height is not None:
+                return PumpGears(module, teeth, width, height)
+        elif module is None and teeth is None and width is None and height is None:
+            return self.displacement_mm3
         raise ValueError("either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both")
+
+    @model_validator(mode="after")
+    def _gears_or_displacement(self) -> PumpTable:
+        _ = self.size
+        return self
 
 
 class SpringTable(Strict):
@@ -82,6 +107,17 @@ class SpringTable(Strict):
     mean_coil_diameter_mm: Positive
     free_length_mm: Positive
     working_length_mm: Positive
+
+
+@dataclass(frozen=True)
+class BalanceValve:
+    """The spool and spring of a valve that balances a section's pressure against main pressure."""
+
+    diameter_1_mm: float
+    diameter_2_mm: float
+    diameter_3_mm: float
+    rod_diameter_mm: float
+    spring: SpringTable
 
 
 class RelationTable(Strict):
@@ -100,14 +136,28 @@ class RelationTable(Strict):
     diameter_g2_mm: Positive | None = None
     spring: SpringTable | None = None
 
+    @property
+    def valve(self) -> BalanceValve:
+        """The valve of a spool balance.
+
+        Raises
+        ------
+        ValueError
+            naming what the table lacks of it.
+        """
+        one, two, three, rod = self.diameter_1_mm, self.diameter_2_mm, self.diameter_3_mm, self.rod_diameter_mm
+        if one is None or two is None or three is None or rod is None or self.spring is None:
+            wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
+            missing = [key for key in wanted if getattr(self, key) is None]
+            raise ValueError(f"a spool balance with {', '.join(missing)} too")
+        return BalanceValve(one, two, three, rod, self.spring)
+
     @model_validator(mode="after")
     def _complete(self) -> RelationTable:
         if self.relation == "line" and self.ratio is None:
             raise ValueError("a line with its ratio")
-        wanted = ("diameter_1_mm", "diameter_2_mm", "diameter_3_mm", "rod_diameter_mm", "spring")
-        missing = [key for key in wanted if getattr(self, key) is None]
-        if self.relation == "spool_balance" and missing:
-            raise ValueError(f"a spool balance with {', '.join(missing)} too")
+        if self.relation == "spool_balance":
+            _ = self.valve
         return self
 
 

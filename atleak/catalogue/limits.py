@@ -103,6 +103,11 @@ class Limits:
         return Band(self.total_share.judge(share, Band.GREEN)[0])
 
     @property
+    def bands(self) -> tuple[tuple[Band, float], ...]:
+        """The limits of the total share (a fraction), each with the band that begins there."""
+        return tuple((Band(level), limit) for level, limit in self.total_share.levels)
+
+    @property
     def rules(self) -> MappingProxyType[RuleKind, Steps]:
         """The rules that are applied, by the quantity they limit."""
         stated = {
@@ -125,12 +130,16 @@ def load_limits(id_or_path: str | Path) -> Limits:
     entry, origin = read_entry("limits", id_or_path, LimitsFile)
     return Limits(
         **entry.heading(),
-        wear=entry.wear_percent and entry.wear_percent.steps(1e-2),
-        clearance=entry.clearance_um and entry.clearance_um.steps(1e-6),
-        pair_share=entry.pair_share_percent and entry.pair_share_percent.steps(1e-2),
+        wear=_steps(entry.wear_percent, 1e-2),
+        clearance=_steps(entry.clearance_um, 1e-6),
+        pair_share=_steps(entry.pair_share_percent, 1e-2),
         total_share=entry.total_share_percent.steps(1e-2),
         origin=origin,
     )
+
+
+def _steps(table: LevelTable | None, unit: float) -> Steps | None:
+    return None if table is None else table.steps(unit)
 
 
 def limit_sets() -> list[Limits]:

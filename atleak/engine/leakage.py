@@ -41,10 +41,20 @@ ENTRY_LOSS_WORTH_SAYING = 0.02
 class Clearance(Protocol):
     """Hold what the engine needs to know of a land's measured or assumed state."""
 
-    land: Land
-    spool_diameter: float  # [m]
-    sleeve_diameter: float  # [m]
-    radial_clearance: float  # [m]
+    @property
+    def land(self) -> Land: ...
+
+    @property
+    def spool_diameter(self) -> float:
+        """[m]"""
+
+    @property
+    def sleeve_diameter(self) -> float:
+        """[m]"""
+
+    @property
+    def radial_clearance(self) -> float:
+        """[m]"""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -34,18 +34,15 @@ class RoadLeakage:
     pump_capacity: np.ndarray | None  # [m³/s]
     gears: tuple[int, ...]
     section_shares: dict[str, float | None]  # of the volume leaked
-    max_leakage: Instant | None
-    min_leakage: Instant | None
-    max_share: Instant | None
+    max_leakage: Instant
+    min_leakage: Instant
+    max_share: Instant | None  # None where no sample has a share
     messages: tuple[Message, ...]
 
     @property
     def share(self) -> np.ndarray | None:
         """Leakage / pump capacity of every sample; NaN where the pump stands."""
-        if self.pump_capacity is None:
-            return None
-        capacity = np.where(self.pump_capacity > 0.0, self.pump_capacity, np.nan)
-        return self.leakage / capacity
+        return None if self.pump_capacity is None else _share(self.leakage, self.pump_capacity)
 
 
 def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadLeakage:
@@ -122,7 +119,12 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
             )
             messages.append(Message("warning", "pressure_relation", text))
     known = gear[np.isfinite(series.total)]
-    result = RoadLeakage(
+    share = None if capacity is None else _share(series.total, capacity)
+
+    def instant(index: int) -> Instant:
+        return _instant(road_test.time, series.total, capacity, index)
+
+    return RoadLeakage(
         road_test=road_test,
         time=road_test.time,
         leakage=series.total,
@@ -130,28 +132,23 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         pump_capacity=capacity,
         gears=tuple(int(number) for number in np.unique(known)),
         section_shares=_section_shares(series.sections, road_test.time),
-        max_leakage=None,
-        min_leakage=None,
-        max_share=None,
+        max_leakage=instant(int(np.nanargmax(series.total))),
+        min_leakage=instant(int(np.nanargmin(series.total))),
+        max_share=None if share is None or not np.isfinite(share).any() else instant(int(np.nanargmax(share))),
         messages=tuple(messages),
     )
-    share = result.share
-    instants = {
-        "max_leakage": _instant(result, int(np.nanargmax(series.total))),
-        "min_leakage": _instant(result, int(np.nanargmin(series.total))),
-        "max_share": None
-        if share is None or not np.isfinite(share).any()
-        else _instant(result, int(np.nanargmax(share))),
-    }
-    return replace(result, **instants)
 
 
-def _instant(result: RoadLeakage, index: int) -> Instant:
-    capacity = None if result.pump_capacity is None else float(result.pump_capacity[index])
+def _share(leakage: np.ndarray, capacity: np.ndarray) -> np.ndarray:
+    return leakage / np.where(capacity > 0.0, capacity, np.nan)
+
+
+def _instant(time: np.ndarray, leakage: np.ndarray, capacities: np.ndarray | None, index: int) -> Instant:
+    flow = float(leakage[index])
+    capacity = None if capacities is None else float(capacities[index])
     if capacity is not None and not np.isfinite(capacity):
         capacity = None
-    leakage = float(result.leakage[index])
-    return Instant(float(result.time[index]), leakage, capacity, leakage / capacity if capacity else None)
+    return Instant(float(time[index]), flow, capacity, flow / capacity if capacity else None)
 
 
 def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[str, float | None]:

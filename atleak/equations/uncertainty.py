@@ -69,7 +69,7 @@ def normal_quantile(probability: ArrayLike) -> Any:
     refuse("probability", p, (p <= 0.0) | (p >= 1.0), "above 0 and below 1", "")
     found = np.full(p.shape, np.nan)
     known = ~np.isnan(p)
-    found[known] = _each_quantile(p[known]).astype(float)
+    found[known] = np.asarray(_each_quantile(p[known]), dtype=float)
     return result(found)
 
 

@@ -242,14 +242,15 @@ def _instants(figure: go.Figure, series: RoadSeries) -> None:
 def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:
     """Wear of every measured land against the limits of the set, the most worn on top."""
     chosen = diagnosis.lands if lands is None else lands
-    found = sorted((land for land in chosen if land.wear is not None), key=lambda land: land.wear)
+    worn = [(land.wear, land) for land in chosen if land.wear is not None]
+    worn.sort(key=lambda pair: pair[0])
     figure = go.Figure()
     for verdict in VERDICTS:
-        these = [land for land in found if land.verdict == verdict]
+        these = [(wear, land) for wear, land in worn if land.verdict == verdict]
         if these:
             figure.add_scatter(
-                x=[land.wear * PERCENT for land in these],
-                y=[land_name(land) for land in these],
+                x=[wear * PERCENT for wear, _ in these],
+                y=[land_name(land) for _, land in these],
                 mode="markers",
                 name=signed(verdict),
                 marker={"color": look_of(verdict).screen, "symbol": look_of(verdict).marker, "size": 11},
@@ -261,7 +262,7 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
             annotation={"text": f"{name} {level * PERCENT:g} %"},
         )  # fmt: skip
     figure.update_xaxes(title="wear against the mounting clearance [%]")
-    return by_land(figure, [land_name(land) for land in reversed(found)], 18)
+    return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18)
 
 
 def road_channels(

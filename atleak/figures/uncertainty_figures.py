@@ -32,14 +32,14 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
     """
     chosen = _chosen(unit, lands)
     figure = go.Figure()
-    marks = {  # drawn first, open, so that they cover no value
+    marks: dict[str, tuple[str, list[float | None]]] = {  # drawn first, open, so that they cover no value
         "mounting clearance": ("line-ns-open", [land.sources.state.land.mounting_clearance for land in chosen]),
         "limit": ("triangle-down-open", [_clearance_limit(land) for land in chosen]),
     }
-    for name, (symbol, values) in marks.items():
-        if any(value is not None for value in values):
+    for name, (symbol, limits) in marks.items():
+        if any(limit is not None for limit in limits):
             figure.add_scatter(
-                x=[None if value is None else value * UM for value in values],
+                x=[None if limit is None else limit * UM for limit in limits],
                 y=[_name(land) for land in chosen],
                 mode="markers",
                 name=name,
@@ -60,7 +60,7 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
             marker={"color": colour, "symbol": symbol, "size": 10, "line": {"width": 2}},
             error_x=error_bars(values, [land.clearance_interval for land in found], UM, colour),
             customdata=[
-                (land.u_clearance * UM, PERCENT * (land.probability_over_limit or 0.0), land.advice or "")
+                ((land.u_clearance or 0.0) * UM, PERCENT * (land.probability_over_limit or 0.0), land.advice or "")
                 for land in found
             ],
             hovertemplate="%{y}: %{x:.1f} µm, u = %{customdata[0]:.2f} µm<br>"
@@ -140,8 +140,8 @@ def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:
 
 
 def _chosen(unit: UnitUncertainty, lands: int) -> list[LandUncertainty]:
-    measured = [land for land in unit.lands if land.deciding is not None]
-    return sorted(measured, key=lambda land: land.deciding.severity, reverse=True)[:lands]
+    decided = [(land.deciding.severity, land) for land in unit.lands if land.deciding is not None]
+    return [land for _, land in sorted(decided, key=lambda pair: pair[0], reverse=True)[:lands]]
 
 
 def _clearance_limit(land: LandUncertainty) -> float | None:

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, Self, TypedDict, TypeVar
 
 from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
 from atleak.catalogue.fluid import load_fluid
@@ -115,6 +115,22 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
 )
 
 
+class SheetChoices(TypedDict):
+    """How a measuring sheet is read, as `read_readings` takes it."""
+
+    sheet: str | None
+    unit: str | None
+    where: dict[str, str]
+
+
+class LogChoices(TypedDict):
+    """How a log's columns are read, as `read_road_test` takes it."""
+
+    mapping: dict[str, str]
+    units: dict[str, str]
+    constants: dict[str, float]
+
+
 class Loader(Protocol):
     """How the files of a job are read; the dashboard hands in one that keeps what it has read."""
 
@@ -160,6 +176,11 @@ class Case:
         said = {name: files.get(name, value) for name, value in vars(self).items() if not name.startswith("_")}
         return hashlib.sha256(repr(sorted(said.items())).encode("utf-8", "backslashreplace")).hexdigest()
 
+    def with_files(self, files: Mapping[str, SourceFile | None]) -> Self:
+        """This job with other files, by the names of their fields."""
+        changes: dict[str, Any] = dict(files)
+        return replace(self, **changes)
+
     def _files(self) -> list[tuple[str, SourceFile]]:
         named = ((name, getattr(self, name)) for name in ("readings", "road_test", *SLOTS))
         return [(name, found) for name, found in named if isinstance(found, SourceFile)]
@@ -176,13 +197,13 @@ class Case:
         return find_profile(self.profile, {name: str(value) for name, value in self.options})
 
     @property
-    def sheet_choices(self) -> dict[str, Any]:
-        """How the measuring sheet is read, as `read_readings` takes it."""
+    def sheet_choices(self) -> SheetChoices:
+        """How the measuring sheet is read."""
         return {"sheet": self.sheet_name, "unit": self.sheet_unit, "where": dict(self.sheet_where)}
 
     @property
-    def log_choices(self) -> dict[str, Any]:
-        """How the log's columns are read, as `read_road_test` takes it."""
+    def log_choices(self) -> LogChoices:
+        """How the log's columns are read."""
         return {"mapping": dict(self.columns), "units": dict(self.units), "constants": dict(self.constants)}
 
     def condition(self, controller: Controller) -> OperatingPoint:

@@ -25,7 +25,7 @@ from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
 
-FORMAT = 1
+FORMAT: Literal[1] = 1
 _OWN_FILES = ("readings", "road_test")
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
@@ -146,9 +146,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         condition=Condition(**settings_of(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
         readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
-        road_test={name: value for name, value in case.log_choices.items() if value or name != "constants"}
-        if log
-        else {},
+        road_test=_log_choices(case) if log else {},
         assumptions=sure.assumptions.settings if sure else {},
         guard_factor=sure.guard_factor if sure else None,
         files=_names(sheet, log, entries),
@@ -257,6 +255,9 @@ class ReadingChoices(_Strict):
     where: dict[str, str] = {}
 
 
+_LogChoices = dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None]
+
+
 class Choices(_Strict):
     """Everything of a job but its files."""
 
@@ -268,7 +269,7 @@ class Choices(_Strict):
     condition: Condition
     mileage: Annotated[float, Field(ge=0)] | None = None
     readings: ReadingChoices = ReadingChoices()
-    road_test: dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None] = {}
+    road_test: _LogChoices = {}
     assumptions: dict[str, float] = {}
     guard_factor: float | None = None
     files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
@@ -277,7 +278,6 @@ class Choices(_Strict):
         """The case that these choices and files make up; nothing that a computer remembers is consulted."""
         profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
         return Case(
-            **sources,
             profile=profile.name,
             options=differing_options(profile),
             point=OperatingPoint(**self.condition.model_dump()),
@@ -291,7 +291,13 @@ class Choices(_Strict):
             remember=False,
             assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
             guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
-        )
+        ).with_files(sources)
+
+
+def _log_choices(case: Case) -> _LogChoices:
+    chosen = case.log_choices
+    columns: _LogChoices = {"mapping": {**chosen["mapping"]}, "units": {**chosen["units"]}}
+    return columns | {"constants": {**chosen["constants"]}} if chosen["constants"] else columns
 
 
 # --- in and out of the zip

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -21,9 +23,12 @@ from atleak.verdicts import Band, Verdict
 from atleak.views.road_series import RoadSeries
 from atleak.wording import Wording
 
+if TYPE_CHECKING:
+    from matplotlib.typing import RcKeyType
+
 FONTS = Path(__file__).parent / "fonts"
 _LOCK = threading.Lock()  # matplotlib's settings are the process's own
-_SETTINGS = {
+_SETTINGS: dict[RcKeyType, Any] = {
     "svg.hashsalt": "atleak",
     "svg.fonttype": "none",
     "font.family": ["Noto Sans", "DejaVu Sans"],
@@ -211,18 +216,12 @@ def glyphs() -> frozenset[int]:
     return frozenset(found)
 
 
-class _drawing:
+@contextmanager
+def _drawing() -> Iterator[None]:
     """matplotlib with the report's settings, for one thread at a time."""
-
-    def __enter__(self) -> None:
-        _LOCK.acquire()
-        self._settings = mpl.rc_context(_SETTINGS)
-        self._settings.__enter__()
+    with _LOCK, mpl.rc_context(_SETTINGS):
         glyphs()
-
-    def __exit__(self, *error: object) -> None:
-        self._settings.__exit__(*error)  # type: ignore[arg-type]
-        _LOCK.release()
+        yield
 
 
 def _svg(figure: Figure) -> str:

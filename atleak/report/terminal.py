@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Any, TextIO
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
@@ -13,22 +15,32 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
+from atleak.printable import printable, unguarded
 from atleak.rules import Rule
 from atleak.variants import VariantResult
 from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
 
-class _Console(Console):
-    """A console that leaves a reader that went away to the command line: rich would end with status 1."""
+class TerminalConsole(Console):
+    """A console for names that come from somebody's file; to standard output unless another stream is given."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        super().__init__(file=unguarded(stream or sys.stdout), highlight=False)
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterator[Segment]:
+        """The text of it printable; what this console itself says to the terminal stays."""
+        for segment in super().render(renderable, options):
+            yield segment if segment.control else segment._replace(text=printable(segment.text))
 
     def on_broken_pipe(self) -> None:
+        """Leave a reader that went away to the command line: rich would end with status 1."""
         raise BrokenPipeError
 
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """Totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
-    console = _Console(highlight=False)
+    console = TerminalConsole()
     controller, readings = diagnosis.controller, diagnosis.readings
     console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
@@ -74,7 +86,7 @@ def print_variants(results: Sequence[VariantResult]) -> None:
             str(variant.printed_max_share),
             "–" if computed.share is None else f"{computed.share * PERCENT:.2f}",
         )
-    console = _Console(highlight=False)
+    console = TerminalConsole()
     console.print(table)
     console.print(Text("Leakage in dm³/min at its maximum over the log, share in % at that instant."))
     for result in results:
@@ -84,7 +96,7 @@ def print_variants(results: Sequence[VariantResult]) -> None:
 
 def print_log(record: dict[str, Any]) -> None:
     """What was understood of a log, from its record."""
-    console = _Console(highlight=False)
+    console = TerminalConsole()
     form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
     console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
     segments = record["segments"]
@@ -118,7 +130,7 @@ def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
     table.columns[0].min_width = max((len(str(row[columns[0]])) for row in rows), default=0)
     for row in rows:
         table.add_row(*(Text(_cell(row[column])) for column in columns))
-    _Console(highlight=False).print(table)
+    TerminalConsole().print(table)
 
 
 def _cell(value: Any) -> str:

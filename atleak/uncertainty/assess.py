@@ -9,7 +9,7 @@ from functools import cached_property
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
-from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
 from atleak.equations.gap import FULLY_ECCENTRIC, axial_cube, circumferential_cube
@@ -21,7 +21,7 @@ from atleak.uncertainty.advice import Remedy, advise, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
 from atleak.uncertainty.propagation import DRAWS, SEED, LandSpread, TotalSpread, propagate
-from atleak.uncertainty.sources import LandSources, RepeatSpread, find_sources
+from atleak.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
 from atleak.verdicts import Band
 from atleak.workshop_units import UM
 
@@ -281,7 +281,7 @@ def assess(
         for land, found in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
-        _total(projection, found, rule, guard_factor)
+        _total(projection, found, rule, rules.limits, guard_factor)
         for projection, found, rule in zip(projections, spread.totals, rules.totals, strict=True)
     )
     return UnitUncertainty(
@@ -417,11 +417,13 @@ def _lower_bound(state: LandClearance) -> bool:
 # --- the whole
 
 
-def _total(projection: Projection, found: TotalSpread, rule: Rule, guard_factor: float) -> TotalUncertainty:
-    at, share, levels = projection.condition, projection.share, rule.steps.levels
+def _total(
+    projection: Projection, found: TotalSpread, rule: Rule, limits: Limits, guard_factor: float
+) -> TotalUncertainty:
+    at, share, bands = projection.condition, projection.share, limits.bands
     u = found.share_spread.standard_uncertainty
-    decision = decide_rule(rule, (u,) * len(levels), found.share_spread.probabilities, guard_factor, skewed=u > 0.0)
-    names = (Band.GREEN, *(name for name, _ in levels))
+    decision = decide_rule(rule, (u,) * len(bands), found.share_spread.probabilities, guard_factor, skewed=u > 0.0)
+    names = (Band.GREEN, *(band for band, _ in bands))
     return TotalUncertainty(
         condition=at.name,
         label=at.label,
@@ -442,7 +444,7 @@ def _messages(
     sources: Sequence[LandSources], instruments: Instruments, repeats: dict[Part, RepeatSpread]
 ) -> list[Message]:
     found = []
-    used = [part for part in ("spool", "sleeve") if any(part in land.plans for land in sources)]
+    used = [part for part in PARTS if any(part in land.plans for land in sources)]
     for instrument in dict.fromkeys(instruments.of(part) for part in used):
         if instrument.representative:
             said = ", ".join(instrument.representative)

@@ -223,12 +223,12 @@ def propagate(
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
         clearance = _clearance_draws(stream, land, common, draws)
         nominal = land.state.land.contact_length
-        length = nominal
+        length: float | np.ndarray = nominal
         if assumptions.contact_length:
-            length = stream.standard_normal(draws)
-            length *= assumptions.contact_length
-            length += nominal
-            np.maximum(length, _SHORTEST * nominal, out=length)
+            lengths = stream.standard_normal(draws)
+            lengths *= assumptions.contact_length
+            lengths += nominal
+            length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
         exact = only_clearance and land.is_normal
         found = []
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):

@@ -6,13 +6,13 @@ near-black; dash and symbol tell the lines apart without them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from atleak.engine.road_leakage import Instant
+from atleak.engine.road_leakage import Instant, RoadLeakage
 from atleak.look import CURVES
 from atleak.thinning import thinned
 from atleak.variants.run import TemperatureCurve, VariantResult
@@ -23,7 +23,6 @@ MOST_POINTS = 2000  # of a line before thinning
 Dash = Literal["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"]
 Symbol = Literal["circle", "square", "diamond", "cross", "x", "star", "triangle-up", "triangle-down", "hexagon"]
 Panel = Literal["upper", "lower"]
-_Told = tuple[str, Symbol, Instant]  # an instant in a word, with its marker
 
 
 @dataclass(frozen=True)
@@ -52,6 +51,16 @@ class Mark:
     text: str
     color: str
     dash: Dash
+
+
+@dataclass(frozen=True)
+class _Point:
+    """An instant in a word, with its marker and the value drawn there."""
+
+    word: str
+    symbol: Symbol
+    instant: Instant
+    value: float
 
 
 @dataclass(frozen=True)
@@ -104,8 +113,11 @@ def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = No
         lines.append(Line("pump capacity Q_p", x, y, _PUMP, "solid", panel="upper"))
     for result in results:
         run = result.computed
-        told: list[_Told] = [("least", "triangle-down", run.min_leakage), ("most", "triangle-up", run.max_leakage)]
-        lines += _variant_lines(result, run.leakage * DM3_MIN, told, lambda instant: instant.leakage * DM3_MIN)
+        points = (
+            _Point("least", "triangle-down", run.min_leakage, run.min_leakage.leakage * DM3_MIN),
+            _Point("most", "triangle-up", run.max_leakage, run.max_leakage.leakage * DM3_MIN),
+        )
+        lines += _variant_lines(result, run.leakage * DM3_MIN, points)
     leading = max(results, key=lambda result: result.computed.max_leakage.leakage).computed
     least, most = leading.min_leakage.time, leading.max_leakage.time
     return Chart(
@@ -136,32 +148,34 @@ def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None
     ValueError
         where the road test has no engine speed and so no share.
     """
-    lines = []
+    lines: list[Line] = []
+    drawn: list[tuple[RoadLeakage, _Point]] = []
+    said: list[str] = []
     for result in results:
         run = result.computed
-        share, worst = run.share, run.max_share
-        if share is None or worst is None or run.max_leakage.share is None:
+        share, worst, most = run.share, run.max_share, run.max_leakage
+        if share is None or worst is None or worst.share is None or most.share is None:
             raise ValueError("a road test without engine speed has no leakage share")
-        told: list[_Told] = [("largest share", "circle", worst), ("most leakage", "triangle-up", run.max_leakage)]
-        lines += _variant_lines(result, share * PERCENT, told, lambda instant: instant.share * PERCENT)
-    leading = max(results, key=lambda result: result.computed.max_leakage.leakage)
-    worst, most = leading.computed.max_share.time, leading.computed.max_leakage.time
+        largest = _Point("largest share", "circle", worst, worst.share * PERCENT)
+        at_most = _Point("most leakage", "triangle-up", most, most.share * PERCENT)
+        lines += _variant_lines(result, share * PERCENT, (largest, at_most))
+        drawn.append((run, largest))
+        said.append(
+            f"{result.variant.name} at most {largest.value:.3g} %, at the instant of most leakage {at_most.value:.3g} %"
+        )
+    leading, largest = max(drawn, key=lambda pair: pair[0].max_leakage.leakage)
+    worst_time, most_time = largest.instant.time, leading.max_leakage.time
     return Chart(
         title="Leakage share over the test",
         x_label="time [s]",
         y_label="leakage share U_p [%]",
         lines=tuple(lines),
         marks=(
-            Mark(worst, f"largest share, {worst:g} s", _MOST, "dash"),
-            Mark(most, f"most leakage, {most:g} s", _LEAST, "dot"),
+            Mark(worst_time, f"largest share, {worst_time:g} s", _MOST, "dash"),
+            Mark(most_time, f"most leakage, {most_time:g} s", _LEAST, "dot"),
         ),
         spans=gear_spans(leading.time, gear),
-        description="Leakage share over time; "
-        + "; ".join(
-            f"{result.variant.name} at most {result.computed.max_share.share * PERCENT:.3g} %, "
-            f"at the instant of most leakage {result.computed.max_leakage.share * PERCENT:.3g} %"
-            for result in results
-        ),
+        description="Leakage share over time; " + "; ".join(said),
     )
 
 
@@ -206,16 +220,14 @@ def temperature_chart(
     )
 
 
-def _variant_lines(
-    result: VariantResult, values: np.ndarray, told: Sequence[_Told], value_at: Callable[[Instant], float]
-) -> list[Line]:
-    """A variant over time, and a point for each instant told."""
+def _variant_lines(result: VariantResult, values: np.ndarray, points: Sequence[_Point]) -> list[Line]:
+    """A variant over time, and its points."""
     name, (color, dash, _) = result.variant.name, _STYLE[result.variant.name]
-    x, y = _course(result.time, values, keep=[_index(result.time, instant) for _, _, instant in told])
+    x, y = _course(result.time, values, keep=[_index(result.time, point.instant) for point in points])
     lines = [Line(variant_label(result), x, y, color, dash, group=name)]
-    for word, symbol, instant in told:
-        at = np.array([instant.time]), np.array([value_at(instant)])
-        lines.append(Line(f"{name} {word}", *at, color, None, symbol, group=name, in_legend=False))
+    for point in points:
+        at = np.array([point.instant.time]), np.array([point.value])
+        lines.append(Line(f"{name} {point.word}", *at, color, None, point.symbol, group=name, in_legend=False))
     return lines
 
 

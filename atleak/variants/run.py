@@ -61,8 +61,19 @@ class Variant:
         return self.viscosity_of_results != self.kinematic_viscosity
 
 
-def _variant(name: str, temperature: float, wear: float, nu: float, rho: float, q: str, u: str, **more) -> Variant:
-    return Variant(name, temperature, wear, nu * 1e-6, rho * 1e3, Decimal(q), Decimal(u), **more)
+def _variant(
+    name: str,
+    temperature: float,
+    wear: float,
+    nu: float,
+    rho: float,
+    q: str,
+    u: str,
+    *,
+    used_oil: bool = False,
+    note: str = "",
+) -> Variant:
+    return Variant(name, temperature, wear, nu * 1e-6, rho * 1e3, Decimal(q), Decimal(u), used_oil, note)
 
 
 _USED_OIL_NOTE = (

@@ -79,7 +79,7 @@ def fluid_tables(fluid: Fluid) -> Tables:
     """Data-sheet points, density, and the viscosity that follows from them where it can be trusted."""
     low, high = fluid.span()
     between = [temperature for temperature in range(-20, 141, 20) if low <= temperature <= high]
-    tables = {
+    tables: Tables = {
         "Data sheet": [
             *({"what": f"viscosity at {at:g} °C", "value": nu * MM2_S, "unit": "mm²/s"} for at, nu in fluid.points),
             {"what": f"density at {fluid.density_at[0]:g} °C", "value": fluid.density_at[1] * G_CM3, "unit": "g/cm³"},

@@ -87,7 +87,7 @@ def _decided_by(diagnosis: Diagnosis) -> dict[str, Any]:
     if isinstance(decided_by, Rule):
         at = decided_by.condition.name if decided_by.condition else None
         total = sure.total(at) if sure and at else None
-        where = {"kind": "total", "condition": at, "component": None, "land": None}
+        where: dict[str, str | int | None] = {"kind": "total", "condition": at, "component": None, "land": None}
         return {"decision": total.decision.decision if total else None, "decided_by": where}
     rule, (component, land) = decided_by.deciding, decided_by.key
     at = rule.condition.name if rule and rule.condition else None

@@ -19,11 +19,11 @@ from atleak.errors import OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
 from atleak.intake.road_test.names.memory import Settled
-from atleak.job.case import SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
+from atleak.job.case import SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
 from atleak.readings import Readings
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
-FITTED = {  # choices that belong to one file, and go with it
+FITTED: dict[str, dict[str, Any]] = {  # choices that belong to one file, and go with it
     "readings": {"sheet_name": None, "sheet_unit": None, "sheet_where": ()},
     "road_test": {"columns": (), "units": (), "constants": (), "remember": True},
 }
@@ -38,18 +38,23 @@ class PageCase(Case):
     def with_file(self, slot: str, file: SourceFile | None) -> PageCase:
         """This job with another sheet or log; the sample's other file never mixes with the user's own."""
         if self.sample:
-            empty = {"readings": None, "road_test": None, "sample": False}
-            return replace(self, **{**empty, slot: file}, **FITTED["readings"], **FITTED["road_test"])
-        return replace(self, **{slot: file}, **FITTED[slot])
+            bare = replace(self, readings=None, road_test=None, sample=False)
+            return replace(bare, **FITTED["readings"], **FITTED["road_test"]).with_files({slot: file})
+        return replace(self, **FITTED[slot]).with_files({slot: file})
 
 
 def sample_case() -> PageCase:
     """The job that a fresh start shows."""
-    files = {}
-    for slot, name in (("readings", "measuring_sheet_four_speed.xlsx"), ("road_test", "minimum_acceleration_test.csv")):
-        path = SAMPLES / name
-        files[slot] = SourceFile(path.name, path.read_bytes()) if path.is_file() else None
-    return PageCase(**files, sample=True)
+    return PageCase(
+        readings=_sample("measuring_sheet_four_speed.xlsx"),
+        road_test=_sample("minimum_acceleration_test.csv"),
+        sample=True,
+    )
+
+
+def _sample(name: str) -> SourceFile | None:
+    path = SAMPLES / name
+    return SourceFile(path.name, path.read_bytes()) if path.is_file() else None
 
 
 def opened_case(case: Case) -> PageCase:
@@ -105,7 +110,7 @@ def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
 
 
 @st.cache_resource(max_entries=6, show_spinner="Reading the road-test log …")
-def _understood(key: str, _log: SourceFile, _choices: dict[str, Any], _remembered: bool) -> Understood:
+def _understood(key: str, _log: SourceFile, _choices: LogChoices, _remembered: bool) -> Understood:
     path = default_path() if _remembered else None
     return understand(_log.content, name=_log.name, remembered=path, **_choices)
 

@@ -5,7 +5,7 @@ Which element is which never depends on what is being typed: the place of a doub
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal, overload
 
 import streamlit as st
 
@@ -24,6 +24,16 @@ def kept(key: str, start: Any) -> dict[str, Any]:
 
 def _keep(key: str) -> None:
     st.session_state["typed"][key] = st.session_state[key]
+
+
+@overload
+def number(label: str, asked: AskedNumber, start: float, *, key: str, optional: Literal[False] = False) -> float: ...
+
+
+@overload
+def number(
+    label: str, asked: AskedNumber, start: float | None, *, key: str, optional: bool = False
+) -> float | None: ...
 
 
 def number(label: str, asked: AskedNumber, start: float | None, *, key: str, optional: bool = False) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, get_args
 
 import pandas as pd
@@ -94,10 +95,15 @@ def _as_found(record: Job) -> dict[str, Any]:
     }
 
 
+def _choice(name: str, options: Iterable[int | str]) -> Any:
+    # streamlit takes None for an empty cell, which its annotation leaves out
+    return st.column_config.SelectboxColumn(name, options=[None, *options])  # type: ignore[list-item]
+
+
 def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     pairs = st.column_config.SelectboxColumn("component", options=["", *controller.components])
-    land = st.column_config.SelectboxColumn("land", options=[None, *range(1, 10)])
-    decision = st.column_config.SelectboxColumn("decision", options=[None, *get_args(RepairState)])
+    land = _choice("land", range(1, 10))
+    decision = _choice("decision", get_args(RepairState))
     parts = st.column_config.SelectboxColumn("part", options=["", "spool", "piston", "sleeve"])
     dates = {name: st.column_config.DateColumn(name, format="YYYY-MM-DD") for name in ("date", "calibrated")}
     shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}

@@ -24,7 +24,7 @@ ASK = "choose …"
 NONE = "not in this log"
 
 
-def pending(case: PageCase) -> tuple[SourceFile | None, Understood | None]:
+def pending(case: PageCase) -> tuple[SourceFile, Understood] | None:
     """The log to talk about: the one refused for an open question, else that of the job."""
     refused = session().refused.get("road_test")
     if refused is not None and refused.file is not None:
@@ -32,7 +32,7 @@ def pending(case: PageCase) -> tuple[SourceFile | None, Understood | None]:
             return refused.file, understood(refused.file)
         except AtleakError:
             pass  # no log at all: nothing to ask about it
-    return (None, None) if case.road_test is None else (case.road_test, Kept().log(case))
+    return None if case.road_test is None else (case.road_test, Kept().log(case))
 
 
 def scales(test: RoadTest) -> dict[str, tuple[str, Any]]:

@@ -7,10 +7,10 @@ from typing import Any
 import pandas as pd
 import streamlit as st
 
-from atleak.catalogue.controller import load_controller
 from atleak.intake.road_test import read_road_test
 from atleak.job.case import Case
 from atleak.variants import compare_options, run_variants, sample_log, temperature_curves
+from pages.shared.cases import controller_of
 
 CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en16227667](https://doi.org/10.3390/en16227667)"
 
@@ -19,7 +19,7 @@ CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en162276
 def computed(key: str, _controller: Any, _road_test: Any) -> tuple[Any, ...]:
     """A controller and a road test, without them the study's, with results, options and temperature curves."""
     if _controller is None:
-        _controller, _road_test = load_controller(Case.controller), read_road_test(sample_log())
+        _controller, _road_test = controller_of(Case()), read_road_test(sample_log())
     job = _controller, _road_test
     return *job, run_variants(*job), compare_options(*job), temperature_curves(*job)
 

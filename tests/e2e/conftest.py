@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -18,7 +18,11 @@ import pytest
 playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
 CHROMIUM = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
-START = 60.0  # [s] until the server must answer
+# Waits end when what they wait for is there; these only bound them, on a machine that does much else.
+START = 180.0  # [s] until the server must answer
+SOON = 90_000  # [ms] until the page must show what was asked of it
+
+playwright_api.expect.set_options(timeout=SOON)
 
 
 def free_port() -> int:
@@ -79,11 +83,25 @@ def browser() -> Iterator[playwright_api.Browser]:
 
 
 @pytest.fixture
-def page(browser: playwright_api.Browser, server: str) -> Iterator[playwright_api.Page]:
-    """The dashboard, freshly opened on the sample job."""
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    opened = context.new_page()
-    opened.goto(server)
-    opened.get_by_text("Sample job: representative data").wait_for(timeout=30_000)
+def visit(browser: playwright_api.Browser) -> Iterator[Callable[[str], playwright_api.Page]]:
+    """Opens an address as another visitor would, with nothing kept from the last."""
+    contexts = []
+
+    def opened(address: str) -> playwright_api.Page:
+        contexts.append(browser.new_context(viewport={"width": 1280, "height": 900}))
+        contexts[-1].set_default_timeout(SOON)
+        page = contexts[-1].new_page()
+        page.goto(address)
+        return page
+
     yield opened
-    context.close()
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture
+def page(visit: Callable[[str], playwright_api.Page], server: str) -> playwright_api.Page:
+    """The dashboard, freshly opened on the sample job."""
+    opened = visit(server)
+    opened.get_by_text("Sample job: representative data").wait_for()
+    return opened

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import openpyxl
@@ -15,8 +16,8 @@ from playwright.sync_api import Page, expect
 
 from pages.shared.show import WIDTHS
 
+Visit = Callable[[str], Page]
 SHEET, LOG = "Measuring sheet", "Road-test log"
-SOON = 15_000  # [ms]
 
 
 def upload(page: Page, label: str, name: str, data: bytes) -> None:
@@ -25,18 +26,18 @@ def upload(page: Page, label: str, name: str, data: bytes) -> None:
 
 
 def status(page: Page, text: str | re.Pattern[str]) -> None:
-    expect(page.get_by_test_id("stSidebar").get_by_text(text).first).to_be_visible(timeout=SOON)
+    expect(page.get_by_test_id("stSidebar").get_by_text(text).first).to_be_visible()
 
 
 def cells(page: Page, table: int = 0) -> list[str]:
     """The texts of a table's cells that are drawn."""
     found = page.get_by_test_id("stDataFrame").nth(table).locator("[data-testid^=glide-cell]")
-    found.first.wait_for(state="attached", timeout=SOON)
+    found.first.wait_for(state="attached")
     return [text.strip() for text in found.all_inner_texts()]
 
 
 def settled(page: Page) -> None:
-    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for(timeout=SOON)
+    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
 
 
 def banner(page: Page) -> str:
@@ -97,7 +98,7 @@ def test_an_own_sheet_does_not_keep_the_samples_log(page: Page, sample_readings:
 def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "swapped.xlsx", changed(sample_readings, swap))
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("swapped.xlsx was not taken", timeout=SOON)
+    expect(message).to_contain_text("swapped.xlsx was not taken")
     expect(message).to_contain_text(re.compile(r"swapped\.xlsx, sheet 'Measurements', row \d+"))
     expect(message).to_contain_text(re.compile("sleeve|swapped"))
     assert "■ replace" in cells(page)
@@ -113,7 +114,7 @@ def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, 
     openpyxl.Workbook().save(target)
     upload(page, SHEET, "empty.xlsx", target.getvalue())
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("empty.xlsx was not taken", timeout=SOON)
+    expect(message).to_contain_text("empty.xlsx was not taken")
     expect(message).to_contain_text("Shown are still the results of mine.xlsx")
     status(page, "mine.xlsx")
     settled(page)
@@ -125,7 +126,7 @@ def test_an_empty_workbook_says_so(page: Page) -> None:
     openpyxl.Workbook().save(target)
     upload(page, SHEET, "empty.xlsx", target.getvalue())
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("empty.xlsx: the workbook is empty", timeout=SOON)
+    expect(message).to_contain_text("empty.xlsx: the workbook is empty")
     assert "■ replace" in cells(page)
 
 
@@ -138,23 +139,21 @@ def test_decimal_commas_are_read(page: Page, sample_log: Path) -> None:
 def test_a_log_that_is_none_is_refused(page: Page) -> None:
     upload(page, LOG, "photo.csv", b"\x89PNG\r\n\x1a\n" + bytes(200))
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("photo.csv was not taken", timeout=SOON)
+    expect(message).to_contain_text("photo.csv was not taken")
 
 
 @pytest.mark.parametrize("label", [SHEET, LOG])
 def test_a_file_that_ends_its_reader_ends_nothing_else(
-    browser, page: Page, server: str, sample_readings: Path, stray_workbook: bytes, label: str
+    visit: Visit, page: Page, server: str, sample_readings: Path, stray_workbook: bytes, label: str
 ) -> None:
     upload(page, label, "hostile.xlsx", stray_workbook)
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("hostile.xlsx was not taken", timeout=SOON)
-    expect(message).to_contain_text("delete the stray cells", timeout=SOON)
-    other = browser.new_page()
-    other.goto(server)
-    other.get_by_text("Sample job: representative data").wait_for(timeout=30_000)
+    expect(message).to_contain_text("hostile.xlsx was not taken")
+    expect(message).to_contain_text("delete the stray cells")
+    other = visit(server)
+    other.get_by_text("Sample job: representative data").wait_for()
     upload(other, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(other, "mine.xlsx")
-    other.close()
 
 
 def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_readings: Path) -> None:
@@ -165,13 +164,13 @@ def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_reading
     box = side.get_by_label("Temperature [°C]")
     box.fill("92.715")
     box.press("Enter")
-    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible(timeout=SOON)
+    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
     settled(page)
     before = banner(page), cells(page)
     page.get_by_role("link", name="Readings").click()
-    expect(page.get_by_text("376 readings in mm")).to_be_visible(timeout=SOON)
+    expect(page.get_by_text("376 readings in mm")).to_be_visible()
     page.get_by_role("link", name="Diagnosis").click()
-    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible(timeout=SOON)
+    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
     settled(page)
     assert (banner(page), cells(page)) == before
     status(page, "mine.xlsx")
@@ -201,13 +200,13 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     upload(page, LOG, "two.csv", TWO_PRESSURES.encode())
     page.get_by_role("link", name="Road test").click()
     main = page.get_by_test_id("stMain")
-    expect(main.get_by_text("Which column is it?").first).to_be_visible(timeout=SOON)
+    expect(main.get_by_text("Which column is it?").first).to_be_visible()
     main.get_by_role("combobox", name=re.compile(r"^.*main \(line\)")).click()
     page.get_by_role("option", name="line pressure 2 [kPa]").click()
     main.get_by_role("button", name=re.compile("Use and remember")).click()
     status(page, re.compile("100 rows"))
     page.get_by_role("link", name="Report").click()
-    with page.expect_download(timeout=SOON) as waiting:
+    with page.expect_download() as waiting:
         main.get_by_role("button", name="Job file").click()
     job = Path(waiting.value.path()).read_bytes()
     side = page.get_by_test_id("stSidebar")
@@ -218,17 +217,29 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     status(page, "two.csv")
     status(page, "mine.xlsx")
     page.get_by_role("link", name="Road test").click()
-    expect(main.get_by_text("As understood")).to_be_visible(timeout=SOON)
+    expect(main.get_by_text("As understood")).to_be_visible()
     settled(page)
     assert "line pressure 2 [kPa]" in cells(page)
     assert page.get_by_test_id("stException").count() == 0
+
+
+# Comes back when an element has stood where it stands for a second.
+AT_REST = """element => new Promise(done => {
+    let last = "", since = performance.now()
+    const look = () => {
+        const {x, y, width, height} = element.getBoundingClientRect(), place = `${x} ${y} ${width} ${height}`
+        if (place !== last) [last, since] = [place, performance.now()]
+        performance.now() - since > 1000 ? done() : requestAnimationFrame(look)
+    }
+    look()
+})"""
 
 
 def test_dragging_across_the_log_sets_the_cursors(page: Page, server: str) -> None:
     page.goto(f"{server}/Road_test")
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
     chart.scroll_into_view_if_needed()
-    page.wait_for_timeout(1500)  # plotly lays itself out anew after scrolling
+    page.evaluate(AT_REST, chart.element_handle())  # plotly lays itself out anew after scrolling
     box = chart.bounding_box()
     middle = box["y"] + box["height"] / 2.0
     page.mouse.move(box["x"] + 0.25 * box["width"], middle)
@@ -244,7 +255,7 @@ def test_dragging_across_the_log_sets_the_cursors(page: Page, server: str) -> No
 def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     table = page.get_by_test_id("stDataFrame").first
-    table.wait_for(timeout=SOON)
+    table.wait_for()
     main = page.get_by_test_id("stMain")
     assert main.evaluate("element => element.scrollWidth <= element.clientWidth")
     box = table.bounding_box()
@@ -264,25 +275,22 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
 @pytest.mark.parametrize("address", ["Diagnosis", "Readings", "Uncertainty", "Road_test", "Report", "Catalogue"])
 def test_every_page_opens(page: Page, server: str, address: str) -> None:
     page.get_by_role("link", name=address.replace("_", " ")).click()
-    expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible(timeout=SOON)
+    expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible()
     assert page.get_by_test_id("stException").count() == 0
     assert page.url.rstrip("/") == f"{server}/{address}".removesuffix("/Diagnosis")
 
 
-def test_a_pages_own_address_opens_it(browser, server: str) -> None:
-    opened = browser.new_page()
-    opened.goto(f"{server}/Catalogue")
-    expect(opened.get_by_role("heading", name="Catalogue", level=1)).to_be_visible(timeout=SOON)
-    expect(opened.get_by_test_id("stSidebar").get_by_text(SHEET).first).to_be_visible(timeout=SOON)
-    opened.close()
+def test_a_pages_own_address_opens_it(visit: Visit, server: str) -> None:
+    opened = visit(f"{server}/Catalogue")
+    expect(opened.get_by_role("heading", name="Catalogue", level=1)).to_be_visible()
+    expect(opened.get_by_test_id("stSidebar").get_by_text(SHEET).first).to_be_visible()
 
 
-def test_nothing_is_asked_of_another_host(browser, server: str) -> None:
-    opened = browser.new_page()
+def test_nothing_is_asked_of_another_host(visit: Visit, server: str) -> None:
+    opened = visit("about:blank")
     asked: list[str] = []
     opened.on("request", lambda request: asked.append(request.url))
     opened.goto(server)
-    opened.get_by_text("Sample job: representative data").wait_for(timeout=30_000)
-    opened.get_by_test_id("stPlotlyChart").first.wait_for(timeout=SOON)
-    opened.close()
+    opened.get_by_text("Sample job: representative data").wait_for()
+    opened.get_by_test_id("stPlotlyChart").first.wait_for()
     assert not [url for url in asked if not url.startswith((server, "data:", "blob:", server.replace("http", "ws")))]

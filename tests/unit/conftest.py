@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import MappingProxyType
+from types import MappingProxyType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -94,6 +96,23 @@ def log_of() -> Callable[..., RoadTest]:
         return RoadTest("own.csv", "0" * 64, len(base), float(base[-1] - base[0]), base, MappingProxyType(found))
 
     return build
+
+
+@pytest.fixture(scope="session")
+def benchmark_of(root: Path) -> Callable[[str], ModuleType]:
+    """Imports a benchmark by the name of its file."""
+    folder = root / "benchmarks"
+
+    def load(name: str) -> ModuleType:
+        spec = importlib.util.spec_from_file_location(f"{name}_benchmark", folder / f"{name}.py")
+        module = importlib.util.module_from_spec(spec)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.syspath_prepend(str(folder))  # a benchmark imports what stands beside it
+            patch.setitem(sys.modules, spec.name, module)  # dataclasses look their module up
+            spec.loader.exec_module(module)
+        return module
+
+    return load
 
 
 HOSTILE = (

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.events import (
@@ -157,7 +157,6 @@ def test_gear_is_derived_from_the_ratio_and_marked() -> None:
     assert with_derived_gear(with_gear) is with_gear
 
 
-@settings(max_examples=30, deadline=None)
 @given(st.lists(st.sampled_from([4.2, 2.6, 1.7, 1.25, 1.0, 0.72]), min_size=1, max_size=6, unique=True))
 def test_ratio_levels_find_every_gear(ratios: list[float]) -> None:
     noise = np.random.default_rng(1).normal(1, 0.004, 200 * len(ratios))
@@ -204,7 +203,6 @@ def test_unknown_quantity_and_missing_channel() -> None:
         test.values("engine_sped")
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     own=st.lists(st.floats(0, 100), min_size=1, max_size=30),
     base=st.lists(st.floats(0, 100), min_size=1, max_size=50),

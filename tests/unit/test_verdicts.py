@@ -16,7 +16,7 @@ from atleak.wording import languages, wording
 
 ADDED_LEVEL = '    WATCH = "watch"\n    SOON = "soon"\n'
 ADDED_LOOK = """    Verdict.SOON: Look(
-        sign="◆", shape=Shape(((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))),
+        sign="◆", shape=SignShape(((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))),
         screen="#e06a17", on_screen="#000000", fill="#EFA05A", line="#6B2E00", on_fill="#4A2000",
         tint="#FBDCBF", on_tint="#6B2E00", width=1.6, dashes="",
         style="bright_yellow", pattern="|", hatch="...", marker="diamond", box="warning",

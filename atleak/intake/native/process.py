@@ -216,7 +216,12 @@ class _Child:
 
     def usable(self) -> bool:
         """Whether it may read another file."""
-        return not self._killed and self.process.poll() is None
+        if self._killed or self.process.poll() is not None:
+            return False
+        with contextlib.suppress(psutil.Error):
+            # one killed while several of its threads ran is dead for a moment before its end can be asked for
+            return self._watched.status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+        return False
 
     def end(self) -> None:
         """Ends it: the closed pipe tells it to, and where it does not listen it is killed."""

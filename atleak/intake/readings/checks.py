@@ -7,7 +7,8 @@ from collections.abc import Iterable
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.errors import Place, ReadingsError
-from atleak.intake.units import find_unit, unit_names
+from atleak.intake.readings.sizes import MM
+from atleak.intake.units import find_unit, unit, unit_names
 from atleak.readings import REPEAT_TOLERANCE, LandClearance, Reading, Readings, clearances
 
 CLEARANCE_LIMIT = 0.5e-3  # [m] radial; a pair further apart than this is a slip of the pen: choice of this project
@@ -28,7 +29,8 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     problems, doubtful = _factors(readings, controller)
     apart = list(_repeats(readings, controller, doubtful))
     problems += [problem for problem, _ in apart]
-    doubtful |= {controller.land_of_plane(reading.component, reading.plane).key for _, reading in apart}
+    lands = [controller.land_of_plane(reading.component, reading.plane) for _, reading in apart]
+    doubtful |= {land.key for land in lands if land is not None}
     by_land: dict[tuple[str, int], list[Reading]] = defaultdict(list)
     for reading in readings.readings:
         land = controller.land_of_plane(reading.component, reading.plane)
@@ -112,7 +114,7 @@ def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, c
             (
                 name
                 for name in unit_names("length")
-                if abs(stated.factor / find_unit(name, "length").factor - factor) < 1e-6 * factor
+                if abs(stated.factor / unit(name, "length").factor - factor) < 1e-6 * factor
             ),
             None,
         )
@@ -138,8 +140,8 @@ def _slip(factor: float) -> str:
 
 
 def _written(readings: Readings, metres: float) -> str:
-    unit = find_unit(readings.unit, "length") or find_unit("mm", "length")
-    return f"{unit.from_si(metres):.7g} {unit.name}"
+    stated = find_unit(readings.unit, "length") or MM
+    return f"{stated.from_si(metres):.7g} {stated.name}"
 
 
 def _repeats(

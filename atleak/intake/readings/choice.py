@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
+from atleak.catalogue.instruments import Part
 from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
@@ -154,14 +155,14 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
         where two sheets do: which is meant, only the user knows.
     """
     problems = []
-    first: dict[tuple[str, str, str], list[tuple[Rows, Key]]] = {}
+    first: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
     asked: dict[str | None, None] = {}
     told: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
         if is_repeat_title(rows.table.title):
             continue
         over_the_page = _goes_on(before, rows)
-        mine: dict[tuple[str, str, str], list[tuple[Rows, Key]]] = {}
+        mine: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
         for entry in rows.found:
             key, raw = entry.key, entry.raw
             place = key.component, key.part, key.plane

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from functools import cached_property
 
 from atleak.catalogue.controller import Controller, Land
@@ -134,7 +135,7 @@ class ControllerNames:
         )
 
 
-def _list(names: object) -> str:
-    listed = list(names)  # type: ignore[call-overload]
+def _list(names: Iterable[str]) -> str:
+    listed = list(names)
     more = f" … ({len(listed)} in all)" if len(listed) > _LISTED else ""
     return ", ".join(listed[:_LISTED]) + more

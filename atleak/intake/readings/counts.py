@@ -23,11 +23,12 @@ def with_counts(sheet: Sheet, header: Header) -> Header:
             continue
         if not all(word in _READING or word in _NUMBER for word in words):
             continue
-        rows = range(header.last + 1, len(sheet.rows))
-        rows = [row for row in rows if any(not is_blank(sheet.cell(row, column.index)) for column in others)]
+        below = range(header.last + 1, len(sheet.rows))
+        rows = [row for row in below if any(not is_blank(sheet.cell(row, column.index)) for column in others)]
         cells = [cell for row in rows if not is_blank(cell := sheet.filled(row, index))]
-        numbers = [repeat_of(cell) for cell in cells if summary_of(cell, key=True) is None]
-        if not numbers or None in numbers or sorted(set(numbers)) != list(range(1, len(set(numbers)) + 1)):
+        read = [repeat_of(cell) for cell in cells if summary_of(cell, key=True) is None]
+        numbers = [number for number in read if number is not None]
+        if not numbers or len(numbers) < len(read) or sorted(set(numbers)) != list(range(1, len(set(numbers)) + 1)):
             continue
         restarts = any(after <= before for before, after in pairwise(numbers))
         role: Role = "repeat" if (restarts or len(numbers) < len(cells)) and not header.of("repeat") else "remark"

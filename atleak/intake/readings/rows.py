@@ -16,6 +16,7 @@ from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column
 from atleak.intake.readings.sheet import Cell, column_letter
 from atleak.intake.readings.sheet_tables import Table
+from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.values import MM, DiameterCell, Key, RawValue
 from atleak.intake.readings.words import (
     at,
@@ -239,9 +240,8 @@ class _Reader:
             units[name] = written or self._unit(row, column)
         unit = next(iter(units.values()))
         if len(set(units.values())) > 1:  # diameter and coordinates each in its own unit
-            mm = find_unit("mm", "length")
-            numbers = {name: value * ((units[name] or mm).factor / MM) for name, value in numbers.items()}
-            unit = mm
+            numbers = {name: value * ((units[name] or MILLIMETRE).factor / MM) for name, value in numbers.items()}
+            unit = MILLIMETRE
         place = self._place(row, given.get("diameter") or given["coordinate 1"])
         coordinates = None
         if "coordinate 1" in numbers and "coordinate 2" in numbers:
@@ -257,8 +257,9 @@ class _Reader:
             if column.unit is not None and column.unit != self.told:
                 self.overridden.add(column.name)
             return self.told
-        cell = self.sheet.filled(row, self.columns.unit.index) if self.columns.unit else ""
-        if is_blank(cell):
+        unit_column = self.columns.unit
+        cell = self.sheet.filled(row, unit_column.index) if unit_column else ""
+        if unit_column is None or is_blank(cell):
             return column.unit or self.columns.sheet_unit
         unit = find_unit(text_of(cell), "length")
         if unit is None:
@@ -266,7 +267,7 @@ class _Reader:
             self._once(
                 ReadingsError(
                     "unknown unit of length",
-                    place=self._place(row, self.columns.unit),
+                    place=self._place(row, unit_column),
                     value=text_of(cell),
                     expected=one_of(known),
                     nearest=nearest_name(text_of(cell), known),
@@ -360,7 +361,7 @@ class _Reader:
                 return None
             land = self.names.land(component, cell)
             cell = self.sheet.filled(row, plane_column.index) if plane_column else ""
-            if is_blank(cell):
+            if plane_column is None or is_blank(cell):
                 return land.planes[0]
             column = plane_column
             plane = self.names.plane(component, cell)
@@ -430,7 +431,7 @@ class _Reader:
             )
 
     def _tell_overridden(self) -> None:
-        if self.overridden:
+        if self.told is not None and self.overridden:
             text = f"read in {self.told.name} as told, although the heading says otherwise: "
             text += ", ".join(sorted(self.overridden))
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
@@ -450,8 +451,8 @@ class _Reader:
     def _place(self, row: int, column: Column) -> Place:
         return self.sheet.place(row, column.index, column.name)
 
-    def _say(self, problem: str, place: Place, **details: object) -> None:
-        self.problems.append(ReadingsError(problem, place=place, **details))  # type: ignore[arg-type]
+    def _say(self, problem: str, place: Place, *, value: object = None, expected: str | None = None) -> None:
+        self.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
     def _once(self, problem: ReadingsError) -> None:
         """A problem of the row, not of each of its values."""

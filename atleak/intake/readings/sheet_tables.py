@@ -216,7 +216,7 @@ def _is_single(sheet: Sheet, row: int) -> bool:
 
 def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
     """The rows of text above the headings, the nearest first; not the readings of the table above."""
-    found = []
+    found: list[int] = []
     for row in range(first - 1, after, -1):
         cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
         if not cells:
@@ -247,11 +247,11 @@ def _side_by_side(table: Table) -> Iterator[Table]:
     if len(edges) == 1:
         yield table
         return
-    for left, right in zip(edges, [*edges[1:], table.sheet.width], strict=True):
-        columns = [column for column in header.columns if left <= column.index < right]
-        texts = tuple(text if left <= index < right else "" for index, text in enumerate(header.texts))
+    for begin, end in zip(edges, [*edges[1:], table.sheet.width], strict=True):
+        columns = [column for column in header.columns if begin <= column.index < end]
+        texts = tuple(text if begin <= index < end else "" for index, text in enumerate(header.texts))
         part = replace(header, columns=settled(columns), texts=texts)
-        yield replace(table, sheet=_only(table.sheet, left, right), header=part)
+        yield replace(table, sheet=_only(table.sheet, begin, end), header=part)
 
 
 def _titled(table: Table, names: ControllerNames) -> Table:

@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from atleak.catalogue.controller import Controller
 from atleak.intake.readings.sheet import Cell
 from atleak.intake.readings.words import numbers_in
-from atleak.intake.units import Unit, find_unit
+from atleak.intake.units import Unit, unit
 from atleak.readings import NOMINAL_TOLERANCE
 
 _INCH_DECIMALS = 3  # a diameter in inches has at least so many; 0.5 is half a millimetre of something
-MM, UM, INCH = (find_unit(name, "length") for name in ("mm", "µm", "inch"))
+MM, UM, INCH = (unit(name, "length") for name in ("mm", "µm", "inch"))
 
 
 class Sizes:
@@ -28,9 +28,9 @@ class Sizes:
 
     def near(self, value: float, units: Iterable[Unit]) -> bool:
         """Whether a number in one of the units is within 0.5 mm of any nominal diameter."""
-        for unit in units:
-            size = unit.to_si(value)
-            if unit == INCH and round(value, _INCH_DECIMALS - 1) == value:
+        for each in units:
+            size = each.to_si(value)
+            if each == INCH and round(value, _INCH_DECIMALS - 1) == value:
                 continue
             above = bisect_left(self._all, size - NOMINAL_TOLERANCE)
             if above < len(self._all) and self._all[above] <= size + NOMINAL_TOLERANCE:
@@ -40,7 +40,7 @@ class Sizes:
     def near_plane(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
         """Whether a number is within 0.5 mm of the nominal diameters of one plane."""
         nominal = self._by_plane.get((component, plane), ())
-        return any(abs(unit.to_si(value) - size) <= NOMINAL_TOLERANCE for unit in units for size in nominal)
+        return any(abs(each.to_si(value) - size) <= NOMINAL_TOLERANCE for each in units for size in nominal)
 
 
 def numbers_of(cell: Cell) -> tuple[float, ...]:

@@ -125,8 +125,8 @@ def _splitting(
             found.append((1, index, splits))
         elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits):
             found.append((2, index, splits))
-    for _, index, splits in sorted(found, key=lambda each: each[:2]):
-        yield index, splits
+    for _, index, surest in sorted(found, key=lambda each: each[:2]):
+        yield index, surest
 
 
 def _day(cell: Cell) -> str:
@@ -199,7 +199,7 @@ def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) ->
     sheet, header = table.sheet, table.header
     seen: dict[object, int] = {}
     runs: list[list[tuple[int, int]]] = []
-    rows: dict[int, list[object]] = defaultdict(list)
+    rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
     for entry in entries:
         rows[entry.row].append((_station(entry)[:4], entry.raw.size, entry.column))
     order = list(rows)

@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from atleak.errors import Message, Place, ReadingsError
+from atleak.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Role, split_unit
 from atleak.intake.readings.rows import Rows
@@ -187,7 +187,7 @@ class Account:
         if sizes:
             why = f" ({_WHY[role]})" if role else ""
             text = f"column {_name(table, index)} is left aside{why}: {self._shown(sheet, sizes)}"
-            level = "warning" if role in (None, "remark") else "info"
+            level: MessageLevel = "warning" if role in (None, "remark") else "info"
             self.messages.append(Message(level, "column_aside", text, _heading_place(table, index)))
 
     def _slipped(self, rows: Rows) -> None:
@@ -255,8 +255,8 @@ class Account:
 
     def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:
         rows = sorted({sheet.row_number(row) for row, _ in cells})
-        if kind == "column":
-            table = self._table_at(sheet, *cells[0])
+        table = self._table_at(sheet, *cells[0]) if kind == "column" else None
+        if table is not None:
             where = f"column {_name(table, index)}"
         else:
             where = f"row {rows[0]}" if len(rows) == 1 else f"rows {rows[0]} to {rows[-1]}"

@@ -84,7 +84,7 @@ def convert(found: Sequence[DiameterCell], controller: Controller, headings: Pla
             result.units.append(unit.name)
         reading = _reading(key, raw, unit)
         station, repeat = reading.station, key.repeat
-        if key.explicit and (station, repeat) in taken:
+        if key.explicit and repeat is not None and (station, repeat) in taken:
             result.problems.append(_twice(reading, raw, repeat, taken[station, repeat]))
             continue
         while repeat is None or (station, repeat) in taken:

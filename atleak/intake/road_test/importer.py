@@ -196,13 +196,15 @@ def _sheet_per_signal(job: _Job, good: list[tuple[LogSheet, Assigner, TableResul
             continue
         _, assigner, reading = found[0]
         signal = assigner.signals[quantity]
-        if signal.time is None:
+        time = signal.time
+        if time is None:
             values, timeline = signal.values, reading.timeline
             values = values if timeline.order is None else values[timeline.order]
             kept = np.isfinite(values)
-            signal = replace(signal, values=values[kept], time=timeline.time[kept])
+            time = timeline.time[kept]
+            signal = replace(signal, values=values[kept], time=time)
         main.signals[quantity] = signal
-        stamps.append(signal.time)
+        stamps.append(time)
     longest = max(good, key=lambda one: one[2].rows)[2]
     base = build_timeline(np.unique(np.concatenate(stamps))) if stamps else longest.timeline
     merged = TableResult(

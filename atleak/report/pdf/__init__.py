@@ -38,7 +38,7 @@ from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 PAPERS = {"a4": "a4", "letter": "us-letter"}
-STANDARDS = ("a-2a", "ua-1")
+STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
 TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
 _ROAD_POINTS = 1200
 _LABEL = 48  # characters beside a bar
@@ -149,7 +149,7 @@ def _charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, .
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
             for at in series.instants.values()
         ]
-        bands = [(name, limit * PERCENT) for name, limit in diagnosis.limits.total_share.levels]
+        bands = [(band, limit * PERCENT) for band, limit in diagnosis.limits.bands]
         found["road"] = road_chart(series, marks, bands, say)
     return found
 
@@ -178,10 +178,12 @@ def _compile(folder: Path, data: dict[str, Any], date: dt.date | None, say: Word
     data = _cleaned(data)
     moment = dt.datetime.combine(date or _UNDATED, dt.time(), dt.UTC)
 
-    def run(fonts: typst.Fonts, standards: Sequence[str], **changes: Any) -> bytes:
+    def run(fonts: typst.Fonts, standards: Sequence[typst.PDFStandard], **changes: Any) -> bytes:
         compiler = typst.Compiler(folder / TEMPLATE.name, root=folder, font_paths=fonts)
         inputs = {"data": json.dumps({**data, **changes}, ensure_ascii=False)}
-        return compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)  # type: ignore
+        pdf = compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)
+        assert isinstance(pdf, bytes)  # one document, and no file to write it to
+        return pdf
 
     try:
         return run(bundled_fonts(), STANDARDS)

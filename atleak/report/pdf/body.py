@@ -395,11 +395,11 @@ class Body:
             said = say("texts.representative_land", values=named, lands=joined(lands))
             items.append(say("texts.representative_lands", values=said))
         if diagnosis.controller.pump.representative:
-            values = joined(diagnosis.controller.pump.representative)
-            items.append(say("texts.representative_lands", values=values))
+            named = joined(diagnosis.controller.pump.representative)
+            items.append(say("texts.representative_lands", values=named))
         if diagnosis.fluid.representative:
-            values = joined(diagnosis.fluid.representative)
-            items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {values}.")
+            named = joined(diagnosis.fluid.representative)
+            items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {named}.")
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
             lands = [self.names.land_number(found) for found in diagnosis.lands if found.state.status == status]
             if lands:

@@ -117,7 +117,8 @@ class Front:
 
     def _share(self, at: Projection) -> str:
         sure = self.diagnosis.uncertainty
-        low, high = (sure.total(at.condition.name).share_interval if sure else None) or (None, None)
+        total = sure.total(at.condition.name) if sure else None
+        low, high = total.share_interval if total else (None, None)
         return self.say.number(at.share * PERCENT, 1) + self.names.interval(_percent(low), _percent(high), 1)
 
     def _band(self, at: Projection) -> dict[str, str]:

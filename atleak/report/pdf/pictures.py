@@ -36,7 +36,7 @@ def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)
-            picture = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
+            picture: Image.Image = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
             if picture.width * picture.height > _PICTURE_LIMIT:
                 raise InputError("picture too large", value=name, expected=f"at most {_PICTURE_LIMIT} pixels")
             picture = ImageOps.exif_transpose(picture)

@@ -22,7 +22,7 @@ from atleak.wording import signed, value_names
 from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
 
 CHANGEABLE = {"font_color": INPUT}  # numbers that an auditor may change
-RANKED = [verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED]
+RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
 _PER_KELVIN = 1e6  # expansions are shown in 1e-6/K
 _GAP_FLOW = 11  # column of a gap's flow in its sheet
 

@@ -166,10 +166,10 @@ class LiveSheets:
                 f"{exact(reference[1] * G_CM3)}+{slope}*({at('T')}-{exact(reference[0])})",
             )
         elif model == "regression":
-            (nu, exponent), (rho, slope) = STUDY_VISCOSITY, STUDY_DENSITY
+            (nu, exponent), (rho, per_kelvin) = STUDY_VISCOSITY, STUDY_DENSITY
             texts = (
                 f"{exact(nu)}*EXP({exponent}*{at('T')})",
-                f"{slope * G_CM3}*{at('T')}+{exact(rho * G_CM3)}",
+                f"{per_kelvin * G_CM3}*{at('T')}+{exact(rho * G_CM3)}",
             )
         yield "kinematic viscosity ν", "mm²/s", "nu", texts[0], viscosity, "nu"
         yield "density ρ", "g/cm³", "rho", texts[1], density, "rho"

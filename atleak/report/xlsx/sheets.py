@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -212,11 +213,11 @@ class Sheets:
         drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
         self._chart(sheet, row - 33, "Flow [dm³/min]", drawn, first, last)
         if "share_percent" in names:
-            drawn = [("share_percent", "share", names.index("share_percent"))]
-            self._chart(sheet, row - 16, "Share [%]", drawn, first, last)
+            share = ("share_percent", "share", names.index("share_percent"))
+            self._chart(sheet, row - 16, "Share [%]", [share], first, last)
 
     def _chart(
-        self, sheet: Worksheet, row: int, axis: str, series: list[tuple[str, str, int]], first: int, last: int
+        self, sheet: Worksheet, row: int, axis: str, series: Sequence[tuple[str, str, int]], first: int, last: int
     ) -> None:
         chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
         dashes = {"pump_capacity_dm3_min": (PAPER.pump, "dash"), "leakage_dm3_min": (PAPER.leakage, "solid")}

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -151,7 +151,6 @@ def test_gear_that_flickers(four_speed: Controller, hipol: Fluid) -> None:
     assert np.isnan(flickering[np.isnan(gear)]).all()
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     p_g=arrays(float, 8, elements=st.floats(0.0, 3e6)),
     p_k=arrays(float, 8, elements=st.floats(-1e5, 1e6)),

@@ -31,13 +31,17 @@ REFEREE = {
 }
 
 
+@pytest.fixture(scope="module")
+def registry() -> pint.UnitRegistry:
+    return pint.UnitRegistry()
+
+
 @pytest.mark.parametrize(
     ("kind", "name", "other"),
     [(kind, name, other) for kind, (_, names) in REFEREE.items() for name, other in names.items()],
 )
 @pytest.mark.parametrize("value", [-3.5, 0.0, 71.25, 4000.0])
-def test_agrees_with_pint(kind: str, name: str, other: str, value: float) -> None:
-    registry = pint.UnitRegistry()
+def test_agrees_with_pint(registry: pint.UnitRegistry, kind: str, name: str, other: str, value: float) -> None:
     value += 300.0 * (other == "kelvin")  # nothing is colder than zero kelvin
     expected = registry.Quantity(value, other).to(REFEREE[kind][0]).magnitude
     found = unit(name, kind)

@@ -99,7 +99,7 @@ def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
         monkeypatch.setenv(name, str(tmp_path))
     main = tmp_path / "main.py"
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    return AppTest.from_file(str(main), default_timeout=60).run()
+    return AppTest.from_file(str(main), default_timeout=240).run()
 
 
 SEVERAL = (
@@ -122,7 +122,7 @@ def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_wit
         "sheet_form.form(now.case.readings, now.case)\n",
         encoding="utf-8",
     )
-    form = AppTest.from_file(str(script), default_timeout=60).run()
+    form = AppTest.from_file(str(script), default_timeout=240).run()
     by_label = {found.label: found for found in form.text_input}
     by_label["Only rows where column"].set_value("Inspection")
     by_label["says"].set_value("November")

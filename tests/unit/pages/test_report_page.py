@@ -25,7 +25,7 @@ def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
         monkeypatch.setenv(name, str(tmp_path))
     main = tmp_path / "main.py"
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    return go(AppTest.from_file(str(main), default_timeout=60).run(), "5_Report")
+    return go(AppTest.from_file(str(main), default_timeout=240).run(), "5_Report")
 
 
 def go(app: AppTest, page: str) -> AppTest:

@@ -141,16 +141,26 @@ def test_a_changed_temperature_changes_the_viscosity(worn, content, calculator):
     assert sheets.value(*nu) == pytest.approx(worn.fluid.kinematic_viscosity(95.0) * 1e6, rel=1e-12, abs=0.0)
 
 
-def test_libreoffice_recalculates_atleaks_numbers(content, tmp_path):
-    """An office suite that must calculate every cell itself arrives at the cached values."""
+@pytest.fixture(scope="module")
+def convert(tmp_path_factory):
+    """LibreOffice, writing a workbook anew beside itself; its profile, which takes it longest, is made once."""
     soffice = shutil.which("soffice") or shutil.which("libreoffice")
     if soffice is None:
         pytest.skip("LibreOffice is not installed; the independent calculator checks the same cells")
+    profile = tmp_path_factory.mktemp("office").as_uri()
+
+    def run(workbook, kind):
+        command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", kind]
+        subprocess.run([*command, "--outdir", workbook.parent, workbook], check=True, capture_output=True, timeout=600)
+
+    return run
+
+
+def test_libreoffice_recalculates_atleaks_numbers(content, tmp_path, convert):
+    """An office suite that must calculate every cell itself arrives at the cached values."""
     stripped = openpyxl.load_workbook(io.BytesIO(content))  # openpyxl writes formulas without cached values
     stripped.save(tmp_path / "in.xlsx")
-    profile = (tmp_path / "profile").as_uri()
-    command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", "ods"]
-    subprocess.run([*command, "--outdir", tmp_path, tmp_path / "in.xlsx"], check=True, capture_output=True, timeout=120)
+    convert(tmp_path / "in.xlsx", "ods")
     recalculated = CalamineWorkbook.from_path(tmp_path / "in.ods")
     formulas = openpyxl.load_workbook(io.BytesIO(content))
     cached = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
@@ -166,10 +176,7 @@ def test_libreoffice_recalculates_atleaks_numbers(content, tmp_path):
     assert compared > 1500
 
 
-def test_libreoffice_shows_a_negative_wear_with_its_sign(worn, tmp_path):
-    soffice = shutil.which("soffice") or shutil.which("libreoffice")
-    if soffice is None:
-        pytest.skip("LibreOffice is not installed; how it shows a number format cannot be seen")
+def test_libreoffice_shows_a_negative_wear_with_its_sign(worn, tmp_path, convert):
     book = openpyxl.load_workbook(io.BytesIO(write_workbook(replace(worn, road=None))))
     for name in book.sheetnames:
         if name != "Lands":
@@ -178,10 +185,7 @@ def test_libreoffice_shows_a_negative_wear_with_its_sign(worn, tmp_path):
     for row, value in enumerate((-3.2, 0.0, 3.2, 9.99e99), start=2):
         book["Lands"][f"{column}{row}"] = value  # in place of the formula, whose other sheets are gone
     book.save(tmp_path / "in.xlsx")
-    as_shown = "csv:Text - txt - csv (StarCalc):44,34,76,1,,0,false,true,true"
-    profile = (tmp_path / "profile").as_uri()
-    command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", as_shown]
-    subprocess.run([*command, "--outdir", tmp_path, tmp_path / "in.xlsx"], check=True, capture_output=True, timeout=120)
+    convert(tmp_path / "in.xlsx", "csv:Text - txt - csv (StarCalc):44,34,76,1,,0,false,true,true")
     lands = pd.read_csv(tmp_path / "in.csv", dtype=str)
     shown = lands[next(name for name in lands.columns if name.startswith("wear Z"))]
     assert shown.tolist()[:4] == ["-3.20", "0.00", "3.20", "pump delivers nothing"]

@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from collections.abc import Iterator
-from pathlib import Path
+from collections.abc import Callable
 from types import ModuleType
 
 import pytest
 
 
 @pytest.fixture(scope="module")
-def benchmark(root: Path) -> Iterator[ModuleType]:
-    spec = importlib.util.spec_from_file_location("coverage_benchmark", root / "benchmarks" / "coverage.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+def benchmark(benchmark_of: Callable[[str], ModuleType]) -> ModuleType:
+    return benchmark_of("coverage")
 
 
-def test_intervals_hold_the_truth(benchmark: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+# lands of one unit share an error: the standard error is about 1 % with 150 units, 3 % with 20
+@pytest.mark.parametrize(("units", "tolerance"), [(20, 8.0), pytest.param(150, 3.0, marks=pytest.mark.slow)])
+def test_intervals_hold_the_truth(
+    benchmark: ModuleType, monkeypatch: pytest.MonkeyPatch, units: int, tolerance: float
+) -> None:
     monkeypatch.setenv("ATLEAK_COVERAGE_DRAWS", "1000")
-    counted = benchmark._count(benchmark.AS_DECLARED, range(150))
+    counted = benchmark._count(benchmark.AS_DECLARED, range(units))
     rates = benchmark.summary(benchmark.AS_DECLARED, counted)
-    # lands of one unit share an error: about 1 % of standard error
     for name in ("clearance", "leakage", "share"):
-        assert rates["coverage"][name] == pytest.approx(95.0, abs=3.0)
+        assert rates["coverage"][name] == pytest.approx(95.0, abs=tolerance)
     for rule in rates["rules"].values():
         assert rule["pass_truly_over"] <= 5.0
         assert rule["decided_wrongly"] < rule["unguarded_wrong"]
-    again = benchmark._count(benchmark.AS_DECLARED, range(150))
+    again = benchmark._count(benchmark.AS_DECLARED, range(units))
     assert again == counted
 
 

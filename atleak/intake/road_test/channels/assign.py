@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.errors import Message, Place, RoadTestError, unknown
+from atleak.errors import Message, MessageLevel, Place, RoadTestError, unknown
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit, words
 from atleak.intake.road_test.names.unit_choice import Fit, fit, given
@@ -137,17 +137,18 @@ class Assigner:
         self.messages: list[Message] = []
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
 
-    def say(self, code: str, text: str, level: str = "info", column: str | None = None) -> None:
+    def say(self, code: str, text: str, level: MessageLevel = "info", column: str | None = None) -> None:
         """Adds a message."""
         place = Place(file=self.file, column=column)
-        self.messages.append(Message(level, code, text, place))  # type: ignore[arg-type]
+        self.messages.append(Message(level, code, text, place))
 
     def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
         """Takes one of the candidates for a quantity, or lists them as ambiguous.
 
         Each candidate comes with its numbers and its own stamps (None: the rows').
         """
-        fitting, misfits = [], []
+        fitting: list[Signal] = []
+        misfits: list[Signal] = []
         for candidate, values, time in offered:
             signal = self._fit(candidate, values, time)
             if signal is None:

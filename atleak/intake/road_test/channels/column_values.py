@@ -40,11 +40,11 @@ def without_other_lines(
         column = frame[index].iloc[unclear]
         text = column.astype("str").str.strip()
         plain = text.str.replace(",", ".", regex=False) if table.decimal == "," else text
-        number = pd.to_numeric(plain, errors="coerce").notna()
+        readable = pd.to_numeric(plain, errors="coerce").notna()
         if index in clocks_at:
-            number |= text.str.contains(r"\d:\d", regex=True, na=False)
+            readable |= text.str.contains(r"\d:\d", regex=True, na=False)
         known = column.notna().to_numpy()
-        number = number.to_numpy(dtype=bool) & known
+        number = readable.to_numpy(dtype=bool) & known
         telling[unclear] |= number
         wordy[unclear] |= ~number & known
     text_only = (wordy & ~telling) | _words_for_time(frame, times, table)
@@ -95,10 +95,11 @@ def holds_clocks(table: LogTable, heading: Heading) -> bool:
 
 def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
     headings = {one.heading.index: one.heading for one in used}
-    for row, cells in lines.iterrows():
+    indices = lines.columns.tolist()
+    for row, cells in zip(lines.index.tolist(), lines.itertuples(index=False, name=None), strict=True):
         other = []
-        for index, cell in cells.items():
-            heading = headings.get(int(index))  # type: ignore[arg-type]
+        for index, cell in zip(indices, cells, strict=True):
+            heading = headings.get(int(index))
             if heading is None or not isinstance(cell, str) or not cell.strip() or cell.strip().lower() in MISSING:
                 continue
             if cell.strip() == heading.label or plain_name(cell) in [words(name) for name in heading.names]:
@@ -110,7 +111,7 @@ def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner:
                 "another header with other columns begins in the middle of the log",
                 place=Place(file=assigner.file, row=None, column=other[0][1]),
                 value=other[0][0],
-                expected=f"one header; split the file at data row {int(row) + 1}",  # type: ignore[call-overload]
+                expected=f"one header; split the file at data row {int(row) + 1}",
             )
 
 

@@ -146,8 +146,9 @@ def read_long(table: LogTable, shape: _Long, assigner: Assigner, mapping: Mappin
             offered.append((one, own[good][turn], time[turn]))
         if offered:
             assigner.decide(quantity, offered)
-            if quantity in assigner.signals:
-                stamps.append(assigner.signals[quantity].time)  # type: ignore[arg-type]
+            taken = assigner.signals.get(quantity)
+            if taken is not None and taken.time is not None:
+                stamps.append(taken.time)
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
     timeline = _on_base(base, whole)
     names_there = frozenset(map(str, uniques))

@@ -30,8 +30,8 @@ def clock_of(
 ) -> Clock | None:
     column = frame[one.heading.index]
     unit = assigner.units.get("time", one.unit)
-    if "time" in assigner.units:
-        unit = given("time", assigner.units["time"]).unit.name  # type: ignore[union-attr]
+    if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
+        unit = stated.name
     if column.dtype.kind == "M" or _typed(column):
         return Clock(clocks.from_datetimes(column.tolist()), "clock", False, "date and time")
     if column.dtype.kind not in "fiub":

@@ -226,7 +226,13 @@ def _unwrap(seconds: np.ndarray, period: float) -> np.ndarray:
 def _read(column: pd.Series) -> _Read:
     size = len(column)
     read = _Read(
-        *(np.zeros(size) for _ in range(3)), np.zeros(size, int), np.zeros(size, bool), np.zeros(size, int), [""]
+        major=np.zeros(size),
+        minor=np.zeros(size),
+        seconds=np.zeros(size),
+        parts=np.zeros(size, int),
+        fraction=np.zeros(size, bool),
+        dates=np.zeros(size, int),
+        texts=[""],
     )
     packed = _packed(column)
     if not packed.dtype.itemsize:

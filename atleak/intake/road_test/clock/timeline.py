@@ -126,10 +126,12 @@ def _finish(
     if not len(time):
         return Timeline(time, order, (), 0.0, unreadable, stale)
     limit = gap_limit(steps)
-    gaps = np.flatnonzero(steps > limit) + 1 if limit < np.inf and steps.max(initial=0) > limit else []
+    gaps: list[int] = []
+    if limit < np.inf and steps.max(initial=0) > limit:
+        gaps = (np.flatnonzero(steps > limit) + 1).tolist()
     restarted = set(breaks)
     lengths = tuple(float(steps[index - 1]) for index in gaps if index not in restarted)
-    edges = sorted({0, len(time), *(int(index) for index in gaps), *restarted})
+    edges = sorted({0, len(time), *gaps, *restarted})
     segments = tuple(
         Segment(low, high - low, float(time[low]), float(time[high - 1] - time[low])) for low, high in pairwise(edges)
     )

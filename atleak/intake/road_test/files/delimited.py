@@ -7,7 +7,7 @@ import io
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,8 @@ from atleak.intake.road_test.files.cells import MISSING, Decimal, kind_of
 from atleak.intake.road_test.files.decoding import LogText, to_text
 from atleak.intake.road_test.files.layout import WHITESPACE, Heading, Layout, Row, find_dialect, find_table, split_line
 from atleak.intake.road_test.files.log_file import HEAD, LARGE, LogFile
+
+_Numeric = dict[int, Literal["float64"]]  # column → how it is read
 
 _LONG_HEAD = 1 << 18
 LOOK = 150
@@ -87,7 +89,7 @@ class Delimited:
         return clean, dirty
 
     def _read_numbers(self, columns: Sequence[int], clean: set[int]) -> pd.DataFrame | None:
-        numeric = {index: "float64" for index in columns if index in clean}
+        numeric: _Numeric = {index: "float64" for index in columns if index in clean}
         frame = self._read_file(columns, numeric) if self.text is None else None
         if frame is not None:
             return frame
@@ -108,8 +110,15 @@ class Delimited:
         words: dict[int, list[pd.Series]] = {index: [] for index in columns if index in numeric}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", pd.errors.ParserWarning)
-            options = {"encoding": text.codec, "encoding_errors": "replace", "dtype": "str", "chunksize": 25_000}
-            with pd.read_csv(stream, usecols=sorted(columns), **options, **self._options()) as reader:
+            with pd.read_csv(
+                stream,
+                usecols=sorted(columns),
+                dtype="str",
+                encoding=text.codec,
+                encoding_errors="replace",
+                chunksize=25_000,
+                **self._options(),
+            ) as reader:
                 for piece in reader:
                     for index in columns:
                         if index in numeric:
@@ -128,7 +137,7 @@ class Delimited:
         frame.attrs["words"] = {index: pd.concat(part) for index, part in words.items() if part}
         return frame
 
-    def _read_file(self, columns: Sequence[int], numeric: dict[int, str]) -> pd.DataFrame | None:
+    def _read_file(self, columns: Sequence[int], numeric: _Numeric) -> pd.DataFrame | None:
         """Lets pandas read the file itself, on several cores where it can; None where the text needs mending."""
         whole = 2 * len(columns) >= self.layout.width
         try:
@@ -139,7 +148,7 @@ class Delimited:
                     str(self.source.path),
                     skiprows=self.layout.start,
                     usecols=None if whole else sorted(columns),
-                    dtype=numeric,  # type: ignore[arg-type]
+                    dtype=numeric,
                     encoding="utf-8",
                     **self._options(),
                 )
@@ -151,7 +160,7 @@ class Delimited:
             return None
         return frame[list(columns)] if whole and len(columns) < self.layout.width else frame
 
-    def _read(self, text: LogText, columns: Sequence[int], numeric: dict[int, str]) -> pd.DataFrame:
+    def _read(self, text: LogText, columns: Sequence[int], numeric: _Numeric) -> pd.DataFrame:
         stream = io.BytesIO(text.data)
         stream.seek(self.offset)
         with warnings.catch_warnings():
@@ -160,7 +169,7 @@ class Delimited:
             return pd.read_csv(
                 stream,
                 usecols=sorted(columns),
-                dtype=numeric,  # type: ignore[arg-type]
+                dtype=numeric,
                 encoding=text.codec,
                 encoding_errors="replace",
                 **self._options(),

@@ -299,12 +299,12 @@ def match_name(name: str) -> Match | None:
     if found is not None:
         quantity, tier, kind = found
         return Match(quantity, tier, _pressure_kind(quantity, text, kind), _own_unit(name, quantity))
-    for quantity in QUANTITIES.values():
-        ending = unit_at_the_end(name, quantity.unit_kind)
+    for known in QUANTITIES.values():
+        ending = unit_at_the_end(name, known.unit_kind)
         if ending is None or not ending.text:
             continue
         inner = match_name(ending.text)
-        if inner and inner.quantity == quantity.name:
+        if inner and inner.quantity == known.name:
             return Match(inner.quantity, inner.tier, inner.kind, ending.unit)
     return _offer(text, bare)
 

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from atleak.errors import OutputError, Place
 from atleak.files import PRIVATE, replace_file
@@ -51,10 +52,14 @@ def recall(path: Path, header: str) -> Settled | None:
     entry = _readable(path).get(header)
     if not isinstance(entry, dict):
         return None
-    parts = [entry.get(key) for key in ("mapping", "units")]
-    if not all(isinstance(part, dict) for part in parts):
+    mapping, units = entry.get("mapping"), entry.get("units")
+    if not isinstance(mapping, dict) or not isinstance(units, dict):
         return None
-    return Settled(*({str(key): str(value) for key, value in part.items()} for part in parts))  # type: ignore[union-attr]
+    return Settled(_texts(mapping), _texts(units))
+
+
+def _texts(part: Mapping[Any, Any]) -> dict[str, str]:
+    return {str(key): str(value) for key, value in part.items()}
 
 
 def remember(path: Path, header: str, mapping: Mapping[str, str], units: Mapping[str, str] | None = None) -> None:

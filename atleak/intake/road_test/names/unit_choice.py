@@ -176,21 +176,19 @@ def _guess(quantity: str, good: np.ndarray, neighbours: tuple[str, ...]) -> Fit:
     if kind == "speed":
         name = "mph" if imperial(neighbours) else "km/h"
         return Fit(unit(name, kind), assumed=True, doubt="km/h or mph cannot be told from the values")
-    for limit, name in (
-        (0.25, None),
-        (2.8, "MPa"),
-        (35.0, "bar"),
-        (300.0, "psi"),
-        (4000.0, "kPa"),
-        (40000.0, "mbar"),
-        (1e7, "Pa"),
-    ):
-        if top <= limit:
-            if name is None:
-                break
-            if name == "MPa" and top < 0.4:
-                break
-            return Fit(unit(name, kind), assumed=True)
+    if top > 0.25:
+        for limit, name in (
+            (2.8, "MPa"),
+            (35.0, "bar"),
+            (300.0, "psi"),
+            (4000.0, "kPa"),
+            (40000.0, "mbar"),
+            (1e7, "Pa"),
+        ):
+            if top <= limit:
+                if name == "MPa" and top < 0.4:
+                    break
+                return Fit(unit(name, kind), assumed=True)
     return Fit(None, problem="no unit is stated and its values fit none")
 
 

@@ -6,7 +6,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.errors import ReadingsError
@@ -14,7 +14,6 @@ from atleak.intake.readings import read_readings
 from atleak.readings import clearances
 from atleak.report.measuring_sheet import write_readings
 
-SETTINGS = settings(max_examples=40, deadline=None)
 HEADINGS = ("component", "part", "plane", "direction", "repeat", "diameter")
 PAIRS = (("6", "1", 9.939), ("6", "2", 9.942), ("8", "1", 10.0), ("8", "2", 10.0), ("12'", "1", 14.0))
 
@@ -57,7 +56,6 @@ def diameters(found):
         ("diameter", lambda microns: f"{microns / 25400!r} in"),
     ],
 )
-@SETTINGS
 @given(rows=sheets())
 def test_the_unit_and_the_decimal_sign_do_not_matter(controller, heading, number, rows):
     plain = diameters(read_readings(as_text(rows), controller))
@@ -67,7 +65,6 @@ def test_the_unit_and_the_decimal_sign_do_not_matter(controller, heading, number
         assert math.isclose(other[key], diameter, rel_tol=1e-12)
 
 
-@SETTINGS
 @given(rows=sheets(), columns=st.permutations(HEADINGS), delimiter=st.sampled_from([",", ";", "\t"]))
 def test_the_order_of_columns_does_not_matter(controller, rows, columns, delimiter):
     plain = read_readings(as_text(rows), controller)
@@ -75,7 +72,6 @@ def test_the_order_of_columns_does_not_matter(controller, rows, columns, delimit
     assert diameters(other) == diameters(plain)
 
 
-@SETTINGS
 @given(data=st.data(), rows=sheets())
 def test_the_order_of_rows_does_not_matter(controller, data, rows):
     plain = read_readings(as_text(rows), controller)
@@ -91,7 +87,6 @@ def mean(values):
     return sum(values) / len(values)
 
 
-@SETTINGS
 @given(rows=sheets())
 def test_clearances_are_means_of_means_in_thousandths(controller, rows):
     """Against the same in integers: repeats, then directions, then planes."""
@@ -122,7 +117,6 @@ def test_clearances_are_means_of_means_in_thousandths(controller, rows):
                 assert found.min_clearance - 1e-15 <= found.radial_clearance <= found.max_clearance + 1e-15
 
 
-@settings(max_examples=15, deadline=None)
 @given(rows=sheets(), blank_rows=st.booleans())
 def test_a_sheet_that_is_written_reads_back(controller, rows, blank_rows):
     found = read_readings(as_text(rows), controller)
@@ -137,7 +131,6 @@ NUMBERS = "-1;0;1e999;nan;9,9;9.9.9;²;9939;0.391;99.39;9'939;9 939;½"
 JUNK = st.sampled_from(["", *WORDS.split(";"), *NUMBERS.split(";")]) | st.text(max_size=5)
 
 
-@settings(max_examples=150, deadline=None)
 @given(rows=sheets(), changes=st.lists(st.tuples(st.integers(0, 20), st.integers(0, 6), JUNK), min_size=1, max_size=4))
 def test_a_sheet_with_anything_in_it_is_read_or_refused_with_a_reason(controller, rows, changes):
     cells = [line.split(";") for line in as_text(rows).decode().splitlines()]
@@ -204,7 +197,6 @@ def microns(found):
     return {key: round(diameter * 1e6) for key, diameter in diameters(found).items()}
 
 
-@settings(max_examples=300, deadline=None)
 @given(rows=sheets(), extra=further_tables(), where=st.sampled_from(["above", "below", "beside"]))
 def test_no_number_of_another_table_is_lost(controller, rows, extra, where):
     lines = [line.split(";") for line in as_text(rows).decode().splitlines()]
@@ -221,7 +213,6 @@ def test_no_number_of_another_table_is_lost(controller, rows, extra, where):
         assert original(rows).items() <= microns(found).items()
 
 
-@settings(max_examples=300, deadline=None)
 @given(data=st.data(), rows=sheets(), heading=st.sampled_from(ANYTHING), filled=st.integers(1, 100))
 def test_no_number_of_another_column_is_lost(controller, data, rows, heading, filled):
     lines = [line.split(";") for line in as_text(rows).decode().splitlines()]
@@ -235,7 +226,6 @@ def test_no_number_of_another_column_is_lost(controller, data, rows, heading, fi
         assert microns(found) == original(rows)
 
 
-@settings(max_examples=60, deadline=None)
 @given(data=st.data(), rows=sheets(), heading=st.sampled_from(SPECIFICATIONS))
 def test_a_specification_is_never_the_measurement(controller, data, rows, heading):
     lines = [line.split(";") for line in as_text(rows, heading="Actual [mm]").decode().splitlines()]

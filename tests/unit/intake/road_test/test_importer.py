@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import openpyxl
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.errors import RoadTestError
@@ -410,7 +410,6 @@ def test_memory_stays_within_six_times_the_size(tmp_path: Path, what: str) -> No
 # --- properties ---------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     delimiter=st.sampled_from([",", ";", "\t"]),
     comma=st.booleans(),
@@ -446,7 +445,6 @@ def test_any_dialect_gives_the_same_road_test(
     assert test.values("atf_temperature") == pytest.approx(75 + np.arange(rows) % 4, rel=1e-9, abs=0.0)
 
 
-@settings(max_examples=150, deadline=None)
 @given(st.binary(max_size=3000))
 def test_rubbish_is_refused_or_understood_but_never_crashes(data: bytes) -> None:
     try:
@@ -457,7 +455,6 @@ def test_rubbish_is_refused_or_understood_but_never_crashes(data: bytes) -> None
     describe(told)
 
 
-@settings(max_examples=150, deadline=None)
 @given(
     st.lists(
         st.lists(

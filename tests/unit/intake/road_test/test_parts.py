@@ -8,7 +8,7 @@ import itertools
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.intake.road_test.channels import suspects
@@ -135,7 +135,6 @@ def test_an_epoch_that_was_not_set_yet_is_unreadable() -> None:
     assert seconds[2:].tolist() == [0.0, 0.5, 1.0]
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     start=st.datetimes(min_value=pd.Timestamp("2001-01-01"), max_value=pd.Timestamp("2035-12-31")),
     steps=st.lists(st.integers(0, 5_000_000), min_size=3, max_size=40),
@@ -200,7 +199,6 @@ def test_jitter_is_put_in_order_and_restarts_are_kept_apart() -> None:
     assert (np.diff(line.time) >= 0).all()
 
 
-@settings(max_examples=80, deadline=None)
 @given(st.lists(st.one_of(st.floats(0, 1e5), st.just(float("nan"))), min_size=1, max_size=60))
 def test_time_base_is_always_ascending(stamps: list[float]) -> None:
     line = build(np.array(stamps))

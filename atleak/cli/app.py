@@ -1,0 +1,79 @@
+"""``atleak app``: the dashboard in a browser."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from atleak.cli.shared import add_command
+from atleak.errors import InputError
+from atleak.shipped import shipped
+
+_PORTS = range(1, 65536)
+
+
+def add_parser(commands: Any) -> None:
+    """Add the command."""
+    parser = add_command(commands, "app", run, "the dashboard in a browser")
+    parser.add_argument("--port", metavar="N", type=_port)
+    parser.add_argument("--address", metavar="A", default="127.0.0.1")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Start the server; it runs until it is ended."""
+    if find_spec("streamlit") is None:
+        raise InputError("the dashboard needs streamlit", expected="python -m pip install streamlit")
+    _check_free(options.address, options.port)
+    app = shipped("app.py")
+    command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", options.address]
+    if options.port is not None:
+        command += ["--server.port", str(options.port)]
+    return _serve(command, app.parent)
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) not in _PORTS:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port: write a whole number from 1 to {_PORTS[-1]}")
+    return int(text)
+
+
+def _check_free(address: str, port: int | None) -> None:
+    """Refuse an address or a port that cannot be served; without a port the server looks for a free one."""
+    import socket
+
+    try:
+        found = socket.getaddrinfo(address, port or 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, kind, protocol, _, place = found[0]
+        with socket.socket(family, kind, protocol) as tried:
+            if os.name == "posix":  # a connection that was just closed is no obstacle; on Windows nothing would be
+                tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            tried.bind(place)
+    except (socket.gaierror, UnicodeError) as error:
+        raise _no_address(address) from error
+    except OSError as error:
+        if error.errno == errno.EADDRNOTAVAIL:
+            raise _no_address(address) from error
+        if error.errno == errno.EADDRINUSE:
+            expected = "another --port; is the dashboard running already?"
+            raise InputError("--port is in use by another program", value=port, expected=expected) from error
+        problem = f"--port cannot be served: {error.strerror}"
+        raise InputError(problem, value=port, expected="another --port, from 1024 up") from error
+
+
+def _no_address(address: str) -> InputError:
+    expected = "127.0.0.1 for this machine alone, 0.0.0.0 for every machine of its network"
+    return InputError("--address is no address of this machine", value=address, expected=expected)
+
+
+def _serve(command: list[str], folder: Path) -> int:
+    """Run the server in the dashboard's own folder, where its configuration is found."""
+    if os.name == "posix":  # in place of this process, so that whoever ends this one ends the server
+        os.chdir(folder)
+        os.execv(command[0], command)
+    return subprocess.call(command, cwd=folder)

@@ -1,0 +1,168 @@
+"""``atleak diagnose``: a verdict for every land, and its reports."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from atleak.cli.shared import (
+    add_columns,
+    add_command,
+    add_controller,
+    add_force,
+    add_json,
+    add_print,
+    check_targets,
+    number,
+    number_of,
+    pair,
+    say_written,
+    write,
+    write_json,
+)
+from atleak.errors import InputError
+from atleak.verdicts import FLAGGED
+from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
+
+if TYPE_CHECKING:
+    from atleak.diagnosis import Diagnosis
+    from atleak.job.case import Case
+    from atleak.job.record import Job
+    from atleak.marks import Kind
+
+
+def add_parser(commands: Any) -> None:
+    """Add the command."""
+    parser = add_command(commands, "diagnose", run, "a verdict for every land from a measuring sheet and a road test")
+    parser.add_argument("readings", metavar="READINGS", help="measuring sheet: xlsx, xls, ods or csv")
+    parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
+    parser.add_argument(
+        "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
+    )
+    parser.add_argument(
+        "--where",
+        metavar="HEADING=VALUE",
+        type=pair,
+        action="append",
+        default=[],
+        help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
+    )
+    parser.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
+    add_columns(parser)
+    add_controller(parser)
+    parser.add_argument("--fluid", metavar="ID|FILE")
+    parser.add_argument("--limits", metavar="ID|FILE")
+    parser.add_argument("--profile", choices=["workshop", "paper"], default="workshop")
+    parser.add_argument(
+        "--set",
+        metavar="OPTION=VALUE",
+        type=pair,
+        action="append",
+        default=[],
+        help="one option of the profile",
+    )
+    parser.add_argument("--temperature", metavar="C", type=number_of(TEMPERATURE), help="of the stated condition [°C]")
+    parser.add_argument("--rpm", metavar="N", type=number_of(ENGINE_SPEED), help="engine speed of the stated condition")
+    parser.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
+    parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
+    parser.add_argument(
+        "--assume", metavar="NAME=VALUE", type=pair, action="append", default=[], help="one assumed uncertainty"
+    )
+    parser.add_argument("--guard", metavar="K", type=number, help="guard band of every limit in standard uncertainties")
+    parser.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
+    parser.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
+    add_json(parser)
+    parser.add_argument("--xlsx", metavar="FILE")
+    parser.add_argument("--pdf", metavar="FILE")
+    add_print(parser)
+    parser.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of them unless given")
+    parser.add_argument("--job", metavar="FILE", help="job record (TOML or JSON) for the reports")
+    parser.add_argument("--job-file", metavar="FILE.zip", help="the whole job as one file")
+    parser.add_argument(
+        "--fail-on",
+        choices=[level.value for level in FLAGGED],
+        help="end with status 1 where a land or a total is at or past this level",
+    )
+    add_force(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Diagnose the job, write the reports that were asked for and show the verdict."""
+    from atleak.verdicts import Verdict
+
+    for name in ("xlsx", "pdf", "job_file"):
+        if getattr(options, name) == "-":
+            problem = "a workbook, PDF or job file cannot be written to standard output"
+            raise InputError(problem, value=f"--{name} -", expected="a file name")
+    inputs = (options.readings, options.road_test, options.job, options.controller, options.fluid, options.limits)
+    targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
+    check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
+    job = None
+    if options.job is not None:
+        from atleak.job.file import load_job
+
+        job = load_job(options.job)
+        if options.mileage is None:
+            options.mileage = job.vehicle.mileage_km
+    case = _case(options)
+    diagnosis = case.diagnose()
+    written = _write_reports(diagnosis, job, case, options)
+    if options.json != "-":
+        from atleak.report.terminal import print_diagnosis
+
+        print_diagnosis(diagnosis)
+        say_written(written)
+    past = options.fail_on and diagnosis.verdict.rank >= Verdict(options.fail_on).rank
+    return 1 if past else 0
+
+
+def _case(options: argparse.Namespace) -> Case:
+    """The files and choices that the command line names."""
+    from atleak.job.case import SLOTS, Case, SourceFile
+
+    return Case(
+        readings=SourceFile.at(options.readings),
+        road_test=None if options.road_test is None else SourceFile.at(options.road_test),
+        **{name: chosen for name in SLOTS if (chosen := getattr(options, name)) is not None},
+        profile=options.profile,
+        options=tuple(options.set),
+        temperature=options.temperature,
+        engine_speed=None if options.rpm is None else options.rpm / 60.0,
+        gear=options.gear,
+        mileage=options.mileage,
+        sheet_name=options.sheet,
+        sheet_unit=options.sheet_unit,
+        sheet_where=tuple(options.where),
+        columns=tuple(options.map),
+        units=tuple(options.unit),
+        constants=tuple(options.constant),
+        assumptions=tuple(options.assume),
+        guard_factor=options.guard,
+    )
+
+
+def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: argparse.Namespace) -> list[str]:
+    """The files asked for; their names."""
+    written = []
+    if options.xlsx is not None:
+        from atleak.report.xlsx import write_workbook
+
+        written += write(options.xlsx, write_workbook(diagnosis, job, paper=options.paper))
+    if options.pdf is not None:
+        from atleak.report.pdf import write_pdf
+
+        sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
+        content = write_pdf(diagnosis, job, language=options.language, paper=options.paper, sections=sections)
+        written += write(options.pdf, content)
+    if options.job_file is not None:
+        from atleak.job.case import Reader, with_log_choices
+        from atleak.job.file import write_job_file
+
+        settled = case if case.road_test is None else with_log_choices(case, Reader().log(case))
+        content = write_job_file(diagnosis, job, settled)
+        written += write(options.job_file, content)
+    if options.json is not None:  # last: nothing stands on standard output when another file fails
+        from atleak.views.diagnosis_record import diagnosis_record
+
+        written += write_json(options.json, diagnosis_record(diagnosis))
+    return written

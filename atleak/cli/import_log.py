@@ -1,0 +1,62 @@
+"""``atleak import-log``: what is understood of a road-test log."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from atleak.cli.shared import (
+    add_columns,
+    add_command,
+    add_force,
+    add_json,
+    check_targets,
+    log_choices,
+    say_written,
+    write_json,
+    write_text,
+)
+from atleak.errors import InputError, OutputError, Place
+
+
+def add_parser(commands: Any) -> None:
+    """Add the command."""
+    parser = add_command(commands, "import-log", run, "what is understood of a road-test log")
+    parser.add_argument("road_test", metavar="LOG", help="text, xlsx or mf4, as the logger wrote it")
+    add_columns(parser)
+    add_json(parser)
+    parser.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")
+    add_force(parser)
+    parser.add_argument(
+        "--forget", action="store_true", help="do not remember --map and --unit for logs with this header"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Read the log, write what was asked for and remember how its columns were chosen."""
+    from atleak.intake.road_test import default_path, describe, remember, tidy_csv, understand
+    from atleak.report.terminal import print_log
+
+    check_targets(options, [options.road_test], [("record", options.json), ("table", options.csv)])
+    choices = log_choices(options)
+    mapping, units = choices["mapping"], choices["units"]
+    understood = understand(Path(options.road_test), **choices, remembered=default_path())
+    record = describe(understood)
+    written = []
+    if options.json is not None:
+        written += write_json(options.json, record)
+    if understood.road_test is None:
+        raise understood.problem or InputError("the log's columns cannot be told", place=Place(file=understood.file))
+    if options.csv is not None:
+        written += write_text(options.csv, tidy_csv(understood.road_test))
+    if (mapping or units) and not options.forget:
+        try:
+            remember(default_path(), understood.signature, mapping, units)
+        except OutputError as error:
+            print(f"atleak: columns are not remembered: {error}", file=sys.stderr)
+    if "-" not in (options.json, options.csv):
+        print_log(record)
+        say_written(written)
+    return 0

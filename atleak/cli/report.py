@@ -1,0 +1,59 @@
+"""``atleak report``: the reports of job files."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from atleak.cli.shared import add_command, add_force, add_print, check_targets, say_written
+
+
+def add_parser(commands: Any) -> None:
+    """Add the command."""
+    parser = add_command(commands, "report", run, "the reports of job files")
+    parser.add_argument("jobs", metavar="JOB.zip", nargs="+", help="as diagnose --job-file writes them")
+    parser.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    parser.add_argument(
+        "--formats", metavar="LIST", type=_formats, default=["pdf"], help="pdf, xlsx, json, or several with commas"
+    )
+    add_print(parser)
+    add_force(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the reports of every job; one that cannot be read does not stop the others."""
+    from rich.progress import Progress
+
+    from atleak.report.batch import KINDS, report_paths, write_reports
+    from atleak.report.terminal import TerminalConsole
+
+    sources = [Path(name) for name in options.jobs]
+    planned = report_paths(sources, Path(options.output), options.formats)
+    check_targets(options, options.jobs, ((KINDS[form], str(path)) for of in planned for form, path in of.items()))
+    with Progress(console=TerminalConsole(sys.stderr), transient=True) as bar:
+        task = bar.add_task("reports", total=len(sources))
+        reported = write_reports(
+            sources,
+            Path(options.output),
+            formats=options.formats,
+            language=options.language,
+            paper=options.paper,
+            progress=lambda done, total, last: bar.update(task, completed=done, total=total),
+        )
+    for found in reported:
+        say_written(found.written)
+        if found.error is not None:
+            print(f"atleak: {found.error}", file=sys.stderr)
+    return 2 if any(found.error is not None for found in reported) else 0
+
+
+def _formats(text: str) -> list[str]:
+    from atleak.report.batch import KINDS
+
+    names = [name.strip().lower() for name in text.split(",")]
+    for name in names:
+        if name not in KINDS:
+            raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(KINDS)}")
+    return names

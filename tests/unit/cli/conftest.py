@@ -1,0 +1,85 @@
+"""The command line run in this process, and the small files that its tests read."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from atleak import cli
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(autouse=True)
+def own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Columns that someone settled on this machine must not decide a test."""
+    home = tmp_path / "home"
+    monkeypatch.setenv("APPDATA", str(home))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(home))
+    return home
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Runs the command line here; exit status, standard output, standard error. Faults of the program come through."""
+    monkeypatch.setenv("ATLEAK_TRACEBACK", "1")
+
+    def command(*arguments: object) -> tuple[int, str, str]:
+        try:
+            status = cli.main([str(argument) for argument in arguments])
+        except SystemExit as ended:  # argparse, on a fault of usage
+            status = int(ended.code or 0)
+        out, err = capsys.readouterr()
+        assert "Traceback" not in err
+        return status, out, err
+
+    return command
+
+
+@pytest.fixture
+def record_of(run: Run) -> Callable[..., dict[str, Any]]:
+    """Diagnoses; the record, which stands alone on standard output."""
+
+    def record(*arguments: object) -> dict[str, Any]:
+        status, out, err = run("diagnose", *arguments, "--json", "-")
+        assert (status, err) == (0, "")
+        return json.loads(out)
+
+    return record
+
+
+@pytest.fixture
+def small_sheet(tmp_path: Path) -> Callable[..., Path]:
+    """A measuring sheet of one land of the minimal example."""
+
+    def write(sleeve: float = 11.04) -> Path:
+        path = tmp_path / "small.csv"
+        rows = ["component,part,plane,direction,diameter [mm]"]
+        for direction in (0, 90):
+            rows += [f"tcc_regulator,spool,1,{direction},11.000", f"tcc_regulator,sleeve,1,{direction},{sleeve:.3f}"]
+        path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def process() -> Callable[..., subprocess.CompletedProcess[bytes]]:
+    """Runs the command line as a process of its own; the keywords are set in its environment."""
+
+    def command(*arguments: object, **environment: str) -> subprocess.CompletedProcess[bytes]:
+        return subprocess.run(
+            [sys.executable, "-m", "atleak", *map(str, arguments)],
+            capture_output=True,
+            check=False,
+            env={**os.environ, **environment},
+        )
+
+    return command

@@ -1,0 +1,351 @@
+"""The main job: exit status, what stands on which stream, options, and messages for bad input."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import catalogue_files
+from atleak.job.file import read_job_file
+
+Run = Callable[..., tuple[int, str, str]]
+RecordOf = Callable[..., dict[str, Any]]
+SmallSheet = Callable[..., Path]
+
+
+def test_json_stands_alone_on_standard_output(sample_readings: Path, sample_log: Path, record_of: RecordOf) -> None:
+    record = record_of(sample_readings, "--road-test", sample_log)
+    assert record["verdict"] == "replace"
+    assert record["road_test"]["file"] == sample_log.name
+    assert record["profile"]["name"] == "workshop"
+
+
+def test_summary_names_totals_flagged_pairs_and_repair(run: Run, sample_readings: Path, sample_log: Path) -> None:
+    status, out, err = run("diagnose", sample_readings, "--road-test", sample_log)
+    assert (status, err) == (0, "")
+    for word in ("47 of 47 lands measured", "■ replace", "25/1", "hot idle in drive", "rpm", "representative"):
+        assert word in out
+
+
+def test_json_and_workbook_are_written_to_files_and_named(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    as_json, as_book = tmp_path / "ergebnis für Łódź.json", tmp_path / "out.xlsx"
+    status, out, _ = run("diagnose", sample_readings, "--json", as_json, "--xlsx", as_book)
+    assert status == 0
+    assert json.loads(as_json.read_text(encoding="utf-8"))["format"] == 1
+    assert len(openpyxl.load_workbook(as_book, read_only=True).sheetnames) >= 1
+    assert "written:" in out
+    assert "out.xlsx" in "".join(out.split())
+
+
+def test_rows_of_one_inspection(run: Run, tmp_path: Path, record_of: RecordOf) -> None:
+    sheet = tmp_path / "two.csv"
+    rows = [
+        ("May", "piston", 17.998),
+        ("May", "bore", 18.041),
+        ("November", "piston", 17.996),
+        ("November", "bore", 18.05),
+    ]
+    lines = [f"{when};accumulator;1;{part};{size}" for when, part, size in rows]
+    sheet.write_text("\n".join(["Inspection;Valve;Land;Part;Diameter [mm]", *lines]), encoding="utf-8")
+    status, out, err = run("diagnose", sheet, "--controller", "minimal_example")
+    assert (status, out) == (2, "")
+    assert "--where Inspection=May" in err
+    job = tmp_path / "job.zip"
+    record = record_of(sheet, "--controller", "minimal_example", "--where", "Inspection=May", "--job-file", job)
+    found = {land["component"]: land for land in record["lands"]}["accumulator"]
+    assert found["radial_clearance_um"] == pytest.approx(21.5, abs=1e-6)
+    again = read_job_file(job)
+    assert again.case.sheet_where == (("Inspection", "May"),)
+    assert [reading.diameter for reading in again.diagnose().readings.readings] == pytest.approx(
+        [17.998e-3, 18.041e-3], abs=1e-12
+    )
+
+
+def test_without_a_flagged_land_it_says_so(run: Run, small_sheet: SmallSheet) -> None:
+    sheet = small_sheet(sleeve=11.032)
+    status, out, _ = run("diagnose", sheet, "--controller", "minimal_example", "--temperature", "40")
+    assert status == 0
+    assert "1 of 5 lands measured in small.csv" in out
+
+
+@pytest.mark.parametrize(("fail_on", "status"), [("watch", 1), ("replace", 1), ("critical", 0)])
+def test_fail_on_ends_with_1_at_or_past_it(run: Run, sample_readings: Path, fail_on: str, status: int) -> None:
+    assert run("diagnose", sample_readings, "--fail-on", fail_on)[0] == status
+
+
+def test_fail_on_with_json_keeps_the_record(run: Run, sample_readings: Path) -> None:
+    status, out, err = run("diagnose", sample_readings, "--fail-on", "watch", "--json", "-")
+    assert (status, err) == (1, "")
+    assert json.loads(out)["verdict"] == "replace"
+
+
+def test_fail_on_counts_the_total(run: Run, tmp_path: Path, four_speed: Controller) -> None:
+    """With every clearance doubled no land is critical by itself; together they take more than the pump delivers."""
+    rows = ["component,part,plane,direction,diameter mm"]
+    for land in four_speed.lands:
+        for plane in land.planes:
+            sleeve = land.nominal_diameter + 4.0 * land.mounting_clearance
+            rows.append(f"{land.component},{land.part},{plane},0,{land.nominal_diameter * 1e3:.4f}")
+            rows.append(f"{land.component},sleeve,{plane},0,{sleeve * 1e3:.4f}")
+    sheet = tmp_path / "doubled.csv"
+    sheet.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    status, out, _ = run("diagnose", sheet, "--fail-on", "critical", "--json", tmp_path / "out.json")
+    unit = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["unit"]
+    assert (status, unit["verdict"], unit["decided_by"]["kind"]) == (1, "critical", "total")
+    assert "decided by the total share of pump flow" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(("sleeve", "status"), [(11.0321, 0), (11.0359, 1), (11.048, 1)])
+def test_fail_on_watch_follows_the_verdict(
+    run: Run, tmp_path: Path, sleeve: float, status: int, small_sheet: SmallSheet
+) -> None:
+    own = tmp_path / "own.toml"
+    text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
+    own.write_text(text[: text.index("# One pair")] + text[text.index("# Total leakage") :], encoding="utf-8")
+    sheet = small_sheet(sleeve)
+    found = run("diagnose", sheet, "--controller", "minimal_example", "--limits", own, "--fail-on", "watch")
+    assert found[0] == status
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("missing.xlsx", None, ("missing.xlsx", "no such file")),
+        ("empty.xlsx", b"", ("empty.xlsx", "empty")),
+        ("empty.csv", b"", ("empty.csv", "empty")),
+        ("not.xlsx", b"PK\x03\x04 no workbook", ("not.xlsx",)),
+        ("image.csv", bytes(range(256)) * 8, ("image.csv",)),
+        ("other.csv", b"name,price\nbolt,3\n", ("other.csv", "expected")),
+    ],
+)
+def test_readings_that_are_none(
+    run: Run, tmp_path: Path, name: str, content: bytes | None, words: tuple[str, ...]
+) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    status, out, err = run("diagnose", tmp_path / name)
+    assert (status, out) == (2, "")
+    assert err.startswith("atleak: ")
+    for word in words:
+        assert word in err
+
+
+@pytest.mark.parametrize("option", ["READINGS", "--road-test", "--controller", "--fluid", "--limits"])
+def test_a_folder_in_place_of_a_file(run: Run, sample_readings: Path, tmp_path: Path, option: str) -> None:
+    arguments = [tmp_path] if option == "READINGS" else [sample_readings, option, tmp_path]
+    status, out, err = run("diagnose", *arguments)
+    assert (status, out) == (2, "")
+    assert tmp_path.name in err
+
+
+def test_a_workbook_of_another_kind_names_what_it_lacks(run: Run, tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    book.active.title = "Invoice"  # type: ignore[union-attr]
+    book.active.append(["bolt", 3, 4.5])  # type: ignore[union-attr]
+    book.save(tmp_path / "invoice.xlsx")
+    status, _, err = run("diagnose", tmp_path / "invoice.xlsx")
+    assert status == 2
+    assert "invoice.xlsx" in err
+
+
+def test_a_sheet_of_another_controller_says_so(run: Run, sample_readings: Path) -> None:
+    status, _, err = run("diagnose", sample_readings, "--controller", "minimal_example")
+    assert status == 2
+    for word in (sample_readings.name, "row 2", "made for controller four_speed_2023", "--controller four_speed_2023"):
+        assert word in err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--road-test", "nope.csv"], ("nope.csv",)),
+        (["--controller", "four_sped_2023"], ("'four_sped_2023'", "did you mean 'four_speed_2023'?")),
+        (["--fluid", "dexron"], ("'dexron'", "mobil_atf_220")),
+        (["--limits", "own.toml"], ("'own.toml'", "no such file")),
+        (["--set", "entry_los=on"], ("'entry_los'", "did you mean 'entry_loss'?")),
+        (["--set", "viscosity=water"], ("'water'", "d341")),
+        (["--set", "eccentricity=2"], ("'2'", "a number 0 to 1")),
+        (["--set", "entry_loss"], ("--set", "'entry_loss'", "NAME=VALUE")),
+        (["--set", "=on"], ("--set", "NAME=VALUE")),
+        (["--gear", "9"], ("9", "one of 1, 2, 3, 4")),
+        (["--gear", "two"], ("--gear", "'two'")),
+        (["--temperature", "500"], ("500 °C", "from −60 to 200 °C")),
+        (["--temperature", "190"], ("190 °C", "-20 to 150 °C")),
+        (["--temperature", "1e3"], ("1e3 °C",)),
+        (["--temperature", "-30"], ("-30 °C",)),
+        (["--temperature", "warm"], ("--temperature", "'warm'")),
+        (["--temperature", "nan"], ("nan",)),
+        (["--rpm", "0"], ("0 rpm", "from 1 to 15000 rpm")),
+        (["--rpm", "-800"], ("−800 rpm", "from 1 to 15000 rpm")),
+        (["--rpm", "1.250"], ("'1.250'", "two ways", "1250", "1.25 ")),
+        (["--mileage", "-1"], ("--mileage", "−1 km")),
+        (["--mileage", "nan"], ("--mileage", "'nan'")),
+        (["--mileage", "106.315"], ("--mileage", "'106.315'", "two ways")),
+        (["--mileage", "106,315"], ("'106,315'", "two ways")),
+        (["--mileage", "far"], ("--mileage", "'far'")),
+        (["--profile", "papr"], ("--profile", "workshop")),
+        (["--fail-on", "ok"], ("--fail-on", "critical")),
+        (["--xlsx", "-"], ("standard output",)),
+        (["--pdf", "-"], ("standard output",)),
+        (["--assume", "room=1"], ("'room'", "room_temperature_k")),
+        (["--guard", "-1"], ("-1", "1.645")),
+        (["--spool-instrument", "micrometre"], ("did you mean 'micrometer'?",)),
+        (["--sheet", "Nope"], ("'Nope'", "Measurements")),
+        (["--sheet-unit", "furlong"], ("'furlong'", "inch")),
+        (["--jsn", "-"], ("--jsn",)),
+    ],
+)
+def test_a_bad_option_is_named_with_its_value(
+    run: Run, sample_readings: Path, options: list[str], words: tuple[str, ...]
+) -> None:
+    status, out, err = run("diagnose", sample_readings, *options)
+    assert (status, out) == (2, "")
+    for word in words:
+        assert word in err
+
+
+@pytest.mark.parametrize("option", ["--json", "--xlsx", "--pdf"])
+@pytest.mark.parametrize("target", ["nowhere/out.file", "."])
+def test_an_output_that_cannot_be_written(
+    run: Run, sample_readings: Path, tmp_path: Path, option: str, target: str
+) -> None:
+    status, _, err = run("diagnose", sample_readings, option, tmp_path / target)
+    assert status == 2
+    assert "cannot be written" in err
+    assert tmp_path.name in err
+
+
+def test_nothing_is_written_over_what_is_read(run: Run, tmp_path: Path, small_sheet: SmallSheet) -> None:
+    sheet = small_sheet()
+    before = sheet.read_bytes()
+    again = tmp_path / "folder" / ".." / sheet.name
+    (tmp_path / "folder").mkdir()
+    for options in (
+        ["--xlsx", sheet],
+        ["--json", again],
+        ["--pdf", sheet],
+        ["--json", tmp_path / "a", "--xlsx", tmp_path / "a"],
+    ):
+        status, _, err = run("diagnose", sheet, "--controller", "minimal_example", *options)
+        assert status == 2
+        assert "would be written over" in err
+    assert sheet.read_bytes() == before
+    assert not (tmp_path / "a").exists()
+
+
+def test_a_log_without_main_pressure(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    log.write_text("time [s],engine_speed [rpm],gear\n0,800,1\n1,900,1\n2,950,1\n", encoding="utf-8")
+    status, _, err = run("diagnose", sample_readings, "--road-test", log)
+    assert status == 2
+    assert "log.csv" in err
+    assert "pressure" in err
+
+
+def test_several_faults_of_a_catalogue_file_are_said_at_once(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    own = tmp_path / "own.toml"
+    text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
+    own.write_text(text.replace("watch = 10.0", "watch = -10.0").replace("red = 20.0", 'red = "20"'), encoding="utf-8")
+    status, _, err = run("diagnose", sample_readings, "--limits", own)
+    assert status == 2
+    assert "key 'watch'" in err
+    assert "key 'red'" in err
+
+
+def test_decimal_comma_in_options(sample_readings: Path, record_of: RecordOf) -> None:
+    with_comma = record_of(sample_readings, "--temperature", "85,5", "--rpm", "1200,5", "--set", "eccentricity=0,5")
+    with_point = record_of(sample_readings, "--temperature", "85.5", "--rpm", "1200.5", "--set", "eccentricity=0.5")
+    assert with_comma == with_point
+    assert with_comma["projection"]["temperature_c"] == 85.5
+    assert with_comma["projection"]["engine_rpm"] == pytest.approx(1200.5, rel=1e-12, abs=0.0)
+    assert with_comma["profile"]["eccentricity"] == 0.5
+
+
+def test_a_stated_condition_reaches_the_projection_and_leaves_hot_idle(
+    sample_readings: Path, record_of: RecordOf
+) -> None:
+    plain = record_of(sample_readings)
+    stated = record_of(sample_readings, "--gear", "3", "--temperature", "60", "--rpm", "2000")
+    found = stated["projection"]
+    assert (found["gear"], found["temperature_c"], found["engine_rpm"]) == (
+        3,
+        60.0,
+        pytest.approx(2000.0, rel=1e-12, abs=0.0),
+    )
+    assert stated["hot_idle"] == plain["hot_idle"]
+    assert plain["projection"]["name"] == "driving_second"
+
+
+def test_profile_and_set_reach_the_engine(sample_readings: Path, record_of: RecordOf) -> None:
+    paper = record_of(sample_readings, "--profile", "paper")
+    assert all(gap["drawn_from_pump"] for gap in paper["gaps"])
+    changed = record_of(sample_readings, "--profile", "paper", "--set", "diameter=mean", "--set", "entry_loss=on")
+    assert (changed["profile"]["diameter"], changed["profile"]["entry_loss"]) == ("mean", True)
+    assert changed["gaps"][0]["diameter_mm"] > paper["gaps"][0]["diameter_mm"]
+
+
+def test_the_last_of_an_option_set_twice_counts(sample_readings: Path, record_of: RecordOf) -> None:
+    found = record_of(sample_readings, "--set", "diameter=spool", "--set", "diameter=mean")
+    assert found["profile"]["diameter"] == "mean"
+
+
+def test_mileage_reaches_the_record(sample_readings: Path, record_of: RecordOf) -> None:
+    found = record_of(sample_readings, "--mileage", "106315")
+    assert found["mileage_km"] == 106315.0
+    assert any(land["replace_mileage_km"] for land in found["lands"])
+
+
+def test_own_files_by_path(tmp_path: Path, record_of: RecordOf, small_sheet: SmallSheet) -> None:
+    own = {}
+    for kind, name in (("controllers", "minimal_example"), ("fluids", "mobil_atf_220"), ("limits", "project_default")):
+        own[kind] = tmp_path / f"{kind}.toml"
+        own[kind].write_bytes(catalogue_files(kind)[name].read_bytes().replace(b'id = "', b'id = "own_', 1))
+    found = record_of(
+        small_sheet(),
+        *("--controller", own["controllers"], "--fluid", own["fluids"], "--limits", own["limits"]),
+    )
+    assert [found[key]["id"] for key in ("controller", "fluid", "limits")] == [
+        "own_minimal_example",
+        "own_mobil_atf_220",
+        "own_project_default",
+    ]
+    assert found["readings"]["lands_measured"] == 1
+
+
+def test_columns_settled_earlier_travel_with_the_job(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    log = tmp_path / "two.csv"
+    rows = "".join(f"{i / 10:.1f};1500;8.0;8.1;80;2\n" for i in range(30))
+    log.write_text(
+        "time [s];engine_speed [rpm];p_g one [bar];p_g two [bar];atf_temperature [°C];gear\n" + rows, encoding="utf-8"
+    )
+    mapping = ("--map", "main_pressure=p_g two [bar]")
+    assert run("import-log", log, *mapping)[0] == 0
+    bundle = tmp_path / "job.zip"
+    assert run("diagnose", sample_readings, "--road-test", log, "--job-file", bundle)[0] == 0
+    assert dict(read_job_file(bundle).case.columns)["main_pressure"] == "p_g two [bar]"
+
+
+def test_constants_stand_for_channels_the_log_lacks(sample_readings: Path, tmp_path: Path, record_of: RecordOf) -> None:
+    log = tmp_path / "pressure only.csv"
+    log.write_text(
+        "time [s],engine_speed [rpm],p_g [kPa]\n" + "".join(f"{i / 10},1500,800\n" for i in range(20)), encoding="utf-8"
+    )
+    told = ("--constant", "atf_temperature=90", "--constant", "converter_pressure=300,5", "--constant", "gear=3")
+    record = record_of(sample_readings, "--road-test", log, *told)
+    assert record["road_test"]["gears"] == [3]
+    assert not {message["code"] for message in record["messages"]} & {"assumed_gear", "assumed_converter_pressure"}
+    hotter = record_of(sample_readings, "--road-test", log, *told[2:], "--constant", "atf_temperature=100")
+    most = [found["road_test"]["max_leakage"]["leakage_dm3_min"] for found in (hotter, record)]
+    assert most[0] > most[1]
+
+
+def test_a_constant_of_no_quantity_is_refused(run: Run, sample_readings: Path, sample_log: Path) -> None:
+    status, _, err = run("diagnose", sample_readings, "--road-test", sample_log, "--constant", "atf_temp=90")
+    assert status == 2
+    assert "did you mean 'atf_temperature'?" in err

@@ -1,0 +1,46 @@
+"""What is understood of a log."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_import_log_writes_the_record_alone(run: Run, sample_log: Path, tmp_path: Path) -> None:
+    status, out, err = run("import-log", sample_log, "--json", "-", "--csv", tmp_path / "plain.csv")
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    promised = (
+        "file sha256 format encoding delimiter decimal rows duration_s segments columns ambiguous unused messages"
+    )
+    assert [key for key in promised.split() if key not in found] == []
+    quantities = {column["quantity"] for column in found["columns"]}
+    assert quantities == {"time", "engine_speed", "main_pressure", "converter_pressure", "atf_temperature", "gear"}
+    assert (tmp_path / "plain.csv").stat().st_size > 1000
+
+
+def test_import_log_never_writes_over_the_log(run: Run, sample_log: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log.csv"
+    log.write_bytes(sample_log.read_bytes())
+    for options in (["--csv", log], ["--json", log], ["--json", "-", "--csv", "-"]):
+        status, out, err = run("import-log", log, *options)
+        assert (status, out) == (2, "")
+        assert "would be written over" in err
+    assert log.read_bytes() == sample_log.read_bytes()
+
+
+def test_a_home_that_cannot_be_written_is_no_failure(
+    run: Run, sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    monkeypatch.setenv("APPDATA", str(tmp_path / "file"))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "file"))
+    status, out, err = run("import-log", sample_log, "--unit", "engine_speed=rpm")
+    assert status == 0
+    assert "1201 rows" in out
+    assert "not remembered" in err

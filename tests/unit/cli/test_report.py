@@ -1,0 +1,43 @@
+"""The reports of job files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+Run = Callable[..., tuple[int, str, str]]
+RecordOf = Callable[..., dict[str, Any]]
+
+
+def test_a_job_travels_as_one_file_and_reads_the_same_elsewhere(
+    run: Run, sample_readings: Path, sample_log: Path, tmp_path: Path, record_of: RecordOf
+) -> None:
+    record = tmp_path / "job.toml"
+    record.write_text('number = "A-17"\n[workshop]\nname = "Werkstatt Łódź"\n', encoding="utf-8")
+    bundle = tmp_path / "a-17.zip"
+    first = record_of(sample_readings, "--road-test", sample_log, "--job", record, "--job-file", bundle)
+    status, out, _ = run("report", bundle, "-o", tmp_path / "reports", "--formats", "json,xlsx")
+    assert status == 0
+    assert "a-17.json" in out
+    again = json.loads((tmp_path / "reports" / "a-17.json").read_text(encoding="utf-8"))
+    assert again["lands"] == first["lands"]
+    assert again["road_test"] == first["road_test"]
+    assert (tmp_path / "reports" / "a-17.xlsx").stat().st_size > 10_000
+
+
+def test_one_bad_job_does_not_stop_the_others(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+    good, bad = tmp_path / "good.zip", tmp_path / "bad.zip"
+    run("diagnose", sample_readings, "--job-file", good)
+    bad.write_bytes(b"PK nothing")
+    status, _, err = run("report", bad, good, "-o", tmp_path / "out", "--formats", "json")
+    assert status == 2
+    assert "bad.zip" in err
+    assert (tmp_path / "out" / "good.json").is_file()
+
+
+def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:
+    status, _, err = run("report", tmp_path / "x.zip", "-o", tmp_path, "--formats", "docx")
+    assert status == 2
+    assert "'docx' is not one of pdf, xlsx, json" in err

@@ -1,0 +1,62 @@
+"""A measuring sheet to fill in."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+
+from atleak.catalogue.controller import Controller
+from atleak.intake.readings import read_readings
+
+Run = Callable[..., tuple[int, str, str]]
+RecordOf = Callable[..., dict[str, Any]]
+
+Process = Callable[..., subprocess.CompletedProcess[bytes]]
+
+
+@pytest.mark.parametrize("name", ["four_speed_2023", "minimal_example"])
+def test_a_filled_template_is_diagnosed(run: Run, tmp_path: Path, name: str, record_of: RecordOf) -> None:
+    sheet = tmp_path / "sheet.xlsx"
+    status, out, _ = run("template", "--controller", name, "-o", sheet)
+    assert status == 0
+    assert "written:" in out
+    book = openpyxl.load_workbook(sheet)
+    page = next(page for page in book if any(_heading(page)))
+    heading = next(row for row in page.iter_rows() if any("Diameter" in str(cell.value) for cell in row))
+    column = {str(cell.value).split("\n")[0].split(" [")[0]: cell.column for cell in heading}
+    filled = 0
+    for row in range(heading[0].row + 1, page.max_row + 1):
+        nominal = page.cell(row, column["Nominal"]).value
+        if isinstance(nominal, int | float):
+            page.cell(row, column["Diameter"]).value = nominal
+            filled += 1
+    assert filled > 0
+    book.save(sheet)
+    found = record_of(sheet, "--controller", name)
+    assert found["readings"]["lands_measured"] == found["readings"]["lands_total"]
+    assert {land["verdict"] for land in found["lands"]} == {"ok"}
+    for land in found["lands"]:
+        assert land["wear_percent"] == pytest.approx(0.0, abs=0.5)
+
+
+def _heading(page: Any) -> list[bool]:
+    return [any("Diameter" in str(cell.value) for cell in row) for row in page.iter_rows(max_row=12)]
+
+
+@pytest.mark.parametrize("output", ["sheet.xls", "sheet", "nowhere/sheet.xlsx"])
+def test_a_template_wants_a_workbook_s_name(run: Run, tmp_path: Path, output: str) -> None:
+    status, _, err = run("template", "-o", tmp_path / output)
+    assert status == 2
+    assert "sheet" in err
+
+
+def test_a_file_written_by_a_process_reads_back(tmp_path: Path, four_speed: Controller, process: Process) -> None:
+    found = process("template", "-o", tmp_path / "sheet.xlsx")
+    assert found.returncode == 0
+    with pytest.raises(Exception, match="sheet"):  # nothing is filled in yet
+        read_readings(tmp_path / "sheet.xlsx", four_speed)

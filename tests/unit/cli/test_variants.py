@@ -1,0 +1,25 @@
+"""The source study."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_variants_has_the_promised_keys(run: Run) -> None:
+    status, out, err = run("variants", "--json", "-")
+    assert (status, err) == (0, "")
+    rows = json.loads(out)["variants"]
+    assert [row["variant"] for row in rows] == [f"W{number}" for number in range(1, 9)]
+    promised = (
+        "variant temperature_c wear_percent kinematic_viscosity_mm2_s density_g_cm3 kinematic_viscosity_used_mm2_s "
+        "printed computed as_tabulated note"
+    )
+    for row in rows:
+        assert [key for key in promised.split() if key not in row] == []
+        both = {"max_leakage_dm3_min", "max_share_percent"}
+        assert both <= set(row["printed"])
+        assert both <= set(row["as_tabulated"])
+        assert both | {"min_leakage_dm3_min", "share_at_max_leakage_percent"} <= set(row["computed"])

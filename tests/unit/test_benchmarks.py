@@ -1,0 +1,19 @@
+"""Every benchmark can be imported and has a small size, which continuous integration runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / "benchmarks"
+NAMES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem != "timing")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_benchmark_is_imported_and_has_a_small_size(benchmark_of: Callable[[str], ModuleType], name: str) -> None:
+    module = benchmark_of(name)
+    assert module.OPTIONS.parse_args(["--small"]).small
+    assert callable(module.main)
