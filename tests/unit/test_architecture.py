@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -174,6 +175,13 @@ def test_type_checkers_are_given_the_same_public_names() -> None:
         for alias in node.names
     }
     assert told == atleak._MODULES
+
+
+def test_the_architecture_page_draws_the_floors_that_are_checked() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE)
+    drawn = [sorted(re.findall(r"`([\w.]+)`", row)) for row in rows]
+    assert drawn == [sorted(floor) for floor in FLOORS[:-1]]  # the last is for users alone
 
 
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
