@@ -22,6 +22,7 @@ Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
+NOMINAL_HEADING = "Nominal\ndiameter [mm]"  # of the form, by which a sheet made from it is known again
 NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal one is flagged: choice of this project
 
 

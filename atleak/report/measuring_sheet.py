@@ -21,7 +21,7 @@ from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Part
 from atleak.look import SHEET_COLOURS
 from atleak.marks import PROPERTY, sealed, unsealed
-from atleak.readings import Reading
+from atleak.readings import NOMINAL_HEADING, Reading
 
 SHEET = "Measurements"
 INSTRUCTIONS = "How to measure"
@@ -38,7 +38,7 @@ _HEADINGS = (  # heading, width in characters
     ("Coordinate\nx1 (y1) [mm]", 14),
     ("Coordinate\nx2 (y2) [mm]", 14),
     ("Diameter [mm]", 14),
-    ("Nominal\ndiameter [mm]", 13),
+    (NOMINAL_HEADING, 13),
     ("Mounting\nclearance [µm]", 13),
     ("Nominal values\nare", 24),
     ("Deviation from\nnominal [µm]", 14),

@@ -121,16 +121,17 @@ def _component(sheet: Sheet, header: Header, names: ControllerNames) -> Column |
 
 
 def _same(sheet: Sheet, header: Header, names: ControllerNames, component: Column | None) -> Iterator[Column]:
-    """Columns that say the same as the component's, most of the time: not a running number beside it."""
+    """Columns that say the component too: by its name, or by its number most of the time, as no running number does."""
     for column in header.of("component"):
         if component is None or column == component:
             continue
-        agree = differ = 0
+        agree = differ = named = 0
         for row in range(header.last + 1, len(sheet.rows)):
+            named += names.is_named(text_of(sheet.filled(row, column.index)))
             one, other = (names.component(sheet.filled(row, each.index)) for each in (component, column))
             if one is not None and other is not None:
                 agree, differ = agree + (one == other), differ + (one != other)
-        if agree > differ:
+        if agree > differ or named > agree:
             yield column
 
 

@@ -17,6 +17,7 @@ _ENDS = {"x1", "x2", "y1", "y2"}
 _AXES = _ENDS | {"x", "y", "i", "ii", "dx", "dy"}
 _ROMAN = {"i": "1", "ii": "2", "iii": "3", "iv": "4"}
 _MOST_REPEATS = 30
+_PLAIN_ANGLES = {"0", "90"}  # behind the word for the diameter also without "°"
 
 
 def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, float | None, int | None]:
@@ -28,7 +29,12 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
     >>> numbers_of_heading("diameter", ["diameter", "2"]), numbers_of_heading("diameter", ["diameter", "50", "km"])
     ((None, None, 2), (None, None, None))
     """
-    angles = (token for token, after in _followed(tokens) if is_angle(token) and after not in UNITS_BEHIND)
+    angles = [token for token, after in _followed(tokens) if is_angle(token) and after not in UNITS_BEHIND]
+    angles += [
+        token
+        for before, (token, after) in zip(("", *tokens), _followed(tokens), strict=False)
+        if token in _PLAIN_ANGLES and before in _SIZE and after not in UNITS_BEHIND
+    ]
     direction = next(map(direction_of, angles), None)
     axes = {token for token in tokens if token in _ENDS}
     letters = {axis[0] for axis in axes}

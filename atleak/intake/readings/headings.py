@@ -28,7 +28,7 @@ EXPECTED = (
 
 _DEPTH = 3  # rows that headings may be spread over
 
-_MEAN = vocabulary("mean")
+_MEAN = vocabulary("mean", "mean_in_heading")
 _SPECIFICATION = vocabulary("specification")
 _FOUND = vocabulary("found")
 _CORRECTED = vocabulary("corrected")

@@ -215,10 +215,10 @@ class _Reader:
         if "diameter" in given:
             return False
         for name in ("coordinate 1", "coordinate 2"):
-            if name not in given and name in group:
+            if name not in given:
                 self._say(
                     f"{name} is missing beside the other one",
-                    self._place(row, group[name]),
+                    self._place(row, group.get(name) or next(iter(given.values()))),
                     expected="both coordinates, or the diameter",
                 )
                 return True

@@ -12,6 +12,7 @@ from atleak.intake.units import Unit, unit
 from atleak.readings import NOMINAL_TOLERANCE
 
 _INCH_DECIMALS = 3  # a diameter in inches has at least so many; 0.5 is half a millimetre of something
+_ROUNDED = 0.51e-6  # [m]
 MM, UM, INCH = (unit(name, "length") for name in ("mm", "µm", "inch"))
 
 
@@ -42,6 +43,11 @@ class Sizes:
         nominal = self._by_plane.get((component, plane), ())
         return any(abs(each.to_si(value) - size) <= NOMINAL_TOLERANCE for each in units for size in nominal)
 
+    def is_nominal(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
+        """Whether a number, rounded to a micrometre, is a nominal diameter of one plane."""
+        nominal = self._by_plane.get((component, plane), ())
+        return any(abs(each.to_si(value) - size) <= _ROUNDED for each in units for size in nominal)
+
 
 def numbers_of(cell: Cell) -> tuple[float, ...]:
     """The number of a cell, or those that its text mentions."""
@@ -50,6 +56,15 @@ def numbers_of(cell: Cell) -> tuple[float, ...]:
     if isinstance(cell, int | float):
         return (float(cell),)
     return numbers_in(cell) if isinstance(cell, str) and cell else ()
+
+
+def is_coarse(cell: Cell) -> bool:
+    """Whether a number in millimetres has one decimal at most: a length, a temperature, a running number.
+
+    >>> is_coarse(18.2), is_coarse("18.000"), is_coarse(17.998)
+    (True, True, False)
+    """
+    return all(round(value, 1) == value for value in numbers_of(cell))
 
 
 def is_whole(cell: Cell) -> bool:

@@ -226,6 +226,7 @@ def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) ->
             break
     if columns.repeat is None:
         yield from _returning(entries, sheet)
+        yield from _remarks(_several(entries), sheet, header)
         return
     without = [_station(entry)[:4] for entry in entries]
     if len(set(without)) == len(without):
@@ -259,13 +260,30 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Messag
         last[station] = entry.row
     if back:
         earlier, row, station = back[0]
+        apart = any(all(is_blank(cell) for cell in sheet.rows[between]) for between in range(earlier, row))
         yield Message(
-            "info",
+            "warning" if apart else "info",
             "rows_as_repeats",
             f"{_name(station)} stands in row {sheet.row_number(earlier)} and again in row {sheet.row_number(row)}"
-            f"{_also(len({each[2] for each in back}))}: counted as repeats",
+            f"{_also(len({each[2] for each in back}))}{', behind an empty row' if apart else ''}: counted as repeats",
             sheet.place(row),
         )
+
+
+def _remarks(several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header) -> Iterator[Message]:
+    """Remarks that tell rows of one station apart, which nothing on the sheet calls repeats."""
+    for column in header.of("remark"):
+        for station, rows in several.items():
+            said = {row: text_of(cell) for row in rows if isinstance(cell := sheet.filled(row, column.index), str)}
+            texts = [text for text in dict.fromkeys(said.values()) if letters(text)]
+            if texts and len(set(said.values())) > 1:
+                yield Message(
+                    "warning",
+                    "remarks_differ",
+                    f"{_name(station)} stands in {rows_named(sheet, rows)}, counted as repeats, though remarks tell "
+                    f"them apart: {', '.join(repr(text[:60]) for text in texts[:_LISTED])}",
+                    sheet.place(rows[0], column.index, column.name),
+                )
 
 
 # --- what to read -----------------------------------------------------------------------------------------------------

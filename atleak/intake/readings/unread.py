@@ -15,9 +15,10 @@ from atleak.intake.readings.headings import Role, split_unit
 from atleak.intake.readings.rows import Rows
 from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sheet_tables import Table
-from atleak.intake.readings.sizes import INCH, MM, Sizes, is_whole, numbers_of
-from atleak.intake.readings.words import is_blank, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
+from atleak.intake.readings.words import is_blank, letters, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
+from atleak.readings import NOMINAL_HEADING
 
 _WHY: dict[Role, str] = {
     "specification": "what the diameter should be, not what was measured",
@@ -27,8 +28,10 @@ _WHY: dict[Role, str] = {
     "quantity": "another quantity by its heading",
 }
 _SAYS_SIZE = vocabulary("diameter", "found", "reading", "specification", "mean", "raw", "aside", "gauge")
+_MEASURED = vocabulary("diameter", "coordinate", "found", "reading")
+_DIMENSION = vocabulary("dimension")
 _QUANTITY = vocabulary("quantity")
-_SHOWN = 4
+_SHOWN = 2
 
 
 @dataclass
@@ -62,7 +65,9 @@ class Account:
         self._slipped(rows)
         unexplained = [index for index in unread if not self._is_quantity(rows, index)]
         rivals = [index for index in unexplained if self._is_rival(rows, index)]
-        if rivals:
+        if len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0]):
+            self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
+        elif rivals:
             self.problems.append(_which(table, rivals))
 
     def leave_table(self, table: Table) -> None:
@@ -131,8 +136,22 @@ class Account:
         table, role = rows.table, _role(rows.table, index)
         if role not in ("specification", "mean", "raw"):
             return False
+        if role == "specification" and self._is_of_controller(rows, index):
+            self._done[table.sheet.name].update((row, index) for row in table.rows)
+            return True
         self._leave_column(table, index, self._sizes_in(rows, index), role)
         return True
+
+    def _is_of_controller(self, rows: Rows, index: int) -> bool:
+        """Whether it is the form's own column of nominal diameters, filled in as the form was written."""
+        if rows.table.heading(index) != " ".join(NOMINAL_HEADING.split()):
+            return False
+        units = _units(rows.table, index) or self._units
+        return all(
+            any(self._sizes.is_nominal(value, units, key.component, key.plane) for value in numbers_of(cell))
+            for row, key in rows.of_row.items()
+            for cell in (rows.table.sheet.cell(row, index),)
+        )
 
     def _is_quantity(self, rows: Rows, index: int) -> bool:
         """Whether a column holds another quantity; not one in millimetres that has the size of the diameters."""
@@ -158,7 +177,7 @@ class Account:
             self._leave_column(table, index, self._sizes_in(rows, index), "remark")
             return False
         units = _units(table, index) or self._units
-        if units[0].factor >= MM.factor and all(is_whole(table.sheet.cell(*at)) for at in near):
+        if units[0].factor >= MM.factor and all(is_coarse(table.sheet.cell(*at)) for at in near):
             self._leave_column(table, index, self._sizes_in(rows, index), None)
             return False
         return True
@@ -278,6 +297,18 @@ def _units(table: Table, index: int) -> tuple[Unit, ...]:
     """The unit that a heading states; "Micrometer" alone is the instrument."""
     rest, unit = split_unit(table.heading(index))
     return () if unit is None or not rest.strip() else (unit,)
+
+
+def _is_headed(table: Table) -> bool:
+    """Whether every column that was read says by a word of its own that it holds diameters."""
+    return all(any(word in _MEASURED for word in letters(column.heading)) for column in table.header.values)
+
+
+def _says_other(table: Table, index: int) -> bool:
+    """Whether a heading says in a word what its column holds, and not that it is a reading."""
+    words = letters(split_unit(table.heading(index))[0])
+    others = [word for word in words if len(word) > 2 and word not in _DIMENSION]
+    return bool(others) and not any(word in _MEASURED for word in words)
 
 
 def _name(table: Table, index: int) -> str:

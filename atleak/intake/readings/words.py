@@ -19,49 +19,7 @@ from atleak.written_numbers import decimal_number
 
 _SPACES = re.compile(r"\s+")
 _NUMBER_AND_UNIT = re.compile(r"(.*\d[.,]?)\s*([^\d.,\s+\-]\D*)", re.DOTALL)
-_ABSENT = {
-    "",
-    "-",
-    "–",
-    "—",
-    "--",
-    "n/a",
-    "na",
-    "n.a.",
-    "nan",
-    "none",
-    "null",
-    "not measured",
-    "nicht gemessen",
-    "brak",
-}
-
-_PARTS: dict[Part, tuple[str, ...]] = {
-    "spool": (
-        *("spool", "piston", "rod", "plunger", "shaft", "valve", "valve spool", "spool valve", "piston rod"),
-        *("spools", "pistons", "plungers"),
-        *("damper", "damper piston", "damper piston rod", "male", "inner", "d", "di", "ds"),
-        *("schieber", "kolben", "kolbenstange", "ventilschieber", "steuerschieber", "welle"),
-        *("suwak", "tłok", "tłoczek", "tłoczysko", "suwaki", "tłoki", "tłoczki"),
-        *("tiroir", "carrete", "pistón", "émbolo", "поршень", "поршни", "золотник", "pistone", "píst", "šoupátko"),
-    ),
-    "sleeve": (
-        *("sleeve", "bore", "opening", "cylindrical opening", "sleeve opening", "hole", "body", "housing", "casing"),
-        *("sleeves", "bores", "openings"),
-        *("cylinder", "bushing", "female", "outer", "D", "Di", "Dk"),
-        *("hülse", "huelse", "bohrung", "gehäuse", "gehaeuse", "buchse", "zylinder"),
-        *("hülsen", "huelsen", "bohrungen"),
-        *("tuleja", "otwór", "gniazdo", "korpus", "tuleje", "otwory", "gniazda"),
-        *("alésage", "chemise", "orificio", "taladro", "отверстие", "отверстия", "втулка", "гильза"),
-        *("foro", "alesaggio", "otvor", "pouzdro"),
-    ),
-}
-# words for other things too, so that they name no part where they stand in a title
-_TOO_COMMON = frozenset(
-    ("valve", "body", "housing", "casing", "shaft", "rod", "male", "female", "inner", "outer", "hole", "opening")
-)
 _SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, D the sleeve
-_PART_WORDS: dict[str, Part] = {}
 
 
 def plain(text: object) -> str:
@@ -102,13 +60,16 @@ def _vocabularies() -> dict[str, dict[str, list[str]]]:
 
 @lru_cache(maxsize=64)
 def vocabulary(*meanings: str) -> Vocabulary:
-    """The words of headings and titles for one or several meanings of ``vocabulary.toml``.
+    """The words for one or several meanings of ``vocabulary.toml``.
 
     >>> {"solldurchmesser", "mm"} & vocabulary("specification")
     {'solldurchmesser'}
     """
-    by_language = (_vocabularies()[meaning] for meaning in meanings)
-    return Vocabulary(word for languages in by_language for words in languages.values() for word in words)
+    return Vocabulary(word for meaning in meanings for word in _listed(meaning))
+
+
+def _listed(meaning: str) -> list[str]:
+    return [word for words in _vocabularies()[meaning].values() for word in words]
 
 
 @lru_cache(maxsize=4096)
@@ -121,6 +82,9 @@ def says_specification(text: str) -> bool:
     words = set(re.findall(r"[^\W\d_]+", plain(text)))
     specified = words & vocabulary("specification")
     return bool(specified) and not words - specified - (words & vocabulary("diameter", "reading"))
+
+
+_ABSENT = frozenset(("", *map(plain, _listed("absent"))))
 
 
 def is_blank(cell: Cell) -> bool:
@@ -180,6 +144,13 @@ def _split_unit(text: str) -> tuple[str, Unit | None]:
     return (found[1], written) if written else (text, None)
 
 
+_PARTS: tuple[Part, ...] = ("spool", "sleeve")
+_PART_WORDS: dict[str, Part] = {
+    word if len(word) <= _SINGLE_LETTERS else plain(word): part for part in _PARTS for word in _listed(part)
+}
+_PART_OR_OTHER = vocabulary("part_or_other")
+
+
 def part_words() -> list[str]:
     """The words a sheet may use for a part."""
     return [word for word in _PART_WORDS if len(word) > _SINGLE_LETTERS]
@@ -206,17 +177,14 @@ def part_in(text: str) -> Part | None:
     >>> part_in("Pistons, 20 °C"), part_in("Valve body 12"), part_in("spools and sleeves")
     ('spool', None, None)
     """
-    words = {word for word in re.findall(r"[^\W\d_]{3,}", plain(text)) if word not in _TOO_COMMON}
+    words = {word for word in re.findall(r"[^\W\d_]{3,}", plain(text)) if word not in _PART_OR_OTHER}
     parts = {part for word in words if (part := part_of(word)) is not None}
     return parts.pop() if len(parts) == 1 else None
 
 
 _DIRECTIONS = {
-    "x": 0.0, "x1-x2": 0.0, "x1x2": 0.0, "x-x": 0.0, "xx": 0.0, "i": 0.0, "a": 0.0, "1": 0.0, "i-i": 0.0, "a-a": 0.0,
-    "horizontal": 0.0, "waagerecht": 0.0, "poziomo": 0.0, "poziomy": 0.0,
-    "y": 90.0, "y1-y2": 90.0, "y1y2": 90.0, "y-y": 90.0, "yy": 90.0, "ii": 90.0, "b": 90.0, "2": 90.0, "ii-ii": 90.0,
-    "b-b": 90.0, "vertical": 90.0, "perpendicular": 90.0, "senkrecht": 90.0, "pionowo": 90.0, "pionowy": 90.0,
-}  # fmt: skip
+    plain(word): angle for meaning, angle in (("direction_0", 0.0), ("direction_90", 90.0)) for word in _listed(meaning)
+}
 
 
 def direction_of(cell: Cell) -> float | None:
@@ -296,11 +264,6 @@ def plane_names(cell: Cell) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-_PART_WORDS.update(
-    (word if len(word) <= _SINGLE_LETTERS else plain(word), part) for part, words in _PARTS.items() for word in words
-)
-
-
 def at(place: Place, error: ReadingsError) -> ReadingsError:
     """The same error, now with its place."""
     return ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)
@@ -311,10 +274,6 @@ def at(place: Place, error: ReadingsError) -> ReadingsError:
 _LETTERS = re.compile(r"[^\W\d_]+")
 
 
-def _folded(text: str) -> frozenset[str]:
-    return frozenset(plain(text).split())
-
-
 def letters(text: object) -> list[str]:
     """The words of a text, folded, without its numbers and signs."""
     return _LETTERS.findall(plain(text))
@@ -322,28 +281,14 @@ def letters(text: object) -> list[str]:
 
 Summary = Literal["mean", "sum", "largest", "smallest", "spread", "count"]
 
-_SUMMARIES: dict[Summary, str] = {
-    "mean": "mean means average averages avg ave aver median mittel mittelwert mittelwerte mw gesamtmittelwert "
-    "zwischenmittel durchschnitt durchschnittswert srednia srednie sredni sr moyenne moy media promedio gemiddelde "
-    "medel prumer среднее средняя средний ср xbar xq",
-    "sum": "sum sums total totals subtotal subtotals summe summen gesamt gesamtsumme gesamtergebnis zwischensumme "
-    "teilergebnis teilsumme suma sumy razem lacznie ogolem somme totale somma totaal сумма итого всего",
-    "largest": "max maximum maks maksimum maximal maximalwert hochstwert grosster najwiekszy najwieksza",
-    "smallest": "min minimum minimal minimalwert kleinster najmniejszy najmniejsza",
-    "spread": "range spread stdev stddev stdv sd sigma variance spannweite streuung standardabweichung stabw rozstep "
-    "rozrzut odchylenie wariancja ecart etendue",
-    "count": "count counts anzahl liczba ilosc",
+_KINDS: tuple[Summary, ...] = ("mean", "sum", "largest", "smallest", "spread", "count")
+_SUMMARY_WORDS: dict[str, Summary] = {
+    plain(word): kind
+    for kind in _KINDS
+    for word in (*_listed(kind), *(_listed("mean_in_cell") if kind == "mean" else ()))
 }
-_SUMMARY_WORDS: dict[str, Summary] = {plain(word): kind for kind, words in _SUMMARIES.items() for word in words.split()}
+_BESIDE_A_SUMMARY = vocabulary("beside_summary")
 _SUMMARY_SIGNS = {"ø", "⌀", "∅", "x̄", "x̅", "x̿", "x-bar", "x bar", "x quer", "σ", "∑"}
-_BESIDE_A_SUMMARY = _folded(
-    "of from the above over all for per by row rows value values reading readings measurement measurements repeat "
-    "repeats number numbers grand overall calculated arithmetic arithmetical standard deviation n "
-    "aus der die das von dem den wert werte messung messungen wiederholungen arithmetisch arithmetischer uber alle "
-    "oben "
-    "z ze dla od do wartosc wartosci pomiar pomiaru pomiarow arytmetyczna koncowa calkowita wszystkich powyzej "
-    "standardowe wierszy de la le les des general generale mesures и из значение измерений"
-)
 
 
 def summary_of(cell: Cell, *, key: bool = False) -> Summary | None:
@@ -378,8 +323,8 @@ def _summary(text: str, key: bool) -> Summary | None:
 
 COUNTS = vocabulary("counts")
 COUNTS_NOT = vocabulary("counts_not")
-_NO = _folded("no n nein nie non 0 false falsch falsz not nok нет ✗ ✘ ×")
-_YES = _folded("yes y ja j tak t oui si 1 true wahr prawda x ✓ ✔ да")
+_NO = vocabulary("no")
+_YES = vocabulary("yes")
 
 
 def says_no(cell: Cell) -> bool:

@@ -235,3 +235,12 @@ def test_a_specification_is_never_the_measurement(controller, data, rows, headin
     found = read_readings("\n".join(";".join(line) for line in lines).encode(), controller)
     assert microns(found) == original(rows)
     assert any(heading in message.text for message in found.messages if message.code == "column_aside")
+
+
+def test_the_forms_own_nominal_diameters_need_no_word_and_others_do(controller):
+    lines = ["component;part;plane;diameter [mm];Nominal diameter [mm]", "12';piston;1;13.998;14.000"]
+    text = "\n".join([*lines, "12';bore;1;14.075;14.070"])
+    assert not [each for each in read_readings(text.encode(), controller).messages if each.code == "column_aside"]
+    for other in (text.replace("14.070", "14.071"), text.replace("Nominal diameter", "Nominal")):
+        messages = read_readings(other.encode(), controller).messages
+        assert [each.level for each in messages if each.code == "column_aside"] == ["info"]

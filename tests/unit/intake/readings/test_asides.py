@@ -197,6 +197,7 @@ def test_a_measurement_by_its_number_is_no_component(controller):
         ("Valve;Land;Part;Diameter [mm]", "piston", "Remark", "", "rejected"),
         ("Ventil;Steg;Teil;Durchmesser [mm]", "Kolben", "Gültig", "ja", "nein"),
         ("Ventil;Steg;Teil;Durchmesser [mm]", "Kolben", "Bemerkung", "", "Ausreißer"),
+        ("Valve;Land;Part;Diameter [mm]", "piston", "Remark", "", "ignore"),
         ("Zawór;Land;Część;Średnica [mm]", "tłok", "Ważny", "tak", "nie"),
     ],
 )

@@ -559,3 +559,15 @@ def test_a_sheet_that_is_not_there_or_holds_no_readings(unusable, save_book, tid
     error = unusable(save_book(book), sheet="notes")
     assert "readings are in sheet 'Job 7'" in error.problem
     assert error.place.sheet == "notes"
+
+
+def test_the_second_coordinate_alone_beside_a_diameter(refused, make_workbook):
+    rows = [("Component", "Part", "Plane", "x2 [mm]", "Diameter [mm]"), (6, "spool", 1, 59.94, None)]
+    error = refused(make_workbook(rows))
+    assert "coordinate 1 is missing" in error.problem
+    assert where(error) == ("sheet.xlsx", "Readings", 2, "D")
+
+
+def test_one_row_whose_number_and_name_contradict_each_other(refused, make_workbook):
+    rows = [("No.", "Component", "Part", "Plane", "Diameter [mm]"), (6, "brake C1 valve", "spool", 1, 9.94)]
+    assert "this is component 8, in a row of component 6" in refused(make_workbook(rows)).problem

@@ -329,3 +329,11 @@ def test_rows_are_chosen_in_the_table_that_has_the_column(controller):
     )
     found = read_readings(data, controller, where={"Inspection": "May"})
     assert [reading[4] for reading in sizes(found)] == [17.998, 18.041]
+
+
+def test_rows_that_return_behind_an_empty_row_are_a_warning(controller):
+    rows = ["accumulator;1;piston;17.998", "accumulator;1;bore;18.041"]
+    for lines, level in ((rows + rows, "info"), ([*rows, "", *rows], "warning")):
+        found = read_readings(sheet(HEADINGS["en"], *lines), controller)
+        assert len(found.readings) == 4
+        assert [message.level for message in found.messages if message.code == "rows_as_repeats"] == [level]
