@@ -157,7 +157,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
     problems = []
     first: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
     asked: dict[str | None, None] = {}
-    told: set[tuple[int, int]] = set()
+    reported: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
         if is_repeat_title(rows.table.title):
             continue
@@ -174,8 +174,8 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
                 sheet, other_sheet = rows.table.sheet, other.table.sheet
                 if sheet.name != other_sheet.name:
                     asked.update({other_sheet.name: None, sheet.name: None})
-                elif not (key.explicit and earlier.explicit) and (id(other), id(rows)) not in told:
-                    told.add((id(other), id(rows)))
+                elif not (key.explicit and earlier.explicit) and (id(other), id(rows)) not in reported:
+                    reported.add((id(other), id(rows)))
                     problems.append(_twice(rows, other, key, raw.place))
             mine.setdefault(place, [])
             if all(key.direction != known.direction or key.explicit != known.explicit for _, known in mine[place]):

@@ -197,6 +197,30 @@ def _blocks(
 def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) -> Iterator[Message]:
     """Blocks that return with the same values; repeats that a column calls so and another one calls states."""
     sheet, header = table.sheet, table.header
+    yield from _pasted_twice(entries, sheet)
+    if columns.repeat is None:
+        yield from _returning(entries, sheet)
+        yield from _remarks(_several(entries), sheet, header)
+        return
+    rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
+    for entry in entries:
+        rows[*_station(entry)[:4], None][entry.row] = None
+    several = {station: list(each) for station, each in rows.items() if len(each) > 1}
+    for index, splits in _splitting(several, sheet, header, columns):
+        if set(letters(header.text(index))) & STATES:
+            values = ", ".join(_values(splits)[:_LISTED])
+            yield Message(
+                "warning",
+                "repeats_of_several_states",
+                f"column {columns.repeat.heading!r} calls them repeats, so rows are averaged that column "
+                f"{header.text(index)!r} tells apart ({values})",
+                sheet.place(max(header.last, 0), index, header.text(index)),
+            )
+            return
+
+
+def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Message]:
+    """The first block of rows that hold the same readings in the same order as rows above them."""
     seen: dict[object, int] = {}
     runs: list[list[tuple[int, int]]] = []
     rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
@@ -204,8 +228,7 @@ def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) ->
         rows[entry.row].append((_station(entry)[:4], entry.raw.size, entry.column))
     order = list(rows)
     for at, row in enumerate(order):
-        signature = tuple(rows[row])
-        earlier = seen.setdefault(signature, at)
+        earlier = seen.setdefault(tuple(rows[row]), at)
         if earlier == at:
             continue
         if runs and runs[-1][-1] == (earlier - 1, at - 1):
@@ -222,28 +245,6 @@ def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) ->
                 f"{rows_named(sheet, again)} hold the same readings in the same order as {rows_named(sheet, first)}: "
                 "pasted twice? They count as repeats",
                 sheet.place(again[0]),
-            )
-            break
-    if columns.repeat is None:
-        yield from _returning(entries, sheet)
-        yield from _remarks(_several(entries), sheet, header)
-        return
-    without = [_station(entry)[:4] for entry in entries]
-    if len(set(without)) == len(without):
-        return
-    grouped: dict[StationKey, dict[int, None]] = defaultdict(dict)
-    for entry in entries:
-        grouped[*_station(entry)[:4], None][entry.row] = None
-    several = {station: list(found) for station, found in grouped.items() if len(found) > 1}
-    for index, splits in _splitting(several, sheet, header, columns):
-        if set(letters(header.text(index))) & STATES:
-            values = ", ".join(_values(splits)[:_LISTED])
-            yield Message(
-                "warning",
-                "repeats_of_several_states",
-                f"column {columns.repeat.heading!r} calls them repeats, so rows are averaged that column "
-                f"{header.text(index)!r} tells apart ({values})",
-                sheet.place(max(header.last, 0), index, header.text(index)),
             )
             return
 

@@ -27,10 +27,12 @@ _WHY: dict[Role, str] = {
     "remark": "remarks",
     "quantity": "another quantity by its heading",
 }
-_SAYS_SIZE = vocabulary("diameter", "found", "reading", "specification", "mean", "raw", "aside", "gauge")
+_SAYS_SIZE = vocabulary(
+    *("diameter", "found", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
+)
 _MEASURED = vocabulary("diameter", "coordinate", "found", "reading")
 _DIMENSION = vocabulary("dimension")
-_QUANTITY = vocabulary("quantity")
+_QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _SHOWN = 2
 
 
@@ -150,7 +152,7 @@ class Account:
         return all(
             any(self._sizes.is_nominal(value, units, key.component, key.plane) for value in numbers_of(cell))
             for row, key in rows.of_row.items()
-            for cell in (rows.table.sheet.cell(row, index),)
+            for cell in (rows.table.sheet.filled(row, index),)
         )
 
     def _is_quantity(self, rows: Rows, index: int) -> bool:
