@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.errors import Message, Place, ReadingsError, nearest_name, one_of
 from atleak.intake.readings import states
 from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
@@ -271,7 +271,7 @@ class _Reader:
                     "unknown unit of length",
                     place=self._place(row, unit_column),
                     value=text_of(cell),
-                    expected="one of " + ", ".join(known),
+                    expected=one_of(known),
                     nearest=nearest_name(text_of(cell), known),
                 )
             )

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet import Cell, Sheet, rows_named
@@ -19,7 +19,6 @@ from atleak.intake.units import find_unit
 
 _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)
 _LISTED = 4  # values of a column that are named
-_NAMED = 12  # values to choose from that are named
 _FEWEST = 2  # rows that make a block
 
 StationKey = tuple[str, str, str, float | None, int | None]
@@ -315,24 +314,14 @@ def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
         headed = [(table, index) for table in tables if (index := _headed(table, heading)) is not None]
         if not headed:
             texts = [text for table in tables for each in table.header.texts if (text := " ".join(each.split()))]
-            raise ReadingsError(
-                f"no column is headed {heading!r}",
-                place=tables[0].sheet.place(max(tables[0].header.last, 0)),
-                value=heading,
-                expected="one of " + ", ".join(dict.fromkeys(texts)),
-                nearest=nearest_name(heading, texts),
-            )
+            place = tables[0].sheet.place(max(tables[0].header.last, 0))
+            raise unknown(f"no column is headed {heading!r}", heading, texts, kind=ReadingsError, place=place)
         cells = [table.sheet.filled(row, index) for table, index in headed for row in table.rows]
         if not any(_is(cell, wanted) for cell in cells):
-            known = list(dict.fromkeys(_day(cell) for cell in cells if not is_blank(cell)))
+            known = [_day(cell) for cell in cells if not is_blank(cell)]
             table, index = headed[0]
-            raise ReadingsError(
-                f"no row has {wanted!r} there",
-                place=table.sheet.place(max(table.header.last, 0), index, table.heading(index)),
-                value=wanted,
-                expected="one of " + ", ".join(known[:_NAMED]) + (" …" if len(known) > _NAMED else ""),
-                nearest=nearest_name(wanted, known),
-            )
+            place = table.sheet.place(max(table.header.last, 0), index, table.heading(index))
+            raise unknown(f"no row has {wanted!r} there", wanted, known, kind=ReadingsError, place=place)
 
 
 def _headed(table: Table, heading: str) -> int | None:
