@@ -6,11 +6,11 @@ A doubt is shown, not settled.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.errors import Message, MessageLevel, Place, RoadTestError, nearest_name
+from atleak.errors import Message, MessageLevel, Place, RoadTestError, unknown
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit, words
 from atleak.intake.road_test.names.unit_choice import Fit, fit, given
@@ -100,13 +100,7 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
         if hits:
             return hits[0]
     labels = [heading.label for heading in headings]
-    raise RoadTestError(
-        "no column bears this name",
-        place=Place(file=file),
-        value=wanted,
-        expected="one of " + ", ".join(labels[:40]),
-        nearest=nearest_name(wanted, labels),
-    )
+    raise unknown("no column bears this name", wanted, labels, kind=RoadTestError, place=Place(file=file))
 
 
 def map_columns(
@@ -121,13 +115,7 @@ def map_columns(
     """
     for quantity, wanted in mapping.items():
         if quantity not in QUANTITIES:
-            raise RoadTestError(
-                "unknown quantity",
-                place=Place(file=file),
-                value=quantity,
-                expected="one of " + ", ".join(QUANTITIES),
-                nearest=nearest_name(quantity, QUANTITIES),
-            )
+            raise unknown("unknown quantity", quantity, QUANTITIES, kind=RoadTestError, place=Place(file=file))
         heading = find_heading(headings, wanted, file)
         kind = name_kind(heading.label) if QUANTITIES[quantity].unit_kind == "pressure" else "unknown"
         match = match_heading(heading)
@@ -290,11 +278,6 @@ def _dead_value(kind: str | None, part: np.ndarray) -> float | None:
 
 def _only(values: np.ndarray, value: float) -> bool:
     return bool(((values == value) | np.isnan(values)).all())
-
-
-def with_time(signal: Signal, time: np.ndarray | None) -> Signal:
-    """The signal with other stamps."""
-    return replace(signal, time=time)
 
 
 def stated_units(headings: Sequence[Heading]) -> list[str]:
