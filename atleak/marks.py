@@ -23,7 +23,7 @@ from atleak.version import __version__
 Kind = Literal["record", "report workbook", "measuring sheet", "PDF", "job file", "table"]
 
 KEYWORD = f"atleak {__version__}"  # of a PDF
-PROPERTY = "atleak"  # of a workbook: what it is, and the seal of its parts
+PROPERTY = "atleak"  # a workbook's property: its kind, and the digest of its parts
 _PART = "docProps/custom.xml"
 _UNSEALED = "0" * 64
 _SEALED = re.compile(rf'name="{PROPERTY}"><vt:lpwstr>([a-z ]+) ([0-9a-f]{{64}})</vt:lpwstr>')
@@ -34,7 +34,7 @@ _TAIL = 1 << 20  # bytes at the end of a PDF: its metadata and table of contents
 _ENTRIES = 1000  # most entries of an archive that is looked at
 _DIRECTORY = 1 << 20  # bytes of an archive's table of contents
 _PROPERTIES = 1 << 16  # bytes of a workbook's own properties
-_NO_ARCHIVE = (  # what zipfile raises for an archive that is damaged
+_NO_ARCHIVE = (  # the exceptions that zipfile raises for a damaged archive
     zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, struct.error,
     NotImplementedError, RuntimeError, ValueError, EOFError, IndexError,
 )  # fmt: skip

@@ -287,7 +287,7 @@ class LeakageModel:
         return self.dynamic_viscosity(temperature) if self.uses_slip else None
 
 
-# --- what a reader must know
+# --- messages
 
 
 def gap_messages(gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:

@@ -220,7 +220,7 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result)
 
 
-# --- what stands in job.json
+# --- the content of job.json
 
 
 class _Strict(BaseModel):

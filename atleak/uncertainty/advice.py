@@ -19,7 +19,7 @@ _SYMBOL: dict[Part, str] = {"spool": "d", "sleeve": "D"}
 
 @dataclass(frozen=True)
 class Remedy:
-    """What would make the guard band narrow enough to decide.
+    """The measurements that would make the guard band narrow enough to decide.
 
     ``first`` is the part to measure first, ``fraction`` the part of the clearance's variance that its readings carry.
     ``repeats`` is how many independent repeats of each place of ``repeat_parts`` decide it; None where none do.
