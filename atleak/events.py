@@ -307,7 +307,7 @@ def _by_ratio(
 
 
 def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:
-    """Return speed before the gears over speed behind them; its scale is arbitrary where vehicle speed is the latter."""
+    """Return the ratio of speed before the gears to speed behind them; its scale is arbitrary for vehicle speed."""
     above = next((road_test.values(name) for name in drivers if road_test.values(name) is not None), None)
     below = next(
         (road_test.values(name) for name in ("output_speed", "vehicle_speed") if road_test.values(name) is not None),

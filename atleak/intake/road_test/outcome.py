@@ -58,9 +58,9 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
     build.time_messages(assigner, timeline)
     channels = build.channels(assigner, timeline, constants)
     used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
-    asked = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
+    offered = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
     labels = list(reading.used) if reading.long else labels_of(blank.headings)
-    unused = tuple(dict.fromkeys(label for label in labels if label not in used | asked))
+    unused = tuple(dict.fromkeys(label for label in labels if label not in used | offered))
     if not assigner.signals and not assigner.ambiguous:
         text = "none of the columns is a known quantity: name them, such as engine_speed or main_pressure"
         assigner.say("no_quantity", text, "warning")

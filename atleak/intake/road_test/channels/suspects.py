@@ -52,7 +52,7 @@ def _ends(values: np.ndarray) -> tuple[float, float]:
 
 
 def sentinel(series: pd.Series) -> pd.Series:
-    """Error codes in the file's own unit: 65535, −2147483617 and the like.
+    """Mark error codes in the file's own unit: 65535, −2147483617 and the like.
 
     >>> sentinel(pd.Series([800.0, 65535.0])).tolist()
     [False, True]
