@@ -5,9 +5,10 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 _OTHERS_SHOWN = 9
+_NAMES_SHOWN = 40  # of those that would have been valid
 
 
 class AtleakError(Exception):
@@ -95,6 +96,57 @@ class RoadTestError(InputError):
 
 class OutputError(InputError):
     """A file that cannot be written, or that may not be written over."""
+
+
+AnyInputError = TypeVar("AnyInputError", bound=InputError)
+
+
+def unknown(
+    problem: str,
+    value: object,
+    known: Iterable[str],
+    *,
+    kind: type[AnyInputError] = InputError,  # type: ignore[assignment]
+    place: Place | None = None,
+    otherwise: str = "",
+) -> AnyInputError:
+    """Make the error for a name that is none of the known ones; it lists them and names the nearest.
+
+    Parameters
+    ----------
+    problem
+        what is wrong, as a person reads it: ``"no such profile"``.
+    value
+        the name that was given; None where there is none.
+    known
+        the names that would have been valid.
+    kind
+        the class of the error.
+    place
+        where in the user's material the name stands.
+    otherwise
+        what else is accepted besides these names.
+
+    Examples
+    --------
+    >>> print(unknown("no such profile", "papper", ["workshop", "paper"]))
+    no such profile (found 'papper'); expected one of workshop, paper; did you mean 'paper'?
+    """
+    names = list(known)
+    expected = ", or ".join(part for part in (one_of(names), otherwise) if part)
+    nearest = None if value is None else nearest_name(str(value), names)
+    return kind(problem, place=place, value=value, expected=expected or None, nearest=nearest)
+
+
+def one_of(known: Iterable[str]) -> str | None:
+    """Write the valid names as what is expected; None where there are none.
+
+    >>> one_of(["paper", "workshop", "paper"])
+    'one of paper, workshop'
+    """
+    names = list(dict.fromkeys(known))
+    more = " …" if len(names) > _NAMES_SHOWN else ""
+    return f"one of {', '.join(names[:_NAMES_SHOWN])}{more}" if names else None
 
 
 MessageLevel = Literal["info", "warning"]

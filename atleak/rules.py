@@ -17,7 +17,7 @@ from atleak.readings import LandClearance
 from atleak.verdicts import Band, Verdict
 
 LandKey = tuple[str, int]
-_OWN_LIMIT_SOURCE = "the controller's file"
+_OWN_LIMIT_SOURCE = "the valve body's file"
 
 
 @dataclass(frozen=True)

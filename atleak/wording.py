@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from atleak.errors import InputError, nearest_name
+from atleak.errors import unknown
 from atleak.look import look_of
 from atleak.verdicts import Band, Verdict
 from atleak.workshop_units import PERCENT
@@ -108,12 +108,7 @@ def wording(language: str) -> Wording:
     """
     known = languages()
     if language not in known:
-        raise InputError(
-            "no report in this language",
-            value=language,
-            expected=f"one of {', '.join(known)}",
-            nearest=nearest_name(language, known),
-        )
+        raise unknown("no report in this language", language, known)
     return Wording(language, tomllib.loads((_FOLDER / f"{language}.toml").read_text(encoding="utf-8")))
 
 

@@ -30,7 +30,7 @@ show.conditions(diagnosis, record)
 st.subheader("Order of repair")
 show.repair_plan(diagnosis, record)
 
-with st.expander("Where they are: the controller's picture"):
+with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)
 
 if diagnosis.road is not None:

@@ -13,7 +13,7 @@ from pages.shared import panel, show
 from pages.shared.cases import result_key
 from pages.shared.study import CITED, computed, table
 
-STUDY, JOB = "the study's controller and test", "this job's controller and log"
+STUDY, JOB = "the study's valve body and test", "this job's valve body and log"
 
 case, diagnosis = panel.shown()
 st.title("The source study, reproduced")
@@ -34,7 +34,7 @@ names = ["Tables 2 and 3", "Over time (Fig. 13)", "Over temperature (Fig. 14)", 
 variants, over_time, over_temperature, share, physics, errata = st.tabs(names)
 gear = road_test.values("gear")
 with variants:
-    st.markdown("**Table 2**: the variants; wear is on top of the controller's mounting clearances")
+    st.markdown("**Table 2**: the variants; wear is on top of the valve body's mounting clearances")
     table(tables.table_2_rows(results))
     st.markdown("**Table 3**: most leakage q of the test and its share U of the pump flow then")
     table(tables.table_3_rows(results))

@@ -1,4 +1,4 @@
-"""Controllers, fluids and limits: what they say, where it comes from, and what of it is representative."""
+"""Valve bodies, fluids and limits: what they say, where it comes from, and what of it is representative."""
 
 import streamlit as st
 
@@ -19,7 +19,7 @@ def entries(kind: str) -> dict:
     return {entry.name: entry for entry in ([] if own in found else [own]) + found}
 
 
-for tab, kind in zip(st.tabs(["Controllers", "Fluids", "Limits"]), rows.FOLDERS, strict=True):
+for tab, kind in zip(st.tabs(["Valve bodies", "Fluids", "Limits"]), rows.FOLDERS, strict=True):
     with tab:
         known = entries(kind)
         names = list(known)

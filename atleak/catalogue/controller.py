@@ -27,7 +27,7 @@ from atleak.catalogue.entries import Origin, catalogue_error, catalogue_files, r
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import pressure as pressure_equations
 from atleak.equations import pump as pump_equations
-from atleak.errors import DomainError, nearest_name
+from atleak.errors import CatalogueError, DomainError, Place, unknown
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
 HOT_IDLE = "hot_idle"
@@ -334,15 +334,9 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
     for key in ("body", "spool"):
         name = getattr(table, key) or getattr(entry.defaults, key)
         if name is None or name not in entry.materials:
-            raise catalogue_error(
-                path,
-                where,
-                key,
-                f"land {table.land}: " + ("no material" if name is None else "unknown material"),
-                value=name,
-                expected=f"one of {', '.join(entry.materials)}",
-                nearest=nearest_name(name or "", entry.materials),
-            )
+            problem = f"land {table.land}: " + ("no material" if name is None else "unknown material")
+            place = Place(file=path.name, table=where, key=key)
+            raise unknown(problem, name, entry.materials, kind=CatalogueError, place=place)
         materials.append((name, entry.materials[name].expansion_per_k))
     return Land(
         component=component.id,
@@ -384,10 +378,10 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
                 value=table.land if mine else table.component,
                 expected=expected,
             )
-        unknown = sorted(set(table.gears) - set(entry.gears))
-        if unknown:
+        others = sorted(set(table.gears) - set(entry.gears))
+        if others:
             raise catalogue_error(
-                path, where, "gears", "unknown gear", value=unknown[0], expected=f"one of {entry.gears}"
+                path, where, "gears", "unknown gear", value=others[0], expected=f"one of {entry.gears}"
             )
         ends: dict[str, Pressure] = {}
         for key, text in (("from", table.high), ("to", table.low)):

@@ -13,9 +13,10 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
-from atleak.errors import CatalogueError, Place, nearest_name
+from atleak.errors import CatalogueError, Place, unknown
+from atleak.faults import validated
 
 _HERE = Path(__file__).parent
 _TOML_LINE = 300  # characters of a parser's message worth showing
@@ -49,6 +50,10 @@ class Entry(Strict):
     source: NonEmptyText
     date: Annotated[str, BeforeValidator(_day)]
     note: str = ""
+
+    def heading(self) -> dict[str, str]:
+        """Return what every catalogue object takes over as it stands in its file: id, name, source, date and note."""
+        return {name: getattr(self, name) for name in Entry.model_fields}
 
 
 EntryModel = TypeVar("EntryModel", bound=Entry)
@@ -96,10 +101,7 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
             place=Place(file=path.name),
             expected="TOML text in UTF-8",
         ) from error
-    try:
-        return model.model_validate(data), origin
-    except ValidationError as error:
-        raise _explain(error, path, data, model) from None
+    return validated(model, data, path.name, kind=CatalogueError), origin
 
 
 def _resolve(kind: str, id_or_path: str | Path) -> Path:
@@ -114,103 +116,10 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
     except OSError:  # a name longer than the file system takes
         folder = False
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
-    raise CatalogueError(
-        "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}",
-        value=str(id_or_path),
-        expected=f"one of {', '.join(shipped)}, or the path of a TOML file",
-        nearest=nearest_name(str(id_or_path), shipped),
-    )
+    problem = "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}"
+    raise unknown(problem, str(id_or_path), shipped, kind=CatalogueError, otherwise="the path of a TOML file")
 
 
 def catalogue_error(path: Path, table: str, key: str | None, problem: str, **more: Any) -> CatalogueError:
     """An error of meaning (two keys that do not fit each other) in the same form as an error of type."""
     return CatalogueError(problem, place=Place(file=path.name, table=table or None, key=key), **more)
-
-
-def _explain(error: ValidationError, path: Path, data: dict[str, Any], model: type[BaseModel]) -> CatalogueError:
-    faults = error.errors(include_url=False)
-    faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")  # a mistyped key explains the one missing
-    first, *others = (_explain_one(fault, path, data, model) for fault in faults)
-    first.others = tuple(others)
-    return first
-
-
-def _explain_one(fault: Any, path: Path, data: dict[str, Any], model: type[BaseModel]) -> CatalogueError:
-    location = [step for step in fault["loc"] if step != "[key]"]  # pydantic's mark of a fault in a table's own name
-    found = fault["input"]
-    if isinstance(found, dict) and fault["type"] == "value_error":  # keys that do not go together
-        place = Place(file=path.name, table=_table_name(location, data) or None)
-        return CatalogueError("the keys of this table do not go together", place=place, expected=_expected(fault))
-    entry = f"[{location.pop() + 1}]" if location and isinstance(location[-1], int) else ""
-    key = f"{location[-1]}{entry}" if location else ""
-    place = Place(file=path.name, table=_table_name(location[:-1], data) or None, key=key or None)
-    if fault["type"] == "missing":
-        return CatalogueError("required key is missing", place=place)
-    if fault["type"] == "extra_forbidden":
-        allowed = _keys_at(model, location[:-1])
-        return CatalogueError(
-            "unknown key",
-            place=place,
-            value=None if isinstance(found, dict | list) else found,
-            expected=f"one of {', '.join(allowed)}" if allowed else None,
-            nearest=nearest_name(key, allowed),
-        )
-    return CatalogueError("value not accepted", place=place, value=found, expected=_expected(fault))
-
-
-def _expected(fault: Any) -> str:
-    """What a fault's key wants, in words of people rather than of pydantic."""
-    more = fault.get("ctx", {})
-    words = {
-        "string_type": "text in quotes",
-        "string_too_short": "text that is not empty",
-        "string_pattern_mismatch": "small letters, digits and _",
-        "float_type": "a number, without quotes",
-        "int_type": "a whole number, without quotes",
-        "int_from_float": "a whole number",
-        "bool_type": "true or false",
-        "list_type": "a list in square brackets",
-        "dict_type": "a table",
-        "model_type": "a table",
-        "finite_number": "a number that is not infinite",
-        "too_short": f"a list of at least {more.get('min_length')}",
-    }
-    said = fault["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    return words.get(fault["type"], said)
-
-
-def _table_name(location: list[Any], data: Any) -> str:
-    """``components[3] (id 8).lands[1]``: where a person finds the table."""
-    name = ""
-    for step in location:
-        try:
-            data = data[step]
-        except (KeyError, IndexError, TypeError):
-            data = None
-        if isinstance(step, int):
-            label = data.get("id", data.get("name")) if isinstance(data, dict) else None
-            name += f"[{step + 1}]" + (f" ({label})" if label is not None else "")
-        else:
-            name += f".{step}" if name else str(step)
-    return name
-
-
-def _keys_at(model: type[BaseModel], location: list[Any]) -> list[str]:
-    current: Any = model
-    for step in location:
-        if isinstance(step, int):
-            continue
-        field = getattr(current, "model_fields", {}).get(step)
-        if field is not None:  # a key of a dictionary of tables is no field: its tables are of the model found before
-            current = _model_in(field.annotation)
-    return [field.alias or name for name, field in getattr(current, "model_fields", {}).items()]
-
-
-def _model_in(annotation: Any) -> Any:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    for inner in getattr(annotation, "__args__", ()):
-        found = _model_in(inner)
-        if found is not None:
-            return found
-    return None

@@ -17,7 +17,6 @@ from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY
 from atleak.errors import DomainError, Message
 
 ViscosityModel = Literal["d341", "tabulated", "regression"]
-VISCOSITY_MODELS: tuple[ViscosityModel, ...] = ("d341", "tabulated", "regression")
 HIGHEST_TEMPERATURE = 150.0  # °C: above it nothing the catalogue cites was measured
 
 
@@ -169,11 +168,7 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
     points = _falling("viscosity", entry.viscosity, origin)
     rows = _falling("table", entry.table, origin)
     return Fluid(
-        id=entry.id,
-        name=entry.name,
-        source=entry.source,
-        date=entry.date,
-        note=entry.note,
+        **entry.heading(),
         representative=tuple(entry.representative),
         points=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6) for row in points),
         table=tuple((row.temperature_c, row.kinematic_viscosity_mm2_s * 1e-6, row.density_g_cm3 * 1e3) for row in rows),

@@ -98,11 +98,7 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
     """
     entry, origin = read_entry("instruments", id_or_path, InstrumentFile)
     return Instrument(
-        id=entry.id,
-        name=entry.name,
-        source=entry.source,
-        date=entry.date,
-        note=entry.note,
+        **entry.heading(),
         measures=tuple(entry.measures),
         resolution=entry.resolution_um * 1e-6,
         calibration=entry.calibration_um * 1e-6,

@@ -129,11 +129,7 @@ def load_limits(id_or_path: str | Path) -> Limits:
     """
     entry, origin = read_entry("limits", id_or_path, LimitsFile)
     return Limits(
-        id=entry.id,
-        name=entry.name,
-        source=entry.source,
-        date=entry.date,
-        note=entry.note,
+        **entry.heading(),
         wear=_steps(entry.wear_percent, 1e-2),
         clearance=_steps(entry.clearance_um, 1e-6),
         pair_share=_steps(entry.pair_share_percent, 1e-2),

@@ -50,10 +50,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _formats(text: str) -> list[str]:
-    from atleak.report.batch import FORMATS
+    from atleak.report.batch import KINDS
 
     names = [name.strip().lower() for name in text.split(",")]
     for name in names:
-        if name not in FORMATS:
-            raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(FORMATS)}")
+        if name not in KINDS:
+            raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(KINDS)}")
     return names

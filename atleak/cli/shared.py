@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atleak.errors import nearest_name
+from atleak.errors import unknown
 from atleak.files import replace_file
 from atleak.printable import unguarded
+from atleak.wording import languages
 from atleak.written_numbers import AskedNumber, decimal_number, read_number
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 def add_print(parser: argparse.ArgumentParser) -> None:
     """How reports are printed."""
-    parser.add_argument("--language", choices=["en", "pl", "de"], default="en", help="of the PDF")
+    parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
     parser.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
 
 
@@ -117,10 +118,7 @@ def constant(text: str) -> tuple[str, float]:
 
     name, value = pair(text)
     if name not in QUANTITIES:
-        near = nearest_name(name, QUANTITIES)
-        raise argparse.ArgumentTypeError(
-            f"{name!r} is no quantity of a log" + (f"; did you mean {near!r}?" if near else "")
-        )
+        raise argparse.ArgumentTypeError(str(unknown("no such quantity of a log", name, QUANTITIES)))
     known = QUANTITIES[name]
     found = number_of(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(found) if known.unit_kind else found

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields, replace
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from atleak.catalogue.fluid import VISCOSITY_MODELS, ViscosityModel
-from atleak.errors import InputError, nearest_name
+from atleak.catalogue.fluid import ViscosityModel
+from atleak.errors import InputError, unknown
 from atleak.written_numbers import decimal_number
 
 
@@ -72,10 +72,7 @@ WORKSHOP = Profile("workshop", "mean", "d341", "into_sump", "wilson")
 PROFILES = MappingProxyType({"workshop": WORKSHOP, "paper": PAPER})
 
 _CHOICES: dict[str, tuple[str, ...]] = {
-    "diameter": ("mean", "spool"),
-    "viscosity": VISCOSITY_MODELS,
-    "pump_draw": ("into_sump", "all_gaps"),
-    "pump_efficiency": ("wilson", "constant"),
+    name: get_args(hint) for name, hint in get_type_hints(Profile).items() if get_origin(hint) is Literal
 }
 _SWITCH = {"on": True, "off": False, "true": True, "false": False, "1": True, "0": False}
 
@@ -89,32 +86,17 @@ def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
         unknown profile, option or value.
     """
     if name not in PROFILES:
-        raise InputError(
-            "no such profile",
-            value=name,
-            expected=f"one of {', '.join(PROFILES)}",
-            nearest=nearest_name(name, PROFILES),
-        )
+        raise unknown("no such profile", name, PROFILES)
     return PROFILES[name].with_options(**(settings or {}))
 
 
 def _checked(name: str, value: Any) -> Any:
     known = [field.name for field in fields(Profile) if field.name != "name"]
     if name not in known:
-        raise InputError(
-            "no such option",
-            value=name,
-            expected=f"one of {', '.join(known)}",
-            nearest=nearest_name(name, known),
-        )
+        raise unknown("no such option", name, known)
     if name in _CHOICES:
         if value not in _CHOICES[name]:
-            raise InputError(
-                f"option {name} does not take this value",
-                value=value,
-                expected=f"one of {', '.join(_CHOICES[name])}",
-                nearest=nearest_name(str(value), _CHOICES[name]),
-            )
+            raise unknown(f"option {name} does not take this value", value, _CHOICES[name])
         return value
     if name == "entry_loss":
         switch = _SWITCH.get(str(value).lower())

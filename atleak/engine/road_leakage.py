@@ -91,7 +91,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         low, high = model.fluid.span(model.profile.viscosity)
         raise RoadTestError(
             f"no sample of the log has usable values of pressure, temperature and gear together "
-            f"({series.other_gear} in a gear this controller does not have, {series.outside_fluid} at a temperature "
+            f"({series.other_gear} in a gear this valve body does not have, {series.outside_fluid} at a temperature "
             f"outside the fluid's data)",
             place=Place(file=road_test.file),
             expected=f"gears {', '.join(map(str, model.controller.gears))}, temperatures from {low:g} to {high:g} °C",
@@ -173,7 +173,7 @@ def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> l
             found.append(Message("warning", "reversed_pressure_drop", text))
     if series.other_gear:
         gears = ", ".join(map(str, model.controller.gears))
-        text = f"{series.other_gear} of {size} samples are in no gear of this controller ({gears}) and are left out."
+        text = f"{series.other_gear} of {size} samples are in no gear of this valve body ({gears}) and are left out."
         found.append(Message("warning", "other_gear", text))
     if series.outside_fluid:
         low, high = model.fluid.span(model.profile.viscosity)

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
-from tsdownsample import MinMaxDownsampler
 
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, LandDiagnosis
@@ -22,6 +21,7 @@ from atleak.events import Event
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import HATCHING, SCREEN, SUSPECT, look_of
 from atleak.road_test import QUANTITIES, Channel, RoadTest
+from atleak.thinning import thinned
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
 from atleak.views.road_series import RoadSeries, road_series
@@ -361,7 +361,7 @@ def _line_of(
     constant = channel.source == "constant"
     time = test.time[[0, -1]] if constant else channel.time
     good = np.full(2, channel.values[0]) if constant else channel.good
-    keep = _kept(good, points)
+    keep = thinned([good], points)
     name = QUANTITIES[channel.quantity].label
     look = {"color": SCREEN.leakage} if shift is None else {"color": SCREEN.share, "dash": "dash"}
     steps = channel.quantity in {"gear", "selector", "lock_up"}
@@ -378,15 +378,3 @@ def _line_of(
         row=row,
         col=1,
     )
-
-
-def _kept(values: np.ndarray, points: int) -> np.ndarray:
-    """Indices of about ``points`` samples: ends, extremes of every stretch, edges of what is missing."""
-    size = len(values)
-    if size <= points:
-        return np.arange(size)
-    chosen = MinMaxDownsampler().downsample(np.ascontiguousarray(values, dtype=float), n_out=points // 2 * 2)
-    known = np.isfinite(values)
-    edges = np.flatnonzero(known[1:] != known[:-1])
-    edges = np.concatenate([edges, edges + 1])[:MARKED]
-    return np.unique(np.concatenate([[0, size - 1], np.asarray(chosen, dtype=int), edges]))

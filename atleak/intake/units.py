@@ -11,7 +11,7 @@ import unicodedata
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.errors import InputError, nearest_name
+from atleak.errors import unknown
 
 
 @dataclass(frozen=True)
@@ -203,13 +203,7 @@ def unit(name: str, kind: str) -> Unit:
     """
     match = find_unit(name, kind)
     if match is None:
-        known = unit_names(kind)
-        raise InputError(
-            f"unknown unit of {kind.replace('_', ' ')}",
-            value=name,
-            expected="one of " + ", ".join(known),
-            nearest=nearest_name(name, known),
-        )
+        raise unknown(f"unknown unit of {kind.replace('_', ' ')}", name, unit_names(kind))
     return match
 
 

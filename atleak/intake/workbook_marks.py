@@ -257,12 +257,7 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None]) -> Marks:
     rows: dict[int, Hiding] = {}
     columns: set[int] = set()
     cells: set[tuple[int, int]] = set()
-    folded = {
-        id(line)
-        for group in table.iter(f"{_TABLE}table-row-group")
-        if group.get(f"{_TABLE}display") == "false"
-        for line in group.iter(f"{_TABLE}table-row")
-    }
+    folded = {id(line) for group in table.iter(f"{_TABLE}table-row-group") for line in group.iter(f"{_TABLE}table-row")}
     column = 0
     for element in table.iter(f"{_TABLE}table-column"):
         count = _repeated(element, "columns")

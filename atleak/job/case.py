@@ -105,7 +105,7 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
     {
         slot.name: slot
         for slot in (
-            Slot("controller", "Controller", "controllers", load_controller, True),
+            Slot("controller", "Valve body", "controllers", load_controller, True),
             Slot("fluid", "Fluid", "fluids", load_fluid, True),
             Slot("limits", "Limits", "limits", load_limits, True),
             Slot("spool_instrument", "Spools measured with", "instruments", load_instrument, False),

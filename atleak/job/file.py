@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.entries import Origin
 from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import find_profile
-from atleak.errors import InputError, Place, nearest_name
+from atleak.errors import InputError, Place
+from atleak.faults import validated
 from atleak.job.case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
 from atleak.job.record import Job, picture_name
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
@@ -31,7 +32,6 @@ _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
 _ENTRIES = 1000
 _STAMP = (1980, 1, 1, 0, 0, 0)  # of every file in the zip: the same job gives the same bytes
-_LISTED = 8  # faults of a record that are named
 
 
 # --- the record alone
@@ -73,7 +73,7 @@ def parse_job(content: bytes, name: str) -> Job:
     except (ValueError, RecursionError) as error:
         problem = f"is not valid: {str(error)[:200]}"
         raise InputError(problem, place=Place(file=name), expected="a job record in TOML or JSON, UTF-8") from error
-    return _validated(Job, data, name)
+    return validated(Job, data, name)
 
 
 def _picture_beside(record: Path, name: str) -> bytes:
@@ -203,7 +203,7 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     made = data.get("format") if isinstance(data, dict) else None
     if made != FORMAT:
         raise InputError("job file of another format", place=Place(file=name), value=made, expected=f"format {FORMAT}")
-    choices = _validated(Choices, data, f"{name}: job.json")
+    choices = validated(Choices, data, f"{name}: job.json")
     result = _json(entries.get("result.json", b"{}"), f"{name}: result.json")
     sources = {}
     for slot, called in choices.files.items():
@@ -395,49 +395,3 @@ def _json(content: bytes, name: str) -> Any:
         return json.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise InputError(f"is not valid JSON: {str(error)[:200]}", place=Place(file=name)) from error
-
-
-# --- what is wrong with a record
-
-
-def _validated(model: type[Any], data: Any, name: str) -> Any:
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        faults = error.errors(include_url=False)
-        told = [_fault(fault, model, name) for fault in faults[:_LISTED]]
-        first = told[0]
-        if len(faults) > 1:
-            more = "; ".join(str(found) for found in told[1:])
-            first.problem += f" (and {len(faults) - 1} more: {more})"
-            first.args = (str(first),)
-        raise first from None
-
-
-def _fault(fault: Any, model: type[BaseModel], name: str) -> InputError:
-    location = [str(part + 1) if isinstance(part, int) else str(part) for part in fault["loc"]]
-    table, key = " ".join(location[:-1]), location[-1] if location else None
-    place = Place(file=name, table=table or None, key=key)
-    if fault["type"] == "extra_forbidden":
-        known = _keys(model, fault["loc"][:-1])
-        expected = f"one of {', '.join(known)}" if known else None
-        return InputError("unknown key", place=place, expected=expected, nearest=nearest_name(key or "", known))
-    expected = fault["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    value = fault["input"]
-    shown = value if isinstance(value, int | float | bool) else str(value)[:80]
-    return InputError("value not accepted", place=place, value=shown, expected=expected)
-
-
-def _keys(model: type[BaseModel], location: tuple[Any, ...]) -> list[str]:
-    current: Any = model
-    for part in location:
-        if isinstance(part, str) and current is not None:
-            found = current.model_fields.get(part)
-            current = _model_of(found.annotation) if found else None
-    return list(current.model_fields) if current is not None else []
-
-
-def _model_of(annotation: Any) -> type[BaseModel] | None:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    return next((found for inner in getattr(annotation, "__args__", ()) if (found := _model_of(inner))), None)

@@ -18,7 +18,6 @@ from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 
 KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
-FORMATS = tuple(KINDS)
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ def write_reports(
     folder
         where the reports go, named as their job files; two of one name are numbered.
     formats
-        any of `FORMATS`.
+        any of `KINDS`.
     progress
         called after every job with how many are done, how many there are and what became of this one.
     """

@@ -88,7 +88,7 @@ _HOW_TO = (
     (
         "Refused",
         "A sleeve smaller than its spool, a clearance over 0.5 mm, a number that is off by 10, 25.4 or 1000, and a "
-        "component that the controller does not have. The message names sheet, row and column.",
+        "component that the valve body does not have. The message names sheet, row and column.",
     ),
 )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import Any
 
-from atleak.errors import InputError, nearest_name
+from atleak.errors import InputError, unknown
 from atleak.written_numbers import decimal_number
 
 
@@ -56,12 +56,7 @@ class Assumptions:
         found: dict[str, float] = {}
         for key, given in settings.items():
             if key not in names:
-                raise InputError(
-                    "no such assumption",
-                    value=key,
-                    expected=f"one of {', '.join(names)}",
-                    nearest=nearest_name(key, names),
-                )
+                raise unknown("no such assumption", key, names)
             name = names[key]
             number = decimal_number(str(given))
             if number is None or number < 0.0:

@@ -14,11 +14,11 @@ import numpy as np
 
 from atleak.engine.road_leakage import Instant, RoadLeakage
 from atleak.look import CURVES
+from atleak.thinning import thinned
 from atleak.variants.run import TemperatureCurve, VariantResult
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 MOST_POINTS = 2000  # of a line before thinning
-_BREAKS = 400
 
 Dash = Literal["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"]
 Symbol = Literal["circle", "square", "diamond", "cross", "x", "star", "triangle-up", "triangle-down", "hexagon"]
@@ -109,7 +109,7 @@ def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = No
     lines = []
     first = results[0]
     if first.computed.pump_capacity is not None:
-        x, y = thinned(first.time, first.computed.pump_capacity * DM3_MIN)
+        x, y = _course(first.time, first.computed.pump_capacity * DM3_MIN)
         lines.append(Line("pump capacity Q_p", x, y, _PUMP, "solid", panel="upper"))
     for result in results:
         run = result.computed
@@ -223,7 +223,7 @@ def temperature_chart(
 def _variant_lines(result: VariantResult, values: np.ndarray, points: Sequence[_Point]) -> list[Line]:
     """A variant over time, and its points."""
     name, (color, dash, _) = result.variant.name, _STYLE[result.variant.name]
-    x, y = thinned(result.time, values, keep=[_index(result.time, point.instant) for point in points])
+    x, y = _course(result.time, values, keep=[_index(result.time, point.instant) for point in points])
     lines = [Line(variant_label(result), x, y, color, dash, group=name)]
     for point in points:
         at = np.array([point.instant.time]), np.array([point.value])
@@ -255,24 +255,9 @@ def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, 
     )
 
 
-def thinned(
-    x: np.ndarray, y: np.ndarray, points: int = MOST_POINTS, keep: Sequence[int] = ()
-) -> tuple[np.ndarray, np.ndarray]:
-    """About ``points`` samples that keep every stretch's lowest and highest, the ends, gaps, and those in ``keep``."""
-    if len(x) <= points:
-        return x, y
-    from tsdownsample import MinMaxDownsampler
-
-    finite = np.isfinite(y)
-    usable = np.flatnonzero(finite)
-    chosen = [np.array([0, len(x) - 1, *keep])]
-    if len(usable) > points:
-        part = points // 2 * 2
-        chosen.append(usable[MinMaxDownsampler().downsample(np.ascontiguousarray(y[usable]), n_out=part)])
-    else:
-        chosen.append(usable)
-    edges = np.flatnonzero(finite[1:] != finite[:-1])[:_BREAKS]
-    index = np.unique(np.concatenate([*chosen, edges, edges + 1]))
+def _course(x: np.ndarray, y: np.ndarray, keep: Sequence[int] = ()) -> tuple[np.ndarray, np.ndarray]:
+    """The points of a line that are drawn."""
+    index = thinned([y], MOST_POINTS, keep)
     return x[index], y[index]
 
 

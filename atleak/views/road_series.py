@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from tsdownsample import MinMaxDownsampler
 
 from atleak.engine.road_leakage import Instant, RoadLeakage
+from atleak.thinning import thinned
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
-
-_BREAKS = 400  # edges of stretches without values that are kept at most
 
 
 @dataclass(frozen=True)
@@ -30,8 +28,7 @@ class RoadSeries:
 def road_series(road: RoadLeakage, points: int) -> RoadSeries:
     """About ``points`` samples of a road test.
 
-    Every stretch keeps its lowest and highest leakage and share, so that a spike of one sample stays; so do both ends,
-    the instants the result names, and the edges of stretches without usable samples. Nothing is averaged.
+    They are `thinned` by leakage and share; the instants that the result names are among them.
     """
     keep = _samples(road, points)
     instants = {"max_leakage": road.max_leakage, "min_leakage": road.min_leakage, "max_share": road.max_share}
@@ -70,18 +67,6 @@ def _columns(road: RoadLeakage) -> list[tuple[str, str, str, np.ndarray, float]]
 
 
 def _samples(road: RoadLeakage, points: int) -> np.ndarray:
-    size = len(road.time)
-    if size <= points:
-        return np.arange(size)
+    instants = [at.time for at in (road.max_leakage, road.min_leakage, road.max_share) if at is not None]
     series = [road.leakage] if road.share is None else [road.leakage, road.share]
-    each = max(points // len(series) // 2 * 2, 4)
-    kept = [np.array([0, size - 1])]
-    for values in series:
-        kept.append(np.asarray(MinMaxDownsampler().downsample(np.ascontiguousarray(values), n_out=each), dtype=int))
-        known = np.isfinite(values)
-        edges = np.flatnonzero(known[1:] != known[:-1])
-        kept.append(np.concatenate([edges, edges + 1])[:_BREAKS])
-    for instant in (road.max_leakage, road.min_leakage, road.max_share):
-        if instant is not None:
-            kept.append(np.flatnonzero(road.time == instant.time)[:1])
-    return np.unique(np.concatenate(kept))
+    return thinned(series, points, keep=[int(np.argmin(np.abs(road.time - time))) for time in instants])

@@ -16,6 +16,7 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.errors import AtleakError, Message
+from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Verdict, worst
 from atleak.views.drawing import controller_svg, on_dark
@@ -168,11 +169,11 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
     said += readings.messages if readings else ()
     said += (*road.road_test.messages, *road.messages) if road else ()
-    messages([message for message in diagnosis.messages if message not in said], "controller, fluid and conditions")
+    messages([message for message in diagnosis.messages if message not in said], "valve body, fluid and conditions")
     if diagnosis.uncertainty is not None:
         messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")
     lines = [
-        f"- {name}: **{plain(record[name]['name'])}** — {plain(record[name]['source'])}"
+        f"- {SLOTS[name].label.lower()}: **{plain(record[name]['name'])}** — {plain(record[name]['source'])}"
         for name in ("controller", "fluid", "limits")
     ]
     with st.expander("What this rests on"):

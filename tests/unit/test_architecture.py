@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -29,54 +30,113 @@ def test_core_never_imports_streamlit(path: Path) -> None:
     assert not {name for name in _imports(path) if name.split(".")[0] == "streamlit"}
 
 
-def _room(path: Path) -> str:
-    return path.relative_to(ROOT / "atleak").as_posix()
+# From the ground up. A module imports its own room and the floors below: nothing from above, and nothing from another
+# room of its own floor. `docs/architecture.md` draws them. A room is a module or a folder; the longest name counts.
+FLOORS = (
+    ("errors", "printable", "version", "verdicts", "workshop_units", "written_numbers", "thinning"),
+    ("equations", "faults", "files", "shipped", "marks", "look"),
+    ("catalogue", "wording"),
+    ("readings", "road_test"),
+    ("events", "engine.profile"),
+    ("engine.leakage",),
+    ("engine.series", "engine.projection"),
+    ("engine.road_leakage", "rules"),
+    ("uncertainty", "variants"),
+    ("diagnosis",),
+    ("views", "intake"),
+    ("figures", "job.record", "job.case", "report.printed_charts", "report.terminal", "report.measuring_sheet"),
+    ("job.file", "report.pdf", "report.xlsx"),
+    ("report.batch",),
+    ("cli",),
+    ("__main__", "__init__"),
+)
+FLOOR_OF = {room: number for number, floor in enumerate(FLOORS) for room in floor}
+# The intake stands beside the engine and neither knows the other: its floor is above the engine, its imports end here.
+INTAKE_STANDS_ON = FLOOR_OF["readings"]
+MODULES = {".".join(path.relative_to(ROOT / "atleak").with_suffix("").parts): path for path in CORE}
 
 
-# What flows from files to reports flows one way: no room imports one that comes after it.
-BEFORE = {
-    "equations/": (
-        "catalogue.controller",
-        "catalogue.fluid",
-        "readings",
-        "road_test",
-        "engine.leakage",
-        "diagnosis",
-        "intake",
-        "report",
-        "cli",
-    ),
-    "engine/leakage.py": (
-        "intake",
-        "diagnosis",
-        "report",
-        "cli",
-        "road_test",
-        "readings",
-        "engine.projection",
-        "engine.series",
-    ),
-    "engine/series.py": ("intake", "diagnosis", "report", "cli", "road_test", "readings", "engine.projection"),
-    "readings.py": ("intake", "engine.leakage", "diagnosis", "report", "cli"),
-    "road_test.py": ("intake", "engine.leakage", "diagnosis", "report", "cli"),
-    "uncertainty/": ("intake", "diagnosis", "report", "cli", "road_test"),
-    "engine/projection.py": ("intake", "diagnosis", "report", "cli"),
-    "engine/road_leakage.py": ("intake", "diagnosis", "report", "cli"),
-    "diagnosis.py": ("intake", "report", "cli"),
-    "intake/": ("engine.leakage", "diagnosis", "engine.projection", "report", "cli"),
-    "report/": ("cli", "intake"),
-    "views/": ("report", "cli", "intake"),
-}
+def _room(module: str) -> str | None:
+    """The room of a module; None where it stands on no floor."""
+    parts = module.split(".")
+    names = (".".join(parts[:length]) for length in range(len(parts), 0, -1))
+    return next((name for name in names if name in FLOOR_OF), None)
 
 
-@pytest.mark.parametrize("room", BEFORE)
-def test_flow_has_one_direction(room: str) -> None:
-    paths = [path for path in CORE if _room(path).startswith(room)]
-    assert paths
-    for path in paths:
-        for later in BEFORE[room]:
-            taken = {n for n in _imports(path) if n == f"atleak.{later}" or n.startswith(f"atleak.{later}.")}
-            assert not taken, f"{_room(path)} imports {taken}"
+def _taken(path: Path) -> set[str]:
+    """The modules of the package that a file imports, wherever in the file and for whatever purpose."""
+    taken = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path.name}: imports say the package's name"
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        taken |= {_module(name) for name in names if name.split(".")[0] == "atleak"}
+    return taken
+
+
+def _module(name: str) -> str:
+    """The module in which an imported name stands: ``atleak.rules.Rule`` is in ``rules``."""
+    parts = name.split(".")[1:]
+    for length in range(len(parts), 0, -1):
+        for module in (".".join(parts[:length]), ".".join([*parts[:length], "__init__"])):
+            if module in MODULES:
+                return module
+    return "__init__"
+
+
+def _wrong_imports(module: str, taken: set[str]) -> list[str]:
+    """The imports that lead upward, or sideways out of the room."""
+    room = _room(module)
+    assert room is not None, f"{module} stands on no floor of FLOORS"
+    wrong = []
+    for other in sorted(taken):
+        target = _room(other)
+        assert target is not None, f"{other} stands on no floor of FLOORS"
+        highest = INTAKE_STANDS_ON if room == "intake" else FLOOR_OF[room] - 1
+        if target != room and FLOOR_OF[target] > highest:
+            wrong.append(other)
+    return wrong
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_imports_lead_down(module: str) -> None:
+    taken = _taken(MODULES[module])
+    if module.endswith(".__init__") and not taken:
+        return  # a folder of several rooms
+    if module == "__init__":
+        return  # the public names, from every floor
+    assert not _wrong_imports(module, taken)
+
+
+def test_every_room_of_the_floors_is_there() -> None:
+    rooms = {_room(module) for module in MODULES}
+    assert set(FLOOR_OF) == rooms - {None}
+    assert sum(map(len, FLOORS)) == len(FLOOR_OF), "a room stands on two floors"
+
+
+@pytest.mark.parametrize(
+    ("module", "taken"),
+    [
+        ("equations.gap", "diagnosis"),  # upward
+        ("engine.leakage", "engine.series"),  # upward inside the engine
+        ("engine.series", "engine.projection"),  # sideways
+        ("views.window", "intake.units"),  # sideways
+        ("intake.readings.rows", "engine.leakage"),  # the intake knows no engine
+        ("diagnosis", "intake.readings"),  # and the engine no intake
+        ("files", "__init__"),  # the public names are for users
+    ],
+)
+def test_an_import_that_leads_up_or_sideways_is_noticed(module: str, taken: str) -> None:
+    assert _wrong_imports(module, {taken}) == [taken]
+
+
+def test_a_module_without_a_floor_is_noticed() -> None:
+    with pytest.raises(AssertionError, match="stands on no floor"):
+        _wrong_imports("attic", set())
 
 
 def test_import_is_quick_because_rooms_are_loaded_when_used() -> None:
@@ -101,6 +161,27 @@ def test_public_names_are_all_there() -> None:
     assert set(atleak.__all__) <= set(dir(atleak))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = atleak.nothing
+
+
+def test_type_checkers_are_given_the_same_public_names() -> None:
+    import atleak
+
+    tree = ast.parse((ROOT / "atleak" / "__init__.py").read_text(encoding="utf-8"))
+    checked = next(node for node in tree.body if isinstance(node, ast.If))
+    told = {
+        alias.asname: node.module.removeprefix("atleak.")
+        for node in checked.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert told == atleak._MODULES
+
+
+def test_the_architecture_page_draws_the_floors_that_are_checked() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE)
+    drawn = [sorted(re.findall(r"`([\w.]+)`", row)) for row in rows]
+    assert drawn == [sorted(floor) for floor in FLOORS[:-1]]  # the last is for users alone
 
 
 TESTS = sorted((ROOT / "tests").rglob("*.py"))

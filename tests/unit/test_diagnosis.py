@@ -141,7 +141,7 @@ def test_a_clearance_limit_of_one_land_goes_before_that_of_all(
     assert land.deciding is not None
     assert (land.verdict, land.deciding.kind) == ("replace", "radial_clearance")
     assert land.deciding.limit == pytest.approx(16.5e-6, rel=1e-12, abs=0.0)
-    assert land.deciding.source == "the controller's file"
+    assert land.deciding.source == "the valve body's file"
     assert land.uncertainty is not None
     decided = land.uncertainty.on(land.deciding)
     assert decided is not None

@@ -1,7 +1,20 @@
 """A measuring sheet (workbook or text) → readings.
 
 The form is that of the source study's Table 1, a tidy table, or a table with several diameters in a row; see
-``docs/measuring-sheet.md``. Everything wrong is told at once, with file, sheet, row and column.
+``docs/measuring-sheet.md``. Everything wrong is listed at once, with file, sheet, row and column.
+
+What happens to a file:
+
+1. `sheet_file` and `workbook` turn its bytes into sheets (`sheet`): cells, what is merged, hidden or crossed out.
+2. `sheet_tables` cuts a sheet into tables; `headings` (with `heading_numbers` and `counts`) says what each column is by
+   its heading; ``vocabulary.toml`` holds the words in every language, and `words` understands single cells.
+3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
+4. `columns` decides which columns of a table to read, by headings and contents.
+5. `rows` reads every row into `values`; `controller_names` knows the components, planes and lands of the controller.
+   `asides` leaves out rows of means and rows that do not count; `states` asks where two states would be averaged.
+6. `values` converts the numbers into metres, and finds the unit where none is stated.
+7. `unread` looks at all cells again: what has the size of a diameter (`sizes`) and was not read is named or refused.
+8. `agreement` compares the diameters with clearances and means on the sheet, `checks` with the controller.
 """
 
 from __future__ import annotations
@@ -76,26 +89,26 @@ def read_readings(
         where the file as a whole cannot be read: no such file, empty, damaged, a picture, no measuring sheet in it,
         several of them, or none filled in.
     """
-    told = None if unit is None else unit_named(unit, "length")
+    given_unit = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
     sheets = read_sheets(data, file, _score)
     chosen = choose(sheets, file, names, sheet)
     require_known(chosen.tables, where or {})
-    read = [read_rows(table, names, told, where) for table in chosen.tables]
+    read = [read_rows(table, names, given_unit, where) for table in chosen.tables]
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
     first = next((rows.table for rows in read if rows.found), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.found], controller, first.headings)
-    account = _account(chosen, read, names, converted, told)
+    account = _account(chosen, read, names, converted, given_unit)
     account.close([each for each in sheets if not each.hidden])
     read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.found))
     result = Readings(
         file=file,
         sha256=hashlib.sha256(data).hexdigest(),
         sheet=None if first.sheet.is_text else ", ".join(map(str, read_from)),
-        unit=", ".join(converted.units) or (told.name if told else "mm"),
+        unit=", ".join(converted.units) or (given_unit.name if given_unit else "mm"),
         unit_assumed=converted.unit_assumed,
         layout=_layout(converted, read),
         readings=tuple(converted.readings),
@@ -147,14 +160,14 @@ def _score(sheet: Sheet) -> float:
 
 
 def _account(
-    chosen: Choice, read: Sequence[Rows], names: ControllerNames, converted: Converted, told: Unit | None
+    chosen: Choice, read: Sequence[Rows], names: ControllerNames, converted: Converted, given_unit: Unit | None
 ) -> Account:
-    account = Account(names, [*converted.units, *([told.name] if told else [])])
+    account = Account(names, [*converted.units, *([given_unit.name] if given_unit else [])])
     for rows in read:
         account.enter(rows)
     for table in chosen.doubtful:
         if account.holds_sizes(table):
-            account.problems += read_rows(table, names, told).problems
+            account.problems += read_rows(table, names, given_unit).problems
     for table in chosen.aside:
         account.leave_table(table)
     for sheet in chosen.sheets_aside:

@@ -61,18 +61,20 @@ def messages(
         unit = _unit(heading)
         if any(word in CLEARANCES for word in words) and not any(word in NOT_MEASURED for word in words):
             radial = any(word in RADIAL for word in words)
-            yield from _told(sheet, index, heading, _clearances(sheet, index, rows, lands, unit, radial), "clearance")
+            yield from _warnings(
+                sheet, index, heading, _clearances(sheet, index, rows, lands, unit, radial), "clearance"
+            )
         elif _is_correction(words):
             yield from _correction(sheet, header, index, rows, columns)
         elif any(column.index == index and column.role == "mean" for column in header.columns):
-            yield from _told(sheet, index, heading, _means(sheet, index, heading, rows, lands, unit), "mean")
+            yield from _warnings(sheet, index, heading, _means(sheet, index, heading, rows, lands, unit), "mean")
     yield from _correction_above(sheet, header)
 
 
 Contradiction = tuple[int, str, str]  # row, what is stated, what follows from the diameters
 
 
-def _told(sheet: Sheet, index: int, heading: str, found: Iterator[Contradiction], what: str) -> Iterator[Message]:
+def _warnings(sheet: Sheet, index: int, heading: str, found: Iterator[Contradiction], what: str) -> Iterator[Message]:
     contradictions = list(found)
     for row, stated, computed in contradictions[:_SHOWN]:
         yield Message(

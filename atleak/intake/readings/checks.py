@@ -231,7 +231,7 @@ def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Pl
             "sleeve was not measured",
             place=place,
             value=spool,
-            expected="the sleeve's readings too, or the right nominal diameter in the controller's file",
+            expected="the sleeve's readings too, or the right nominal diameter in the valve body's file",
         )
     if found.status == "sleeve_only":
         return ReadingsError(
@@ -239,7 +239,7 @@ def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Pl
             f"{land.part} was not measured",
             place=place,
             value=sleeve,
-            expected=f"the readings of the {land.part} too, or the right nominal diameter in the controller's file",
+            expected=f"the readings of the {land.part} too, or the right nominal diameter in the valve body's file",
         )
     swapped = -found.radial_clearance
     return ReadingsError(

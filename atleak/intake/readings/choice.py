@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
@@ -92,13 +92,7 @@ def _quoted(names: Iterable[str | None]) -> str:
 def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str, wanted: str) -> Sheet:
     by_name = {sheet.name: sheet for sheet in sheets if sheet.name is not None}
     if wanted not in by_name:
-        raise ReadingsError(
-            "the workbook has no such sheet",
-            place=Place(file),
-            value=wanted,
-            expected="one of " + ", ".join(by_name),
-            nearest=nearest_name(wanted, by_name),
-        )
+        raise unknown("the workbook has no such sheet", wanted, by_name, kind=ReadingsError, place=Place(file))
     if not any(table.readable for table in _unless_none(tables[wanted])):
         usable = [name for name in by_name if any(table.readable for table in tables[name])]
         hint = f"; readings are in sheet {_quoted(usable)}" if usable else ""
@@ -163,7 +157,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
     problems = []
     first: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
     asked: dict[str | None, None] = {}
-    told: set[tuple[int, int]] = set()
+    reported: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
         if is_repeat_title(rows.table.title):
             continue
@@ -180,8 +174,8 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
                 sheet, other_sheet = rows.table.sheet, other.table.sheet
                 if sheet.name != other_sheet.name:
                     asked.update({other_sheet.name: None, sheet.name: None})
-                elif not (key.explicit and earlier.explicit) and (id(other), id(rows)) not in told:
-                    told.add((id(other), id(rows)))
+                elif not (key.explicit and earlier.explicit) and (id(other), id(rows)) not in reported:
+                    reported.add((id(other), id(rows)))
                     problems.append(_twice(rows, other, key, raw.place))
             mine.setdefault(place, [])
             if all(key.direction != known.direction or key.explicit != known.explicit for _, known in mine[place]):

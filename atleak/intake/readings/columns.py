@@ -177,7 +177,7 @@ def _groups(
                 )
             )
         group.setdefault(name, column)
-    problems.extend(_told_apart(sheet, header, values))
+    problems.extend(_two_states(sheet, header, values))
     for group in groups.values():
         coordinates = [name for name in ("coordinate 1", "coordinate 2") if name in group]
         if "diameter" not in group and len(coordinates) != 2:
@@ -193,7 +193,7 @@ def _groups(
     return list(groups.values())
 
 
-def _told_apart(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
+def _two_states(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
     """Columns that number repeats and say something else besides: "diameter 1 before", "diameter 2 after"."""
     for column, other in pairwise(values):
         numbered = column.group[:2] == other.group[:2] and column.repeat != other.repeat

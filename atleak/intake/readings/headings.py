@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -11,7 +12,16 @@ from typing import Literal
 from atleak.catalogue.instruments import Part
 from atleak.intake.readings.heading_numbers import besides_numbers, is_angle, numbers_of_heading
 from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.words import STATES, is_blank, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.readings.words import (
+    SPECIFICATIONS,
+    STATES,
+    is_blank,
+    number_of,
+    part_of,
+    plain,
+    text_of,
+    vocabulary,
+)
 from atleak.intake.units import Unit, find_unit
 
 Role = Literal[
@@ -29,13 +39,12 @@ EXPECTED = (
 _DEPTH = 3  # rows that headings may be spread over
 
 _MEAN = vocabulary("mean", "mean_in_heading")
-_SPECIFICATION = vocabulary("specification")
 _FOUND = vocabulary("found")
 _CORRECTED = vocabulary("corrected")
 _RAW = vocabulary("raw")
 _STANDING = vocabulary("corrected", "raw")
 _OUTCOME = vocabulary("found", "corrected", "raw")
-_QUANTITY = vocabulary("quantity")
+_QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _REMARK = vocabulary("remark")
 _DIRECTION = vocabulary("direction")
 _PLANE = vocabulary("plane")
@@ -254,7 +263,7 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
         width = max(len(row) for row in sheet.rows[first : last + 1])
         headings = [_heading(sheet, first, last, column) for column in range(width)]
         columns = [found for index, text in enumerate(headings) if (found := read_heading(text, index)) is not None]
-        header = Header(first, last, settled(columns), tuple(headings))
+        header = Header(first, last, read_together(columns), tuple(headings))
         if last > first and _is_data(sheet, header, last):
             return
         yield header
@@ -322,8 +331,8 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
     simple: list[tuple[bool, Role]] = [
         (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
         (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
-        (bool(words & _QUANTITY) and not words & _SPECIFICATION, "quantity"),
-        (bool(words & _SPECIFICATION) and (sized or not key or bool(words & _QUANTITY)), "specification"),
+        (bool(words & _QUANTITY) and not words & SPECIFICATIONS, "quantity"),
+        (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & _QUANTITY)), "specification"),
         (bool(words & _REMARK), "remark"),
         (bool(words & _DIRECTION), "direction"),
         (bool(words & _PLANE), "plane"),
@@ -391,7 +400,7 @@ def split_unit(text: str) -> tuple[str, Unit | None]:
     return text, None
 
 
-def settled(columns: list[Column]) -> tuple[Column, ...]:
+def read_together(columns: list[Column]) -> tuple[Column, ...]:
     """What only the columns together tell.
 
     A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
@@ -405,20 +414,20 @@ def settled(columns: list[Column]) -> tuple[Column, ...]:
     angles = {column.direction for column in columns if column.holds_value} - {None}
     # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
     only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
-    settled = []
+    together = []
     for column in columns:
         if column.holds_value and ("direction" in roles or only_names):
             column = replace(column, direction=None)
         if column.holds_value and "part" in roles:
             column = replace(column, part=None)
-        settled.append(column)
-    counted = {
-        key: {each.repeat for each in settled if each.group[:2] == key} for key in {each.group[:2] for each in settled}
-    }
+        together.append(column)
+    counted: dict[tuple[Part | None, float | None], set[int | None]] = defaultdict(set)
+    for column in together:
+        counted[column.group[:2]].add(column.repeat)
     # repeats count from 1, with one left out at most: 12 and 24 are something else
     return tuple(
         replace(column, repeat=None)
         if column.repeat is not None and column.repeat > len(counted[column.group[:2]]) + 1
         else column
-        for column in settled
+        for column in together
     )

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from atleak.catalogue.instruments import Part
-from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.errors import Message, Place, ReadingsError, nearest_name, one_of
 from atleak.intake.readings import states
 from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
@@ -58,19 +58,21 @@ class Rows:
     of_row: dict[int, Key] = field(default_factory=dict)
 
 
-def read_rows(table: Table, names: ControllerNames, told: Unit | None, where: Mapping[str, str] | None = None) -> Rows:
+def read_rows(
+    table: Table, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
+) -> Rows:
     """Every reading of a table, and everything that is wrong with it."""
     columns = find_columns(table, names)
     if columns.problems:
         return Rows(table, columns, problems=columns.problems)
-    return _Reader(table, columns, names, told, where or {}).read()
+    return _Reader(table, columns, names, given_unit, where or {}).read()
 
 
 class _Reader:
     def __init__(
-        self, table: Table, columns: Columns, names: ControllerNames, told: Unit | None, where: Mapping[str, str]
+        self, table: Table, columns: Columns, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str]
     ) -> None:
-        self.table, self.columns, self.names, self.told, self.where = table, columns, names, told, where
+        self.table, self.columns, self.names, self.given_unit, self.where = table, columns, names, given_unit, where
         self.sheet, self.header = table.sheet, table.header
         self.values = [column.index for group in columns.groups for column in group.values()]
         self.asides = Asides(table, columns, names)
@@ -107,8 +109,8 @@ class _Reader:
         self._tell_overridden()
         self._tell_hidden_columns()
         if left_out:
-            told = " and ".join(f"{heading} is {value!r}" for heading, value in self.where.items())
-            text = f"{left_out} row{'s' if left_out > 1 else ''} left aside: read were those where {told}"
+            chosen = " and ".join(f"{heading} is {value!r}" for heading, value in self.where.items())
+            text = f"{left_out} row{'s' if left_out > 1 else ''} left aside: read were those where {chosen}"
             self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
         question = states.question(self.found, self.breaks, self.table, self.columns)
         if question is not None:
@@ -253,10 +255,10 @@ class _Reader:
 
     def _unit(self, row: int, column: Column) -> Unit | None:
         """What the cell does not say itself: as told, in the row's own cell, the heading, or above the table."""
-        if self.told is not None:
-            if column.unit is not None and column.unit != self.told:
+        if self.given_unit is not None:
+            if column.unit is not None and column.unit != self.given_unit:
                 self.overridden.add(column.name)
-            return self.told
+            return self.given_unit
         unit_column = self.columns.unit
         cell = self.sheet.filled(row, unit_column.index) if unit_column else ""
         if unit_column is None or is_blank(cell):
@@ -269,7 +271,7 @@ class _Reader:
                     "unknown unit of length",
                     place=self._place(row, unit_column),
                     value=text_of(cell),
-                    expected="one of " + ", ".join(known),
+                    expected=one_of(known),
                     nearest=nearest_name(text_of(cell), known),
                 )
             )
@@ -345,7 +347,7 @@ class _Reader:
         """The plane as the controller spells it, from the column of planes, of lands, or both."""
         plane_column, land_column = self.columns.plane, self.columns.land
         column = plane_column or land_column
-        if component is None:  # told already; whether the plane is there at all is still worth telling
+        if component is None:  # said already; whether the plane is there at all is still worth saying
             if column is not None:
                 self._required(row, column)
             return None
@@ -431,8 +433,8 @@ class _Reader:
             )
 
     def _tell_overridden(self) -> None:
-        if self.told is not None and self.overridden:
-            text = f"read in {self.told.name} as told, although the heading says otherwise: "
+        if self.given_unit is not None and self.overridden:
+            text = f"read in {self.given_unit.name} as told, although the heading says otherwise: "
             text += ", ".join(sorted(self.overridden))
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
 

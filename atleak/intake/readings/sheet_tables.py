@@ -11,7 +11,7 @@ from atleak.catalogue.instruments import Part
 from atleak.errors import Place
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
-from atleak.intake.readings.headings import Column, Header, find_headers, settled
+from atleak.intake.readings.headings import Column, Header, find_headers, read_together
 from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.words import (
@@ -26,7 +26,7 @@ from atleak.intake.readings.words import (
     vocabulary,
 )
 
-_ASIDE = vocabulary("aside")
+_ASIDE = vocabulary("specification_title", "calibration")
 _READ = vocabulary("reading", "found")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
@@ -190,14 +190,14 @@ def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
         column for column in header.columns if not column.tentative or _holds_diameters(sheet, header, column, names)
     ]
     values = [column for column in kept if column.holds_value]
-    settled_columns = []
+    without_raw = []
     for column in kept:
         others = [other for other in values if other.group == column.group and other is not column]
         corrected = any(other.standing == "corrected" for other in others) and column.standing != "corrected"
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             column = replace(column, role="raw")
-        settled_columns.append(column)
-    return with_counts(sheet, replace(header, columns=tuple(settled_columns)))
+        without_raw.append(column)
+    return with_counts(sheet, replace(header, columns=tuple(without_raw)))
 
 
 def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: ControllerNames) -> bool:
@@ -250,7 +250,7 @@ def _side_by_side(table: Table) -> Iterator[Table]:
     for begin, end in zip(edges, [*edges[1:], table.sheet.width], strict=True):
         columns = [column for column in header.columns if begin <= column.index < end]
         texts = tuple(text if begin <= index < end else "" for index, text in enumerate(header.texts))
-        part = replace(header, columns=settled(columns), texts=texts)
+        part = replace(header, columns=read_together(columns), texts=texts)
         yield replace(table, sheet=_only(table.sheet, begin, end), header=part)
 
 

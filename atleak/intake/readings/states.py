@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from atleak.errors import Message, Place, ReadingsError, nearest_name
+from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet import Cell, Sheet, rows_named
@@ -19,7 +19,6 @@ from atleak.intake.units import find_unit
 
 _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)
 _LISTED = 4  # values of a column that are named
-_NAMED = 12  # values to choose from that are named
 _FEWEST = 2  # rows that make a block
 
 StationKey = tuple[str, str, str, float | None, int | None]
@@ -198,6 +197,30 @@ def _blocks(
 def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) -> Iterator[Message]:
     """Blocks that return with the same values; repeats that a column calls so and another one calls states."""
     sheet, header = table.sheet, table.header
+    yield from _pasted_twice(entries, sheet)
+    if columns.repeat is None:
+        yield from _returning(entries, sheet)
+        yield from _remarks(_several(entries), sheet, header)
+        return
+    rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
+    for entry in entries:
+        rows[*_station(entry)[:4], None][entry.row] = None
+    several = {station: list(each) for station, each in rows.items() if len(each) > 1}
+    for index, splits in _splitting(several, sheet, header, columns):
+        if set(letters(header.text(index))) & STATES:
+            values = ", ".join(_values(splits)[:_LISTED])
+            yield Message(
+                "warning",
+                "repeats_of_several_states",
+                f"column {columns.repeat.heading!r} calls them repeats, so rows are averaged that column "
+                f"{header.text(index)!r} tells apart ({values})",
+                sheet.place(max(header.last, 0), index, header.text(index)),
+            )
+            return
+
+
+def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Message]:
+    """The first block of rows that hold the same readings in the same order as rows above them."""
     seen: dict[object, int] = {}
     runs: list[list[tuple[int, int]]] = []
     rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
@@ -205,8 +228,7 @@ def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) ->
         rows[entry.row].append((_station(entry)[:4], entry.raw.size, entry.column))
     order = list(rows)
     for at, row in enumerate(order):
-        signature = tuple(rows[row])
-        earlier = seen.setdefault(signature, at)
+        earlier = seen.setdefault(tuple(rows[row]), at)
         if earlier == at:
             continue
         if runs and runs[-1][-1] == (earlier - 1, at - 1):
@@ -223,28 +245,6 @@ def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) ->
                 f"{rows_named(sheet, again)} hold the same readings in the same order as {rows_named(sheet, first)}: "
                 "pasted twice? They count as repeats",
                 sheet.place(again[0]),
-            )
-            break
-    if columns.repeat is None:
-        yield from _returning(entries, sheet)
-        yield from _remarks(_several(entries), sheet, header)
-        return
-    without = [_station(entry)[:4] for entry in entries]
-    if len(set(without)) == len(without):
-        return
-    grouped: dict[StationKey, dict[int, None]] = defaultdict(dict)
-    for entry in entries:
-        grouped[*_station(entry)[:4], None][entry.row] = None
-    several = {station: list(found) for station, found in grouped.items() if len(found) > 1}
-    for index, splits in _splitting(several, sheet, header, columns):
-        if set(letters(header.text(index))) & STATES:
-            values = ", ".join(_values(splits)[:_LISTED])
-            yield Message(
-                "warning",
-                "repeats_of_several_states",
-                f"column {columns.repeat.heading!r} calls them repeats, so rows are averaged that column "
-                f"{header.text(index)!r} tells apart ({values})",
-                sheet.place(max(header.last, 0), index, header.text(index)),
             )
             return
 
@@ -314,24 +314,14 @@ def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
         headed = [(table, index) for table in tables if (index := _headed(table, heading)) is not None]
         if not headed:
             texts = [text for table in tables for each in table.header.texts if (text := " ".join(each.split()))]
-            raise ReadingsError(
-                f"no column is headed {heading!r}",
-                place=tables[0].sheet.place(max(tables[0].header.last, 0)),
-                value=heading,
-                expected="one of " + ", ".join(dict.fromkeys(texts)),
-                nearest=nearest_name(heading, texts),
-            )
+            place = tables[0].sheet.place(max(tables[0].header.last, 0))
+            raise unknown(f"no column is headed {heading!r}", heading, texts, kind=ReadingsError, place=place)
         cells = [table.sheet.filled(row, index) for table, index in headed for row in table.rows]
         if not any(_is(cell, wanted) for cell in cells):
-            known = list(dict.fromkeys(_day(cell) for cell in cells if not is_blank(cell)))
+            known = [_day(cell) for cell in cells if not is_blank(cell)]
             table, index = headed[0]
-            raise ReadingsError(
-                f"no row has {wanted!r} there",
-                place=table.sheet.place(max(table.header.last, 0), index, table.heading(index)),
-                value=wanted,
-                expected="one of " + ", ".join(known[:_NAMED]) + (" …" if len(known) > _NAMED else ""),
-                nearest=nearest_name(wanted, known),
-            )
+            place = table.sheet.place(max(table.header.last, 0), index, table.heading(index))
+            raise unknown(f"no row has {wanted!r} there", wanted, known, kind=ReadingsError, place=place)
 
 
 def _headed(table: Table, heading: str) -> int | None:

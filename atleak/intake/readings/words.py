@@ -62,7 +62,7 @@ def _vocabularies() -> dict[str, dict[str, list[str]]]:
 def vocabulary(*meanings: str) -> Vocabulary:
     """The words for one or several meanings of ``vocabulary.toml``.
 
-    >>> {"solldurchmesser", "mm"} & vocabulary("specification")
+    >>> {"solldurchmesser", "mm"} & vocabulary("specification", "specification_title")
     {'solldurchmesser'}
     """
     return Vocabulary(word for meaning in meanings for word in _listed(meaning))
@@ -70,6 +70,9 @@ def vocabulary(*meanings: str) -> Vocabulary:
 
 def _listed(meaning: str) -> list[str]:
     return [word for words in _vocabularies()[meaning].values() for word in words]
+
+
+SPECIFICATIONS = vocabulary("specification", "specification_title")
 
 
 @lru_cache(maxsize=4096)
@@ -80,7 +83,7 @@ def says_specification(text: str) -> bool:
     (True, True, False)
     """
     words = set(re.findall(r"[^\W\d_]+", plain(text)))
-    specified = words & vocabulary("specification")
+    specified = words & SPECIFICATIONS
     return bool(specified) and not words - specified - (words & vocabulary("diameter", "reading"))
 
 
@@ -410,7 +413,7 @@ def is_page_title(text: str) -> bool:
 # --- what a sheet says a second time ----------------------------------------------------------------------------------
 
 CLEARANCES = vocabulary("clearance")
-NOT_MEASURED = vocabulary("not_of_these", "specification")
+NOT_MEASURED = vocabulary("not_of_these", "specification", "specification_title")
 RADIAL = vocabulary("radial")
 CORRECTIONS = vocabulary("correction")
 ERRORS = vocabulary("error")

@@ -16,7 +16,7 @@ from atleak.intake.road_test.names.memory import default_path, forget, recall, r
 from atleak.road_test import RoadTest
 
 __all__ = [
-    "Ambiguous", "Understood", "default_path", "describe", "forget", "import_log_json", "read_road_test", "recall",
+    "Ambiguous", "Understood", "default_path", "describe", "forget", "read_road_test", "recall",
     "remember", "signature", "tidy_csv", "understand",
 ]  # fmt: skip
 
@@ -55,8 +55,3 @@ def read_road_test(
     if understood.road_test is None:
         raise understood.problem or RoadTestError("cannot be read", place=Place(file=understood.file))
     return understood.road_test
-
-
-def import_log_json(understood: Understood) -> dict[str, object]:
-    """Return what `describe` returns."""
-    return describe(understood)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -34,7 +34,6 @@ class _Job:
     units: Mapping[str, str]
     constants: Mapping[str, float]
     memory: Path | None
-    extra: list[Message] = field(default_factory=list)
 
 
 def understand(

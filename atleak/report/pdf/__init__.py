@@ -18,7 +18,7 @@ from typing import Any
 import typst
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.errors import InputError, nearest_name
+from atleak.errors import unknown
 from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
 from atleak.marks import KEYWORD
@@ -63,7 +63,7 @@ def write_pdf(
     job
         what the workshop wrote down; what is not filled in is left out.
     language
-        ``"en"``, ``"pl"`` or ``"de"``.
+        one of `atleak.wording.languages`.
     paper
         ``"a4"`` or ``"letter"``.
     sections
@@ -82,9 +82,7 @@ def write_pdf(
     job, say = job or Job(), wording(language)
     chosen = chosen_sections(sections)
     if paper not in PAPERS:
-        raise InputError(
-            "no such paper", value=paper, expected=f"one of {', '.join(PAPERS)}", nearest=nearest_name(paper, PAPERS)
-        )
+        raise unknown("no such paper", paper, PAPERS)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         pictures = write_pictures(job, Path(folder))
         data = report_data(diagnosis, job, say, paper, chosen, pictures)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
 
 from atleak.wording import isolated
 
@@ -20,24 +21,40 @@ def facts(rows: Sequence[Sequence[str]]) -> Block:
     return {"kind": "facts", "rows": [list(row) for row in rows]} if rows else {}
 
 
-def table(
-    names: Sequence[str], rows: Sequence[Sequence[Any]], widths: str, aligned: str, *, empty: bool = True
-) -> Block:
-    """A table; ``widths`` are shares (0: as narrow as its content), ``aligned`` l, c or r, a digit or letter a column.
+@dataclass(frozen=True)
+class Column:
+    """One column of a table: its title, what stands in it and how it is set.
 
-    With ``empty`` False, columns in which nothing stands are left out.
+    ``cell`` makes of a row's item what stands in the cell: a text, or a dictionary with ``sign`` and ``text`` for a
+    verdict. ``width`` is the column's share of the room that is left (0: as narrow as its content).
     """
-    columns = list(range(len(names)))
-    if not empty:
-        columns = [column for column in columns if any(row[column] not in ("", "–") for row in rows)]
-    if not rows or not columns:
+
+    title: str
+    cell: Callable[[Any], Any]
+    unit: str = ""
+    width: int = 0
+    side: Literal["l", "c", "r"] = "l"
+
+    @property
+    def name(self) -> str:
+        """The title with the unit below it."""
+        return f"{self.title}\n{self.unit}" if self.unit else self.title
+
+
+def table(columns: Sequence[Column], items: Iterable[Any], *, empty: bool = True) -> Block:
+    """A table with one row an item; with ``empty`` False, columns in which nothing stands are left out."""
+    rows = [[column.cell(item) for column in columns] for item in items]
+    kept = [
+        index for index in range(len(columns)) if rows and (empty or any(row[index] not in ("", "–") for row in rows))
+    ]
+    if not kept:
         return {}
     return {
         "kind": "table",
-        "names": [names[column] for column in columns],
-        "rows": [[row[column] for column in columns] for row in rows],
-        "widths": [int(widths[column]) for column in columns],
-        "aligned": "".join(aligned[column] for column in columns),
+        "names": [columns[index].name for index in kept],
+        "rows": [[row[index] for index in kept] for row in rows],
+        "widths": [columns[index].width for index in kept],
+        "aligned": "".join(columns[index].side for index in kept),
     }
 
 

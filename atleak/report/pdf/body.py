@@ -6,15 +6,17 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
-from atleak.catalogue.limits import LimitOrigin
-from atleak.errors import InputError, nearest_name
-from atleak.report.pdf.blocks import Block, facts, joined, table, text
+from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
+from atleak.diagnosis import LandDiagnosis
+from atleak.errors import unknown
+from atleak.job.record import RepairDecision
+from atleak.report.pdf.blocks import Block, Column, facts, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.road_series import RoadSeries
 from atleak.wording import isolated
-from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
+from atleak.workshop_units import G_CM3, MM, MM2_S, UM
 
 SECTIONS = (
     "picture",
@@ -52,12 +54,7 @@ def chosen_sections(sections: Iterable[str] | None) -> tuple[str, ...]:
     wanted = list(sections)
     for name in wanted:
         if name not in SECTIONS:
-            raise InputError(
-                "no such section",
-                value=name,
-                expected=f"one of {', '.join(SECTIONS)}",
-                nearest=nearest_name(name, SECTIONS),
-            )
+            raise unknown("no such section", name, SECTIONS)
     return tuple(name for name in SECTIONS if name in wanted)
 
 
@@ -108,38 +105,21 @@ class Body:
             return
         idle = names.idle
         decided = any(found.decision for found in flagged)
-        columns = {
-            "pair": "",
-            "land": "",
-            "verdict": "",
-            "clearance": "µm",
-            "mounting": "µm",
-            "wear": "%",
-            "share": "%",
-        }
-        columns |= {"share_hot_idle": "%"} if idle else {}
-        columns |= {"decision": ""} if decided else {}
-        columns |= {"reason": ""}
-        rows = []
-        for found in flagged:
-            state = found.state
-            cells: list[Any] = [
-                names.pair(found),
-                str(state.land.land),
-                {"sign": found.verdict, "text": say.level(found.verdict)},
-                names.clearance(found),
-                say.number(state.land.mounting_clearance * UM, 1),
-                say.number(None if found.wear is None else found.wear * PERCENT, 0),
-                say.number(found.share * PERCENT, 2),
-            ]
-            if idle is not None:
-                cells.append(say.number(idle.share_of(idle.leakage_of(found.key)) * PERCENT, 2))
-            if decided:
-                cells.append(names.decision(found))
-            rows.append([*cells, names.reason(found)])
-        widths = "4000000" + "0" * (idle is not None) + "3" * decided + "7"
-        aligned = "lcl" + "r" * (4 + (idle is not None)) + "l" * decided + "l"
-        yield table(_with_units(names, columns), rows, widths, aligned)
+        columns = [
+            Column(names.column("pair"), names.pair, width=4),
+            Column(names.column("land"), names.land, side="c"),
+            Column(names.column("verdict"), names.verdict),
+            Column(names.column("clearance"), names.clearance, "µm", side="r"),
+            Column(names.column("mounting"), names.mounting, "µm", side="r"),
+            Column(names.column("wear"), names.wear, "%", side="r"),
+            Column(names.column("share"), names.share, "%", side="r"),
+        ]
+        if idle is not None:
+            columns.append(Column(names.column("share_hot_idle"), names.share_hot_idle, "%", side="r"))
+        if decided:
+            columns.append(Column(names.column("decision"), names.decision, width=3))
+        columns.append(Column(names.column("reason"), names.reason, width=7))
+        yield table(columns, flagged)
         notes = [say("texts.both_rules")]
         notes += [say("texts.decision")] if decided else []
         notes += [say("texts.uncertainty")] if self.diagnosis.uncertainty else []
@@ -150,23 +130,21 @@ class Body:
         if not plan:
             return
         yield text(say("texts.repair_order", condition=self.names.condition(plan[0].condition)))
-        rows = []
-        for number, step in enumerate(plan, start=1):
-            at = step.land.replace_mileage
-            rows.append(
-                [
-                    str(number),
-                    self.names.land_name(step.land),
-                    {"sign": step.land.verdict, "text": say.level(step.land.verdict)},
-                    say.percent(step.share_before),
-                    say.percent(step.share_after),
-                    say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–",
-                ]
-            )
-        titles = ["", *(say(f"columns.{name}") for name in ("pair", "verdict", "before", "after", "replace_at"))]
-        yield table(titles, rows, "050222", "rllrrr", empty=False)
+        columns = [
+            Column("", lambda step: str(1 + plan.index(step)), side="r"),
+            Column(say("columns.pair"), lambda step: self.names.land_name(step.land), width=5),
+            Column(say("columns.verdict"), lambda step: self.names.verdict(step.land)),
+            Column(say("columns.before"), lambda step: say.percent(step.share_before), width=2, side="r"),
+            Column(say("columns.after"), lambda step: say.percent(step.share_after), width=2, side="r"),
+            Column(say("columns.replace_at"), lambda step: self._replace_at(step.land), width=2, side="r"),
+        ]
+        yield table(columns, plan, empty=False)
         if any(_worth_saying(step.land.replace_mileage) for step in plan):
             yield text(f"{say('columns.replace_at')}: {say('texts.replace_at')}.", small=True)
+
+    def _replace_at(self, land: LandDiagnosis) -> str:
+        at, say = land.replace_mileage, self.say
+        return say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–"
 
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """What to measure again where the readings cannot tell which side of a limit a land is on."""
@@ -186,39 +164,20 @@ class Body:
 
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
-        columns = {
-            "pair": "",
-            "land": "",
-            "sleeve": "mm",
-            "spool": "mm",
-            "clearance": "µm",
-            "mounting": "µm",
-            "wear": "%",
-            "effective": "µm",
-            "leakage": "dm³/min",
-            "share": "%",
-            "verdict": "",
-        }
-        rows = []
-        for found in self.diagnosis.lands:
-            state, row = found.state, names.rows[found.key]
-            interval = names.interval(row["leakage_low_dm3_min"], row["leakage_high_dm3_min"], 3)
-            rows.append(
-                [
-                    names.pair(found),
-                    str(state.land.land),
-                    say.number(state.sleeve_diameter * MM, 4),
-                    say.number(state.spool_diameter * MM, 4),
-                    names.clearance(found),
-                    say.number(state.land.mounting_clearance * UM, 1),
-                    say.number(None if found.wear is None else found.wear * PERCENT, 0),
-                    say.number(found.effective_clearance * UM, 1),
-                    names.flow(found.leakage, 3) + interval * (found.leakage > 0.0),
-                    say.number(found.share * PERCENT, 2),
-                    {"sign": found.verdict, "text": say.level(found.verdict)},
-                ]
-            )
-        yield table(_with_units(names, columns), rows, "10000000000", "lcrrrrrrrrl")
+        columns = [
+            Column(names.column("pair"), names.pair, width=1),
+            Column(names.column("land"), names.land, side="c"),
+            Column(names.column("sleeve"), lambda at: say.number(at.state.sleeve_diameter * MM, 4), "mm", side="r"),
+            Column(names.column("spool"), lambda at: say.number(at.state.spool_diameter * MM, 4), "mm", side="r"),
+            Column(names.column("clearance"), names.clearance, "µm", side="r"),
+            Column(names.column("mounting"), names.mounting, "µm", side="r"),
+            Column(names.column("wear"), names.wear, "%", side="r"),
+            Column(names.column("effective"), lambda at: say.number(at.effective_clearance * UM, 1), "µm", side="r"),
+            Column(names.column("leakage"), names.leakage, "dm³/min", side="r"),
+            Column(names.column("share"), names.share, "%", side="r"),
+            Column(names.column("verdict"), names.verdict),
+        ]
+        yield table(columns, self.diagnosis.lands)
         at = self.names.condition(self.diagnosis.projection.condition)
         yield text(say("texts.all_at", condition=at), small=True)
 
@@ -278,34 +237,36 @@ class Body:
             "alt": say(known, instants=spoken),
             "caption": say("charts.caption_road", instants=listed, thinned=thinned).strip(),
         }
-        rows = [
-            [
-                str(number),
-                say(f"instants.{name}"),
-                f"{say.number(found.time, 1)} s",
-                f"{self.names.flow(found.leakage)} dm³/min",
-                "–" if found.pump_capacity is None else f"{self.names.flow(found.pump_capacity)} dm³/min",
-                "–" if found.share is None else say.percent(found.share),
-            ]
-            for number, (name, found) in numbered
+        flow = self.names.flow_with_unit
+        columns = [
+            Column("", lambda row: str(row[0]), side="r"),
+            Column(say("columns.instant"), lambda row: say(f"instants.{row[1][0]}"), width=4),
+            Column(say("columns.time"), lambda row: f"{say.number(row[1][1].time, 1)} s", width=2, side="r"),
+            Column(say("columns.leakage"), lambda row: flow(row[1][1].leakage), width=2, side="r"),
+            Column(say("columns.capacity"), lambda row: flow(row[1][1].pump_capacity), width=2, side="r"),
+            Column(say("columns.share"), lambda row: say.percent(row[1][1].share), width=2, side="r"),
         ]
-        names = ["", *(say(f"columns.{name}") for name in ("instant", "time", "leakage", "capacity", "share"))]
-        yield table(names, rows, "042222", "rlrrrr")
+        yield table(columns, numbered)
 
     def _repair(self, charts: dict[str, str]) -> Iterable[Block]:
-        say, decisions = self.say, [each for each in self.job.repair_decisions if not each.empty]
-        if not decisions:
-            return
-        rows = []
-        for each in decisions:
-            name = self.diagnosis.controller.components.get(each.component, "")
-            land = f"{say('columns.land')}\u00a0{each.land}" if each.land else ""
-            decision = say.get("job_decisions", each.decision) if each.decision else "–"
-            date = say.date(each.date) if each.date else ""
-            pair = joined((f"{each.component}  {isolated(name)}".strip(), land))
-            rows.append([pair, each.work, decision, each.reason, date])
-        names = ("pair", "work", "decision", "reason", "date")
-        yield table([say(f"columns.{name}") for name in names], rows, "45262", "lllll", empty=False)
+        say = self.say
+        columns = [
+            Column(say("columns.pair"), self._repaired_pair, width=4),
+            Column(say("columns.work"), lambda each: each.work, width=5),
+            Column(
+                say("columns.decision"),
+                lambda each: say.get("job_decisions", each.decision) if each.decision else "–",
+                width=2,
+            ),
+            Column(say("columns.reason"), lambda each: each.reason, width=6),
+            Column(say("columns.date"), lambda each: say.date(each.date) if each.date else "", width=2),
+        ]
+        yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
+
+    def _repaired_pair(self, decision: RepairDecision) -> str:
+        name = self.diagnosis.controller.components.get(decision.component, "")
+        land = f"{self.say('columns.land')}\u00a0{decision.land}" if decision.land else ""
+        return joined((f"{decision.component}  {isolated(name)}".strip(), land))
 
     def _condition(self, charts: dict[str, str]) -> Iterable[Block]:
         say, job = self.say, self.job
@@ -324,18 +285,12 @@ class Body:
             [say("facts.contamination"), joined((grade, dirt.particles, dirt.note), "; ")],
         ]
         yield facts([row for row in rows if row[1]])
-        scratches = [each for each in job.scratches if not each.empty]
-        if scratches:
-            names = [say("columns.component"), say("columns.land"), say("facts.scratches")]
-            rows = [
-                [
-                    joined((each.component, each.part), " "),
-                    str(each.land or ""),
-                    each.description,
-                ]
-                for each in scratches
-            ]
-            yield table(names, rows, "316", "lll")
+        columns = [
+            Column(say("columns.component"), lambda each: joined((each.component, each.part), " "), width=3),
+            Column(say("columns.land"), lambda each: str(each.land or ""), width=1),
+            Column(say("facts.scratches"), lambda each: each.description, width=6),
+        ]
+        yield table(columns, [each for each in job.scratches if not each.empty])
 
     def _photos(self, charts: dict[str, str]) -> Iterable[Block]:
         photos = [(photo.file, joined((photo.component, photo.caption), " · ")) for photo in self.job.photos]
@@ -412,15 +367,21 @@ class Body:
 
     def _limits(self, charts: dict[str, str]) -> Iterable[Block]:
         say, limits = self.say, self.diagnosis.limits
-        rows = []
-        for name, steps in limits.rules.items():
-            levels = joined(
-                say("rules.level", level=say.level(level), limit=f"{say.plain(limit * name.factor)}\u00a0{name.unit}")
-                for level, limit in steps.levels
-            )
-            rows.append([say(f"rules.{name}"), levels, say.get("origins", steps.origin), steps.source])
-        yield table([say(f"columns.{name}") for name in ("rule", "limit", "origin", "source")], rows, "3426", "llll")
+        columns = [
+            Column(say("columns.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
+            Column(say("columns.limit"), lambda rule: self._levels(*rule), width=4),
+            Column(say("columns.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
+            Column(say("columns.source"), lambda rule: rule[1].source, width=6),
+        ]
+        yield table(columns, limits.rules.items())
         yield text(f"{isolated(limits.name)}. {say('texts.limit_note')}", small=True)
+
+    def _levels(self, kind: RuleKind, steps: Steps) -> str:
+        say = self.say
+        return joined(
+            say("rules.level", level=say.level(level), limit=f"{say.plain(limit * kind.factor)}\u00a0{kind.unit}")
+            for level, limit in steps.levels
+        )
 
     def _assumptions(self, charts: dict[str, str]) -> Iterable[Block]:
         say, diagnosis = self.say, self.diagnosis
@@ -490,12 +451,13 @@ class Body:
         say, record = self.say, self.record
         profile = self.diagnosis.profile.label
         yield text(say("texts.made_with", version=__version__, profile=profile, language=say.texts["language"]))
-        rows = []
-        for name in ("readings", "road_test", "controller", "fluid", "limits"):
-            found = record[name]
-            if found and found.get("sha256"):
-                rows.append([say(f"facts.{name}"), found.get("file") or found.get("id"), found["sha256"]])
-        yield table(["", say("columns.file"), "SHA-256"], rows, "238", "lll")
+        columns = [
+            Column("", lambda name: say(f"facts.{name}"), width=2),
+            Column(say("columns.file"), lambda name: record[name].get("file") or record[name].get("id"), width=3),
+            Column("SHA-256", lambda name: record[name]["sha256"], width=8),
+        ]
+        used = ("readings", "road_test", "controller", "fluid", "limits")
+        yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
 
     def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:
         say = self.say
@@ -515,10 +477,6 @@ _CONDITIONAL = ("conditional_pass", "conditional_fail")
 
 def _worth_saying(mileage: float | None) -> bool:
     return mileage is not None and mileage < 1e7
-
-
-def _with_units(names: PrintedNames, columns: dict[str, str]) -> list[str]:
-    return [f"{names.column(name)}\n{unit}" if unit else names.column(name) for name, unit in columns.items()]
 
 
 def _option(value: Any) -> str:

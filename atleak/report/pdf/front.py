@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.report.pdf.blocks import Block, joined, table
+from atleak.engine.projection import Projection
+from atleak.report.pdf.blocks import Block, Column, joined, table
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -95,42 +96,34 @@ class Front:
 
     def _totals(self) -> Block:
         say, diagnosis = self.say, self.diagnosis
-        units = {
-            "condition": "",
-            "temperature": "°C",
-            "speed": "1/min",
-            "gear": "",
-            "pressure": "kPa",
-            "leakage": "dm³/min",
-            "capacity": "dm³/min",
-            "share": "%",
-            "band": "",
-            "holds": "1/min",
-        }
-        rows = []
-        for found in diagnosis.reported:
-            at, band = found.condition, diagnosis.band(found)
-            total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
-            low, high = total.share_interval if total else (None, None)
-            interval = self.names.interval(_percent(low), _percent(high), 1)
-            rows.append(
-                [
-                    self.names.condition(at),
-                    say.plain(at.temperature),
-                    say.number(at.engine_speed * RPM, 0),
-                    str(at.gear),
-                    say.number(at.main_pressure * KPA, 0),
-                    say.number(found.leakage * DM3_MIN, 2),
-                    say.number(found.pump_capacity * DM3_MIN, 2),
-                    say.number(found.share * PERCENT, 1) + interval,
-                    {"sign": band.verdict, "text": say.level(band)},
-                    say.number(found.minimum_speed * RPM, 0),
-                ]
-            )
-        names = [
-            f"{say(f'columns.{name}')}\n{unit}" if unit else say(f"columns.{name}") for name, unit in units.items()
+        columns = [
+            Column(say("columns.condition"), lambda at: self.names.condition(at.condition), width=1),
+            Column(say("columns.temperature"), lambda at: say.plain(at.condition.temperature), "°C", side="r"),
+            Column(say("columns.speed"), lambda at: say.number(at.condition.engine_speed * RPM, 0), "1/min", side="r"),
+            Column(say("columns.gear"), lambda at: str(at.condition.gear), side="r"),
+            Column(
+                say("columns.pressure"), lambda at: say.number(at.condition.main_pressure * KPA, 0), "kPa", side="r"
+            ),
+            Column(say("columns.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
+            Column(say("columns.capacity"), lambda at: say.number(at.pump_capacity * DM3_MIN, 2), "dm³/min", side="r"),
+            Column(say("columns.share"), self._share, "%", side="r"),
+            Column(say("columns.band"), self._band),
+            Column(say("columns.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
-        return table(names, rows, "1000000000", "l" + "r" * 7 + "lr")
+        return table(columns, diagnosis.reported)
+
+    def _pressure(self, at: Projection) -> str:
+        return self.say.number(at.condition.main_pressure * KPA, 0)
+
+    def _share(self, at: Projection) -> str:
+        sure = self.diagnosis.uncertainty
+        total = sure.total(at.condition.name) if sure else None
+        low, high = total.share_interval if total else (None, None)
+        return self.say.number(at.share * PERCENT, 1) + self.names.interval(_percent(low), _percent(high), 1)
+
+    def _band(self, at: Projection) -> dict[str, str]:
+        band = self.diagnosis.band(at)
+        return {"sign": band.verdict, "text": self.say.level(band)}
 
 
 def _percent(fraction: float | None) -> float | None:

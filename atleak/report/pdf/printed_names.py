@@ -10,7 +10,7 @@ from atleak.engine.projection import Projection
 from atleak.job.record import Job
 from atleak.rules import Rule
 from atleak.wording import Wording, isolated
-from atleak.workshop_units import DM3_MIN, RPM, UM
+from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
 _MOSTLY = 0.5  # of an uncertainty's variance
 
@@ -65,6 +65,38 @@ class PrintedNames:
             return value
         return f"{value} ± {self.say.number((interval[1] - interval[0]) / 2.0 * UM, 1)}"
 
+    def land(self, found: LandDiagnosis) -> str:
+        """The land's number in its pair."""
+        return str(found.state.land.land)
+
+    def verdict(self, found: LandDiagnosis) -> dict[str, str]:
+        """The verdict's sign and word, as a cell of a table holds them."""
+        return {"sign": found.verdict, "text": self.say.level(found.verdict)}
+
+    def mounting(self, found: LandDiagnosis) -> str:
+        """Mounting clearance [µm]."""
+        return self.say.number(found.state.land.mounting_clearance * UM, 1)
+
+    def wear(self, found: LandDiagnosis) -> str:
+        """Wear [%]."""
+        return self.say.number(None if found.wear is None else found.wear * PERCENT, 0)
+
+    def share(self, found: LandDiagnosis) -> str:
+        """Share of the pump's flow at the stated condition [%]."""
+        return self.say.number(found.share * PERCENT, 2)
+
+    def share_hot_idle(self, found: LandDiagnosis) -> str:
+        """Share of the pump's flow at hot idle [%]; a dash where that is no condition of its own."""
+        idle = self.idle
+        share = None if idle is None else idle.share_of(idle.leakage_of(found.key)) * PERCENT
+        return self.say.number(share, 2)
+
+    def leakage(self, found: LandDiagnosis) -> str:
+        """Leakage [dm³/min] with its interval where the uncertainty is known and the land leaks at all."""
+        row = self.rows[found.key]
+        interval = self.interval(row["leakage_low_dm3_min"], row["leakage_high_dm3_min"], 3)
+        return self.flow(found.leakage, 3) + interval * (found.leakage > 0.0)
+
     def interval(self, low: float | None, high: float | None, digits: int) -> str:
         """An interval on a line of its own; nothing where it is not known."""
         if low is None or high is None:
@@ -74,6 +106,10 @@ class PrintedNames:
     def flow(self, value: float, digits: int = 2) -> str:
         """A flow [m³/s] in dm³/min, without the unit."""
         return self.say.number(value * DM3_MIN, digits)
+
+    def flow_with_unit(self, value: float | None) -> str:
+        """A flow [m³/s] in dm³/min with the unit; a dash where it is not known."""
+        return "–" if value is None else f"{self.flow(value)} dm³/min"
 
     def decision(self, found: LandDiagnosis) -> str:
         """How sure the verdict is."""

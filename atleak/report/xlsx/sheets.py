@@ -28,7 +28,7 @@ _RULE_LABELS = {
     RuleKind.WEAR: "wear [%]",
     RuleKind.CLEARANCE: "radial clearance [µm]",
     RuleKind.PAIR_SHARE: "share of pump flow of one land [%]",
-    RuleKind.TOTAL_SHARE: "share of pump flow of the whole controller [%]",
+    RuleKind.TOTAL_SHARE: "share of pump flow of the whole valve body [%]",
 }
 _INSTANTS = {"max_leakage": "largest leakage", "min_leakage": "smallest leakage", "max_share": "largest share"}
 
@@ -59,7 +59,7 @@ class Sheets:
             ("VIN", vehicle.vin),
             ("transmission", " ".join(filter(None, (box.maker, box.code, box.serial)))),
             ("mileage [km]", record["mileage_km"] or vehicle.mileage_km),
-            ("controller", record["controller"]["name"]),
+            ("valve body", record["controller"]["name"]),
             ("fluid", record["fluid"]["name"]),
             ("limits", record["limits"]["name"]),
             ("profile", diagnosis.profile.label),

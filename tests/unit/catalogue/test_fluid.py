@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.catalogue.controller import controllers
-from atleak.catalogue.fluid import VISCOSITY_MODELS, Fluid, ViscosityModel, fluids, load_fluid
+from atleak.catalogue.fluid import Fluid, ViscosityModel, fluids, load_fluid
 from atleak.engine.profile import PROFILES, Profile
 from atleak.errors import CatalogueError, DomainError
 
@@ -84,7 +85,7 @@ def test_the_used_fluid_is_the_fresh_one_scaled(hipol: Fluid) -> None:
 
 @given(
     name=st.sampled_from(sorted(ALL)),
-    model=st.sampled_from(VISCOSITY_MODELS),
+    model=st.sampled_from(get_args(ViscosityModel)),
     low=st.floats(0.0, 1.0),
     high=st.floats(0.0, 1.0),
 )
@@ -99,7 +100,7 @@ def test_viscosity_and_density_fall_with_temperature(name: str, model: Viscosity
 
 
 @given(
-    model=st.sampled_from(VISCOSITY_MODELS),
+    model=st.sampled_from(get_args(ViscosityModel)),
     temperatures=st.lists(st.one_of(st.just(float("nan")), st.floats(-80.0, 200.0)), min_size=1, max_size=8),
 )
 def test_arrays_answer_as_their_elements_do(model: ViscosityModel, temperatures: list[float]) -> None:
@@ -114,7 +115,7 @@ def test_arrays_answer_as_their_elements_do(model: ViscosityModel, temperatures:
 
 
 def test_a_number_in_gives_a_float_out(hipol: Fluid) -> None:
-    for model in VISCOSITY_MODELS:
+    for model in get_args(ViscosityModel):
         assert type(hipol.kinematic_viscosity(80.0, model)) is float
         assert type(hipol.density(80, model)) is float
     assert hipol.kinematic_viscosity(np.array([])).shape == (0,)

@@ -171,7 +171,7 @@ def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content:
 def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
     open_job(app, content)
     found = {
-        "Controller": "four_speed_2023",
+        "Valve body": "four_speed_2023",
         "Fluid": "mobil_atf_220",
         "Limits": "own file (TOML) …",
         "Spools measured with": "micrometer",
@@ -207,7 +207,7 @@ def test_a_change_after_opening_reaches_the_result(app: AppTest, content: bytes)
     field(app, "Temperature [°C]").set_value("60").run()
     after = shown(app)
     assert after["projection"]["leakage_dm3_min"] < before["projection"]["leakage_dm3_min"]
-    field(app, "Controller").select("minimal_example").run()
+    field(app, "Valve body").select("minimal_example").run()
     assert not app.exception
     own = load_controller("minimal_example").operating_points[0]
     assert field(app, "Temperature [°C]").value == f"{own.temperature:g}"

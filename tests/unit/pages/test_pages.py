@@ -82,7 +82,7 @@ def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> No
 def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: str) -> None:
     go(app, page)
     assert not app.exception
-    choice(app, "Controller").select("minimal_example").run()
+    choice(app, "Valve body").select("minimal_example").run()
     assert not app.exception
     assert not app.error or "not" in app.error[0].value
 
@@ -102,7 +102,7 @@ def test_pages_are_short_and_compute_nothing(page: str) -> None:
 
 
 def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app: AppTest) -> None:
-    choice(app, "Controller").select("minimal_example").run()
+    choice(app, "Valve body").select("minimal_example").run()
     assert "no land is measured" in texts(app)
     sheet = "component;part;plane;direction;diameter [mm]\n" + "".join(
         f"accumulator;{part};1;{direction};{size}\n"
@@ -116,7 +116,7 @@ def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app
 
 
 def test_a_land_measured_on_one_part_only_is_never_called_ok(app: AppTest) -> None:
-    choice(app, "Controller").select("minimal_example").run()
+    choice(app, "Valve body").select("minimal_example").run()
     head, rows = "component;part;plane;direction;diameter [mm]\n", "accumulator;piston;1;{};17,999\n"
     spool_only = head + rows.format(0) + rows.format(90)
     uploader(app, "Measuring sheet").upload("piston.csv", spool_only.encode(), "text/csv").run()
@@ -131,7 +131,7 @@ def test_a_land_measured_on_one_part_only_is_never_called_ok(app: AppTest) -> No
 
 
 def test_a_flagged_land_says_which_part_was_not_measured(app: AppTest) -> None:
-    choice(app, "Controller").select("minimal_example").run()
+    choice(app, "Valve body").select("minimal_example").run()
     sheet = "component;part;plane;direction;diameter [mm]\naccumulator;sleeve;1;0;18,2\naccumulator;sleeve;1;90;18,2\n"
     uploader(app, "Measuring sheet").upload("sleeve.csv", sheet.encode(), "text/csv").run()
     assert not app.exception

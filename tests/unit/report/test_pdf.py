@@ -198,7 +198,6 @@ def test_languages_have_the_same_keys_and_places():
             for key, text in table.items()
         }
 
-    assert len(languages()) == 3
     for language in languages():
         assert places(tomllib.loads((TEXTS / f"{language}.toml").read_text(encoding="utf-8"))) == places(english)
 

@@ -1,4 +1,4 @@
-"""The source study's pictures by their data: what is drawn, where it is marked, and how it is thinned."""
+"""The source study's pictures by their data: what is drawn and where it is marked."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from atleak.variants.charts import (
     leakage_chart,
     share_chart,
     temperature_chart,
-    thinned,
 )
 
 NAMES = [f"W{number}" for number in range(1, 9)]
@@ -183,28 +182,6 @@ def test_figure_draws_every_line_and_leaves_the_theme_alone(which: str, request:
 def test_logarithmic_scale(four_speed: Controller, road_test: RoadTest, results) -> None:
     chart = temperature_chart(temperature_curves(four_speed, road_test), results, log_y=True)
     assert figure(chart).layout.yaxis.type == "log"
-
-
-# --- thinned
-
-
-def test_short_lines_stay_as_they_are() -> None:
-    x = np.arange(2000.0)
-    assert thinned(x, x)[0] is x
-
-
-def test_thinning_keeps_spikes_ends_gaps_and_what_is_asked_for() -> None:
-    x = np.arange(500_000.0)
-    y = np.sin(x / 5000)
-    y[123_456], y[400_001] = 9.0, -9.0
-    y[250_000:250_100] = np.nan
-    kept_x, kept_y = thinned(x, y, keep=[77_777])
-    assert len(kept_x) <= 4000
-    assert (kept_x[0], kept_x[-1]) == (0.0, 499_999.0)
-    assert {123_456.0, 400_001.0, 77_777.0, 249_999.0, 250_000.0, 250_100.0} <= set(kept_x.tolist())
-    assert (np.nanmax(kept_y), np.nanmin(kept_y)) == (9.0, -9.0)
-    assert np.isnan(kept_y[kept_x == 250_000.0]).all()
-    assert (np.diff(kept_x) > 0).all()
 
 
 def test_gears_that_change_without_end_or_are_unknown_are_not_drawn() -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.errors import Message, MessageLevel, Place, RoadTestError, nearest_name
+from atleak.errors import Message, MessageLevel, Place, RoadTestError, unknown
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit, words
 from atleak.intake.road_test.names.unit_choice import Fit, fit, given
@@ -100,13 +100,7 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
         if matching:
             return matching[0]
     labels = [heading.label for heading in headings]
-    raise RoadTestError(
-        "no column bears this name",
-        place=Place(file=file),
-        value=wanted,
-        expected="one of " + ", ".join(labels[:40]),
-        nearest=nearest_name(wanted, labels),
-    )
+    raise unknown("no column bears this name", wanted, labels, kind=RoadTestError, place=Place(file=file))
 
 
 def map_columns(
@@ -121,13 +115,7 @@ def map_columns(
     """
     for quantity, column in mapping.items():
         if quantity not in QUANTITIES:
-            raise RoadTestError(
-                "unknown quantity",
-                place=Place(file=file),
-                value=quantity,
-                expected="one of " + ", ".join(QUANTITIES),
-                nearest=nearest_name(quantity, QUANTITIES),
-            )
+            raise unknown("unknown quantity", quantity, QUANTITIES, kind=RoadTestError, place=Place(file=file))
         heading = find_heading(headings, column, file)
         kind = name_kind(heading.label) if QUANTITIES[quantity].unit_kind == "pressure" else "unknown"
         match = match_heading(heading)

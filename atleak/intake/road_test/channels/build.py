@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from atleak.errors import RoadTestError
+from atleak.errors import RoadTestError, unknown
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -37,11 +37,10 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
             built[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
         elif quantity in constants:
             built[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
-    unknown = [name for name in constants if name not in QUANTITIES or name == "time"]
-    if unknown:
-        raise RoadTestError(
-            "unknown quantity for a constant", value=unknown[0], expected="one of " + ", ".join(QUANTITIES)
-        )
+    possible = [name for name in QUANTITIES if name != "time"]
+    for name in constants:
+        if name not in possible:
+            raise unknown("unknown quantity for a constant", name, possible, kind=RoadTestError)
     return MappingProxyType(built)
 
 

@@ -363,6 +363,7 @@ def archive(**parts):
 def test_marks_of_an_opendocument_sheet():
     found = marks(archive(content_xml=ODS))["Blatt"]
     assert found.hidden_rows == {1: "by hand", 2: "by a filter", 3: "in a folded outline"}
+    assert marks(archive(content_xml=ODS.replace(' table:display="false"', "")))["Blatt"] == found
     assert found.hidden_columns == {1, 2}
     assert found.struck == {(4, 2)}
 
