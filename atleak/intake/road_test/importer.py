@@ -193,8 +193,8 @@ def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
 
 def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
     """Put sheets that hold one signal each, with a time of its own, on one time axis."""
-    labels = [heading.label for sheet, _, _ in good for heading in sheet.headings]
-    blank = _blank(job, good[0][0], labels)
+    headings = tuple(heading for reading in good for heading in reading.sheet.headings)
+    blank = replace(_blank(job, good[0].sheet, labels_of(headings)), headings=headings)
     main = Assigner(job.source.file, job.units, ())
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:
@@ -225,5 +225,4 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
     base = build_timeline(np.unique(np.concatenate(stamps))) if stamps else longest.timeline
     timeline = Timeline(base.time, None, base.segments, base.duration)
     merged = TableResult(longest.rows, timeline, longest.time_label, longest.clock)
-    headings = tuple(heading for sheet, _, _ in good for heading in sheet.headings)
-    return finish(replace(blank, headings=headings), main, merged, job.constants)
+    return finish(blank, main, merged, job.constants)
