@@ -10,7 +10,7 @@ from atleak.errors import AtleakError
 from atleak.events import Event
 from atleak.intake.road_test import Understood, describe
 from atleak.intake.road_test.describe import workshop_unit
-from atleak.intake.road_test.names.memory import Settled
+from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.intake.units import unit_names
 from atleak.job.case import SourceFile
 from atleak.road_test import QUANTITIES, RoadTest
@@ -65,7 +65,7 @@ def form(file: SourceFile, found: Understood, case: PageCase) -> None:
     asked = {one.quantity: one for one in found.ambiguous}
     for one in found.ambiguous:
         st.warning(f"**{QUANTITIES[one.quantity].label}:** {show.plain(one.why)}. Which column is it?")
-    earlier = (remembered_columns(file) if file != case.road_test or case.remember else None) or Settled()
+    earlier = (remembered_columns(file) if file != case.road_test or case.remember else None) or RememberedColumns()
     settled, assumed = dict(earlier.mapping), dict(earlier.units)
     if file == case.road_test:
         settled |= dict(case.columns)
