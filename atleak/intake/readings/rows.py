@@ -116,7 +116,7 @@ class _Reader:
         if question is not None:
             self.problems.append(question)
         self.messages += self.asides.messages(self.found)
-        self.messages += states.messages(self.found, self.table, self.columns)
+        self.messages += states.messages(self.found, self.table, self.columns, self.names.controller)
         return Rows(self.table, self.columns, self.found, self.problems, self.messages, unread, self.cells, self.of_row)
 
     def _read_row(self, row: int) -> bool:
