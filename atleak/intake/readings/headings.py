@@ -451,6 +451,10 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
     gaps = {
         column.group[:2]
         for column in together
-        if column.repeat is not None and column.repeat > len(counted[column.group[:2]]) + _is_counted(column)
+        if column.repeat is not None
+        and (
+            column.repeat > len(counted[column.group[:2]]) + _is_counted(column)
+            or {None, 1} <= counted[column.group[:2]]  # "measurement 1", "measurement 2", "result"
+        )
     }
     return tuple(replace(column, repeat=None) if column.group[:2] in gaps else column for column in together)

@@ -27,7 +27,7 @@ _WHY: dict[Role, str] = {
     "raw": "raw readings beside corrected ones",
     "remark": "remarks",
     "quantity": "another quantity by its heading",
-    "gauge": "the diameter of a gauge",
+    "gauge": "the diameter of a gauge or standard",
 }
 _SAYS_SIZE = vocabulary(
     *("diameter", "found", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
