@@ -52,13 +52,13 @@ class Pressure:
         """
         if text.strip() in {"0", "drain"}:
             return cls(0.0, None)
-        found = _PRESSURE.match(text)
-        if found is None:
+        match = _PRESSURE.match(text)
+        if match is None:
             raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k), '0' or 'drain'")
-        factor = float(found["factor"] or 1.0)
+        factor = float(match["factor"] or 1.0)
         if not 0.0 < factor <= 1.0:
             raise ValueError("a share of a pressure, more than 0 and at most 1")
-        return cls(factor, found["section"])
+        return cls(factor, match["section"])
 
     def __str__(self) -> str:
         if self.section is None:
@@ -248,7 +248,7 @@ def load_controller(id_or_path: str | Path) -> Controller:
 
 def controllers() -> list[Controller]:
     """Every shipped controller."""
-    return [load_controller(found) for found in catalogue_files("controllers")]
+    return [load_controller(identifier) for identifier in catalogue_files("controllers")]
 
 
 # --- from the file to the objects ---------------------------------------------------------------------------------

@@ -91,30 +91,30 @@ class Fluid:
 
     def messages(self, lowest: float, highest: float, model: ViscosityModel = "d341") -> list[Message]:
         """What a reader must know of results between two temperatures [°C]."""
-        found = []
+        messages = []
         if model == "d341" and not fluid_equations.astm_d341_reliable(lowest):
             below = f"Below {ASTM_D341_RELIABLE_FROM:g} °C"
             text = f"{below} ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times."
-            found.append(Message("warning", "viscosity_cold", text))
+            messages.append(Message("warning", "viscosity_cold", text))
         if model == "regression" and not self.study_regression:
             text = f"The study's viscosity regression describes HIPOL ATF IID, not {self.name}."
-            found.append(Message("warning", "viscosity_of_another_fluid", text))
+            messages.append(Message("warning", "viscosity_of_another_fluid", text))
         if model == "tabulated" and not self.table:
             text = (
                 f"{self.name} has no table of viscosities: straight lines of log ν join its data-sheet points, which "
                 "between 40 and 100 °C can lie some 10 % above ASTM D341."
             )
-            found.append(Message("warning", "viscosity_between_few_points", text))
+            messages.append(Message("warning", "viscosity_between_few_points", text))
         if self.representative:
             text = f"{self.name}: representative, not from the data sheet: {', '.join(self.representative)}."
-            found.append(Message("info", "fluid_representative", text))
+            messages.append(Message("info", "fluid_representative", text))
         if self.note:
-            found.append(Message("info", "fluid_note", f"{self.name}: {self.note}"))
+            messages.append(Message("info", "fluid_note", f"{self.name}: {self.note}"))
         span = self.points[0][0], self.points[-1][0]
         if model == "d341" and highest > span[1] + 20.0:
             text = f"{highest:g} °C is well above the data sheet's last point ({span[1]:g} °C)."
-            found.append(Message("warning", "viscosity_extrapolated", text))
-        return found
+            messages.append(Message("warning", "viscosity_extrapolated", text))
+        return messages
 
     def _inside(self, temperature: Any, model: ViscosityModel) -> np.ndarray:
         """The temperatures, NaN outside the model's span."""
@@ -182,7 +182,7 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
 
 def fluids() -> list[Fluid]:
     """Every shipped fluid."""
-    return [load_fluid(found) for found in catalogue_files("fluids")]
+    return [load_fluid(identifier) for identifier in catalogue_files("fluids")]
 
 
 def _falling(name: str, rows: list[ViscosityRow], origin: Origin) -> list[ViscosityRow]:

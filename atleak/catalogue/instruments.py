@@ -112,7 +112,7 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
 
 def instruments() -> list[Instrument]:
     """Every shipped instrument."""
-    return [load_instrument(found) for found in catalogue_files("instruments")]
+    return [load_instrument(identifier) for identifier in catalogue_files("instruments")]
 
 
 def load_instruments(

@@ -144,7 +144,7 @@ def _steps(table: LevelTable | None, unit: float) -> Steps | None:
 
 def limit_sets() -> list[Limits]:
     """Every shipped limit set."""
-    return [load_limits(found) for found in catalogue_files("limits")]
+    return [load_limits(identifier) for identifier in catalogue_files("limits")]
 
 
 class LevelTable(Strict):

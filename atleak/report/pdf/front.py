@@ -116,8 +116,8 @@ class Front:
         return self.say.number(at.condition.main_pressure * KPA, 0)
 
     def _share(self, at: Projection) -> str:
-        sure = self.diagnosis.uncertainty
-        total = sure.total(at.condition.name) if sure else None
+        uncertainty = self.diagnosis.uncertainty
+        total = uncertainty.total(at.condition.name) if uncertainty else None
         low, high = total.share_interval if total else (None, None)
         return self.say.number(at.share * PERCENT, 1) + self.names.interval(_percent(low), _percent(high), 1)
 
