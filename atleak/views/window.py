@@ -38,7 +38,7 @@ def event_rows(events: Iterable[Event]) -> list[dict[str, Any]]:
             "start [s]": event.start,
             "end [s]": event.stop,
             "lasts [s]": event.duration,
-            "told by": event.source,
+            "recognised by": event.source,
             "note": event.note or None,
         }
         for event in events

@@ -128,13 +128,13 @@ def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_wit
     by_label["says"].set_value("November")
     form.button[0].click().run()
     assert not form.exception
-    from pages.shared.cases import diagnosis_of, opened_case, settled
+    from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
 
     case = form.session_state["atleak"].case
     assert case.sheet_where == (("Inspection", "November"),)
     found = diagnosis_of(case)
     assert [reading.place.row for reading in found.readings.readings] == [4, 5]
-    again = opened_case(read_job_file(write_job_file(found, case=settled(case))).case)
+    again = opened_case(read_job_file(write_job_file(found, case=case_with_columns(case))).case)
     assert again.sheet_where == case.sheet_where
     assert again.with_file("readings", None).sheet_where == ()
 
@@ -193,11 +193,11 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
 
 
 def test_a_job_file_written_again_holds_the_same_choices(app: AppTest, content: bytes) -> None:
-    from pages.shared.cases import diagnosis_of, settled
+    from pages.shared.cases import case_with_columns, diagnosis_of
 
     open_job(app, content)
     good = app.session_state["atleak"].good
-    again = write_job_file(diagnosis_of(good), app.session_state["job"], settled(good))
+    again = write_job_file(diagnosis_of(good), app.session_state["job"], case_with_columns(good))
     assert read_job_file(again).case == read_job_file(content).case
 
 

@@ -357,7 +357,7 @@ def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch
 
     log = SourceFile("two.csv", TWO_PRESSURES.encode())
     cases.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
-    chosen = cases.settled(cases.PageCase(road_test=log)).log_choices
+    chosen = cases.case_with_columns(cases.PageCase(road_test=log)).log_choices
     assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}}
 
 
