@@ -43,9 +43,9 @@ def test_workshop_comes_first_and_paper_is_as_printed() -> None:
     ],
 )
 def test_every_option_is_set_from_text_and_changes_nothing_else(name: str, text: str, value: object) -> None:
-    found = find_profile("workshop", {name: text})
-    assert found.options == {**WORKSHOP.options, name: value}
-    assert found.name == "workshop"
+    profile = find_profile("workshop", {name: text})
+    assert profile.options == {**WORKSHOP.options, name: value}
+    assert profile.name == "workshop"
 
 
 @pytest.mark.parametrize("profile", PROFILES)
