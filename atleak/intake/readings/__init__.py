@@ -99,11 +99,11 @@ def read_readings(
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
-    first = next((rows.table for rows in read if rows.found), chosen.tables[0])
-    converted = convert([entry for rows in read for entry in rows.found], controller, first.headings)
+    first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
+    converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
     account = _account(chosen, read, names, converted, given_unit)
     account.close([each for each in sheets if not each.hidden])
-    read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.found))
+    read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
     result = Readings(
         file=file,
         sha256=hashlib.sha256(data).hexdigest(),
@@ -134,12 +134,12 @@ def read_readings(
 
 
 def _agreement(read: Sequence[Rows], converted: Converted) -> list[Message]:
-    found = [
+    repeated = [
         message
         for rows in read
-        for message in agreement.messages(rows.table, rows.columns, rows.found, converted.readings)
+        for message in agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
     ]
-    return list(dict.fromkeys(found))  # what stands above several tables is said once
+    return list(dict.fromkeys(repeated))  # what stands above several tables is said once
 
 
 def _none_left(result: Readings) -> ReadingsError | None:
@@ -196,7 +196,7 @@ def _about(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
         messages.append(Message("info", "read_as", sheet.note, Place(sheet.file)))
     for rows in read:
         table = rows.table
-        if table.said_by and rows.found:
+        if table.said_by and rows.entries:
             said = " and ".join(str(each) for each in (table.component, table.part) if each is not None)
             text = f"{table.where}: {said}, as {table.said_by} says"
             messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))

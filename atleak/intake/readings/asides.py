@@ -188,8 +188,8 @@ class Asides:
         """What was left aside, and summaries that are not those of the readings above them."""
         place = self.sheet.place()
         by_kind: dict[Summary, list[int]] = defaultdict(list)
-        for found in self.summaries:
-            by_kind[found.kind].append(found.row)
+        for summary in self.summaries:
+            by_kind[summary.kind].append(summary.row)
         for kind, rows in by_kind.items():
             text = f"{_count(rows)} of {_NAMES[kind]} left aside ({rows_named(self.sheet, rows)})"
             yield Message("info", "summaries_left_aside", text, place)
@@ -207,14 +207,14 @@ class Asides:
             done = "left aside: show them, and they are read" if way == "by hand" else "read all the same"
             text = f"{_count(rows)} with readings, hidden {way}: {done} ({rows_named(self.sheet, rows)})"
             yield Message("warning" if way == "by hand" else "info", "hidden_rows", text, place)
-        for found in self.summaries:
-            yield from self._disagreement(found, entries)
+        for summary in self.summaries:
+            yield from self._disagreement(summary, entries)
 
-    def stands_alone(self, found: SummaryRow, entries: Sequence[DiameterCell]) -> bool:
+    def stands_alone(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> bool:
         """Whether a row of means says what it is of, and no single readings of that stand on the sheet."""
-        labels = self._labels(found.row)
+        labels = self._labels(summary.row)
         return (
-            found.kind in ("mean", "largest", "smallest")
+            summary.kind in ("mean", "largest", "smallest")
             and "component" in labels
             and not any(_matches(entry, labels) for entry in entries)
         )
@@ -239,35 +239,35 @@ class Asides:
             said["direction"] = direction_of(cell(row, columns.direction.index))
         return {name: value for name, value in said.items() if value is not None}
 
-    def _disagreement(self, found: SummaryRow, entries: Sequence[DiameterCell]) -> Iterator[Message]:
-        compute = _COMPUTED.get(found.kind)
+    def _disagreement(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> Iterator[Message]:
+        compute = _COMPUTED.get(summary.kind)
         if compute is None:
             return
-        before = max((other.row for other in self.summaries if other.row < found.row), default=-1)
-        labels = self._labels(found.row)
+        before = max((other.row for other in self.summaries if other.row < summary.row), default=-1)
+        labels = self._labels(summary.row)
         for group in self.columns.groups:
             column = group.get("diameter")
-            if column is None or is_blank(self.sheet.cell(found.row, column.index)):
+            if column is None or is_blank(self.sheet.cell(summary.row, column.index)):
                 continue
             try:
-                stated, _ = number(self.sheet.cell(found.row, column.index))
+                stated, _ = number(self.sheet.cell(summary.row, column.index))
             except ReadingsError:
                 continue
-            above = [entry for entry in entries if entry.row < found.row and entry.column == column.index]
+            above = [entry for entry in entries if entry.row < summary.row and entry.column == column.index]
             same = [entry for entry in above if labels and _matches(entry, labels)]
             sets = [same, [entry for entry in above if entry.row > before], above]
             sizes = [[entry.raw.size for entry in each] for each in sets if each]
             if not sizes or any(_agree(stated, compute(each)) for each in sizes):
                 continue
-            if found.kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
+            if summary.kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
                 continue
             rows = [entry.row for entry in next(each for each in sets if each)]
             yield Message(
                 "warning",
                 "summary_disagrees",
-                f"{_said(found.kind)} {stated:.7g} stands in row {self.sheet.row_number(found.row)}, but that of "
+                f"{_said(summary.kind)} {stated:.7g} stands in row {self.sheet.row_number(summary.row)}, but that of "
                 f"{rows_named(self.sheet, rows)} is {compute(sizes[0]):.7g}: a slip in one of them",
-                self.sheet.place(found.row, column.index, self.header.text(column.index)),
+                self.sheet.place(summary.row, column.index, self.header.text(column.index)),
             )
 
 

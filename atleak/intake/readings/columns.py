@@ -38,8 +38,8 @@ class Columns:
     @property
     def keys(self) -> tuple[Column, ...]:
         """The columns that say what a diameter is of, and its unit."""
-        found = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
-        return tuple(column for column in found if column is not None)
+        keys = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
+        return tuple(column for column in keys if column is not None)
 
     @property
     def read(self) -> frozenset[int]:

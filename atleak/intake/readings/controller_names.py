@@ -48,9 +48,9 @@ class ControllerNames:
         """The component a cell names, by number or by name; also one without lands. None where there is none."""
         text = text_of(cell)
         for spelling in (text, _LEADING.sub("", text)):
-            found = self._spellings.get(plain(spelling))
-            if found is not None:
-                return found
+            component = self._spellings.get(plain(spelling))
+            if component is not None:
+                return component
         head, _, tail = text.partition(" ")
         number = self._spellings.get(plain(head.rstrip(".:,–-")))
         named = self._spellings.get(plain(tail.lstrip("–-:, ")))
@@ -68,8 +68,8 @@ class ControllerNames:
             if self.is_named(said):
                 return self.component(said)
         folded = f" {plain(text)} "
-        found = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
-        return found.pop() if len(found) == 1 else None
+        components = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
+        return components.pop() if len(components) == 1 else None
 
     def require_component(self, cell: Cell) -> str:
         """As `component`, but one with lands or an error.
@@ -79,14 +79,14 @@ class ControllerNames:
         ReadingsError
             without place, naming the valid components and the nearest.
         """
-        found = self.component(cell)
-        if found in self.with_lands:
-            return found
+        component = self.component(cell)
+        if component in self.with_lands:
+            return component
         text = text_of(cell)
-        if found is not None:
-            name = self.controller.components[found]
+        if component is not None:
+            name = self.controller.components[component]
             raise ReadingsError(
-                f"component {found} ({name}) of {self.controller.id} has no precision pair to measure",
+                f"component {component} ({name}) of {self.controller.id} has no precision pair to measure",
                 value=text,
                 expected=f"one of {_list(self.with_lands)}",
             )

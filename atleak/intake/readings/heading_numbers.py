@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from atleak.intake.readings.words import UNITS_BEHIND, direction_of, part_of, vocabulary
 
-_COUNTED = vocabulary("repeat", "reading", "found")
+_COUNTED = vocabulary("repeat", "reading", "actual")
 _SIZE = vocabulary("diameter", "coordinate")
 _DIAMETER = vocabulary("diameter")
 _NUMBER = vocabulary("number")
-_EXPLAINED = vocabulary("repeat", "reading", "found", "diameter", "coordinate", "number")
+_EXPLAINED = vocabulary("repeat", "reading", "actual", "diameter", "coordinate", "number")
 _ORDINAL = {"st", "nd", "rd", "th"}
 _ENDS = {"x1", "x2", "y1", "y2"}
 _AXES = _ENDS | {"x", "y", "i", "ii", "dx", "dy"}

@@ -39,11 +39,11 @@ EXPECTED = (
 _DEPTH = 3  # rows that headings may be spread over
 
 _MEAN = vocabulary("mean", "mean_in_heading")
-_FOUND = vocabulary("found")
+_ACTUAL = vocabulary("actual")
 _CORRECTED = vocabulary("corrected")
 _RAW = vocabulary("raw")
 _STANDING = vocabulary("corrected", "raw")
-_OUTCOME = vocabulary("found", "corrected", "raw")
+_OUTCOME = vocabulary("actual", "corrected", "raw")
 _QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _REMARK = vocabulary("remark")
 _DIRECTION = vocabulary("direction")
@@ -51,7 +51,7 @@ _PLANE = vocabulary("plane")
 _LAND = vocabulary("land")
 _REPEAT = vocabulary("repeat")
 _COUNTED = vocabulary("repeat", "reading")
-_READING = vocabulary("reading", "found")
+_READING = vocabulary("reading", "actual")
 _COORDINATE = vocabulary("coordinate")
 _DIAMETER = vocabulary("diameter")
 _SIZE = vocabulary("diameter", "coordinate")
@@ -213,11 +213,11 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
             # a number beside headings that leave no doubt
             if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)
-    found: list[Header] = []
+    headers: list[Header] = []
     for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(sheet, each), 9), each.first)):
-        if all(header.last < other.first or header.first > other.last for other in found):
-            found.append(header)
-    return sorted(found, key=lambda each: each.first)
+        if all(header.last < other.first or header.first > other.last for other in headers):
+            headers.append(header)
+    return sorted(headers, key=lambda each: each.first)
 
 
 def _depth_bonus(sheet: Sheet, header: Header) -> float:
@@ -262,7 +262,7 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
             return
         width = max(len(row) for row in sheet.rows[first : last + 1])
         headings = [_heading(sheet, first, last, column) for column in range(width)]
-        columns = [found for index, text in enumerate(headings) if (found := read_heading(text, index)) is not None]
+        columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
         header = Header(first, last, read_together(columns), tuple(headings))
         if last > first and _is_data(sheet, header, last):
             return
@@ -288,13 +288,13 @@ def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
 def read_heading(text: str, index: int = 0) -> Column | None:
     """What a heading says of its column; None where it says nothing.
 
-    >>> found = read_heading("Coordinate x1 (y1) [mm]")
-    >>> found.role, found.coordinate, found.unit.name
+    >>> column = read_heading("Coordinate x1 (y1) [mm]")
+    >>> column.role, column.coordinate, column.unit.name
     ('coordinate', 1, 'mm')
     >>> read_heading("Diameter Mean Value di (Di) [mm]").role
     'mean'
-    >>> found = read_heading("spool_diameter_2_um")
-    >>> found.role, found.part, found.repeat, found.unit.name
+    >>> column = read_heading("spool_diameter_2_um")
+    >>> column.role, column.part, column.repeat, column.unit.name
     ('diameter', 'spool', 2, 'µm')
     """
     rest, unit = split_unit(text)
@@ -339,14 +339,14 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         (bool(words & _LAND) and (numbered or not diameter), "land"),
         (bool(words & _COORDINATE) or (len(axes) >= 1 and not _both_ends(axes) and not diameter), "coordinate"),
         (diameter or _both_ends(axes), "diameter"),
-        (bool(words & _COUNTED or words & _FOUND) and unit is not None, "diameter"),
+        (bool(words & _COUNTED or words & _ACTUAL) and unit is not None, "diameter"),
         (bool(words & _COUNTED) and numbered and len(words) <= 3, "diameter"),
         (bool(words & _REPEAT), "repeat"),
         (bool(words & {"value", "reading"}), "diameter"),
         (bool(words & _UNIT) and not sized, "unit"),
         (bool(words & _PART) and not words & _NUMBER, "part"),
         (len(parts) == 2 and unit is None, "part"),
-        (bool(words & _FOUND) and all(word in _READING or part_of(word) for word in words), "diameter"),
+        (bool(words & _ACTUAL) and all(word in _READING or part_of(word) for word in words), "diameter"),
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
         (plain(text) in {"d", "di"} and unit is not None, "diameter"),
@@ -387,11 +387,11 @@ def _part(words: set[str], text: str) -> Part | None:
 
 @lru_cache(maxsize=4096)
 def split_unit(text: str) -> tuple[str, Unit | None]:
-    for found in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
-        inner = re.sub(r"^\s*in\s+(?=\S)", "", found[1])
+    for bracketed in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
+        inner = re.sub(r"^\s*in\s+(?=\S)", "", bracketed[1])
         unit = find_unit(inner, "length") if inner.strip() else None
         if unit is not None:
-            return f"{text[: found.start()]} {text[found.end() :]}", unit
+            return f"{text[: bracketed.start()]} {text[bracketed.end() :]}", unit
     trailing = re.search(r"[\s_,/:;]+(\S+?)\s*$", text.replace("_", " "))
     if trailing and trailing[1].lower() in _TRAILING_UNITS:
         return text[: trailing.start()], find_unit(trailing[1], "length")

@@ -42,7 +42,7 @@ _DIAMETER = "a diameter such as 9.939"
 
 @dataclass
 class Rows:
-    """What `read_rows` found: diameters as written, and what is wrong.
+    """The diameters of a table as written, and what is wrong with it.
 
     ``cells`` are those that were read or left aside with a word, by row and column; ``of_row`` is what the rows that
     were read are of.
@@ -50,7 +50,7 @@ class Rows:
 
     table: Table
     columns: Columns
-    found: list[DiameterCell] = field(default_factory=list)
+    entries: list[DiameterCell] = field(default_factory=list)
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     rows_without_reading: int = 0
@@ -77,7 +77,7 @@ class _Reader:
         self.values = [column.index for group in columns.groups for column in group.values()]
         self.asides = Asides(table, columns, names)
         self.left_out = states.rows_left_out(table, where)
-        self.found: list[DiameterCell] = []
+        self.entries: list[DiameterCell] = []
         self.breaks: list[states.Break] = []
         self.problems: list[ReadingsError] = []
         self.messages: list[Message] = []
@@ -105,19 +105,21 @@ class _Reader:
                 else:
                     unread += self._is_named(row)
         self._means_alone()
-        self._tell_blanks()
-        self._tell_overridden()
-        self._tell_hidden_columns()
+        self._report_blanks()
+        self._report_overridden()
+        self._report_hidden_columns()
         if left_out:
             chosen = " and ".join(f"{heading} is {value!r}" for heading, value in self.where.items())
             text = f"{left_out} row{'s' if left_out > 1 else ''} left aside: read were those where {chosen}"
             self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
-        question = states.question(self.found, self.breaks, self.table, self.columns)
+        question = states.question(self.entries, self.breaks, self.table, self.columns)
         if question is not None:
             self.problems.append(question)
-        self.messages += self.asides.messages(self.found)
-        self.messages += states.messages(self.found, self.table, self.columns)
-        return Rows(self.table, self.columns, self.found, self.problems, self.messages, unread, self.cells, self.of_row)
+        self.messages += self.asides.messages(self.entries)
+        self.messages += states.messages(self.entries, self.table, self.columns)
+        return Rows(
+            self.table, self.columns, self.entries, self.problems, self.messages, unread, self.cells, self.of_row
+        )
 
     def _read_row(self, row: int) -> bool:
         """Read a row's diameters; whether there are any, readable or not."""
@@ -129,7 +131,7 @@ class _Reader:
             key = self._key(row, group)
             if key is not None and value is not None:
                 column = (group.get("diameter") or next(iter(group.values()))).index
-                self.found.append(DiameterCell(row, column, key, value))
+                self.entries.append(DiameterCell(row, column, key, value))
                 self.of_row.setdefault(row, key)
                 self.cells.update((row, column.index) for column in group.values())
         return bool(values) or row in self.asides.struck
@@ -153,15 +155,15 @@ class _Reader:
 
     def _means_alone(self) -> None:
         """Means of which the single readings are not on the sheet are readings themselves."""
-        read = tuple(self.found)
-        for found in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
-            self.asides.summaries.remove(found)
-            self._read_row(found.row)
+        read = tuple(self.entries)
+        for summary in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
+            self.asides.summaries.remove(summary)
+            self._read_row(summary.row)
             text = (
-                f"row {self.sheet.row_number(found.row)} is said to be a {found.name}, and its single readings are not "
-                "there: read as one reading"
+                f"row {self.sheet.row_number(summary.row)} is said to be a {summary.name}, and its single readings are "
+                "not there: read as one reading"
             )
-            self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(found.row)))
+            self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(summary.row)))
 
     def _overlong(self, row: int) -> None:
         """A text row with more cells than headings: its decimal commas were taken for the ends of cells."""
@@ -254,7 +256,7 @@ class _Reader:
         return RawValue(numbers.get("diameter"), coordinates, unit, place)
 
     def _unit(self, row: int, column: Column) -> Unit | None:
-        """What the cell does not say itself: as told, in the row's own cell, the heading, or above the table."""
+        """Return the unit of a cell that states none: the user's, the row's, the heading's, or that above the table."""
         if self.given_unit is not None:
             if column.unit is not None and column.unit != self.given_unit:
                 self.overridden.add(column.name)
@@ -422,7 +424,7 @@ class _Reader:
 
     # --- all rows together ----------------------------------------------------------------------------------------
 
-    def _tell_blanks(self) -> None:
+    def _report_blanks(self) -> None:
         for column, rows in self.blanks.items():
             numbers = [self.sheet.row_number(row) for row in rows]
             more = f" and in {len(numbers) - 1} more: {_numbers(numbers[1:])}" if len(numbers) > 1 else ""
@@ -432,13 +434,13 @@ class _Reader:
                 expected=_IN_TEXT if self.sheet.is_text else _EVERY_ROW,
             )
 
-    def _tell_overridden(self) -> None:
+    def _report_overridden(self) -> None:
         if self.given_unit is not None and self.overridden:
             text = f"read in {self.given_unit.name} as told, although the heading says otherwise: "
             text += ", ".join(sorted(self.overridden))
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
 
-    def _tell_hidden_columns(self) -> None:
+    def _report_hidden_columns(self) -> None:
         for column in self.columns.hidden:
             self.cells.update((row, column.index) for row in self.table.rows)
         for columns, done in (

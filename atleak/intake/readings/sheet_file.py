@@ -81,9 +81,9 @@ def _read_text(data: bytes, file: str, score: Callable[[Sheet], float]) -> Sheet
     for encoding, text in _decoded(data, file):
         start = "".join(text.splitlines(keepends=True)[:_LOOKED_AT])
         for delimiter in _delimiters(start):
-            found = score(_sheet(start, file, delimiter, ""))
-            if best is None or found > best[0]:
-                best = (found, encoding, delimiter, text)
+            likeness = score(_sheet(start, file, delimiter, ""))
+            if best is None or likeness > best[0]:
+                best = (likeness, encoding, delimiter, text)
     assert best is not None  # at least one encoding decodes
     _, encoding, delimiter, text = best
     spelled = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar"}[delimiter]

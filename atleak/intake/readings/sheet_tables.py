@@ -27,7 +27,7 @@ from atleak.intake.readings.words import (
 )
 
 _ASIDE = vocabulary("specification_title", "calibration")
-_READ = vocabulary("reading", "found")
+_READ = vocabulary("reading", "actual")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
 
@@ -216,15 +216,15 @@ def _is_single(sheet: Sheet, row: int) -> bool:
 
 def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
     """The rows of text above the headings, the nearest first; not the readings of the table above."""
-    found: list[int] = []
+    title_rows: list[int] = []
     for row in range(first - 1, after, -1):
         cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
         if not cells:
             continue
-        if len(cells) > 2 or not isinstance(cells[0], str) or len(found) == _TITLE_ROWS:
+        if len(cells) > 2 or not isinstance(cells[0], str) or len(title_rows) == _TITLE_ROWS:
             break
-        found.append(row)
-    return found
+        title_rows.append(row)
+    return title_rows
 
 
 def _side_by_side(table: Table) -> Iterator[Table]:
@@ -269,8 +269,8 @@ def _said(table: Table, lines: Sequence[tuple[str, str]], names: ControllerNames
     part, component, said_by = table.part, table.component, []
     if table.header.values and not table.has_part:
         for line, text in lines:
-            if (found := part_in(text)) is not None:
-                part = found
+            if (named_part := part_in(text)) is not None:
+                part = named_part
                 said_by.append(line)
                 break
     if not table.header.of("component"):

@@ -47,7 +47,7 @@ def question(
         named = f"column {heading!r}" if heading else "a column without heading"
         values = _values(splits)
         station = next(iter(splits))
-        rows = sorted(row for found in splits[station].values() for row in found)
+        rows = sorted(row for same_value in splits[station].values() for row in same_value)
         return ReadingsError(
             f"{named} tells states apart that would be averaged as repeats: {_name(station)} stands in "
             f"{rows_named(sheet, rows)}{_also(len(splits))}",
@@ -63,7 +63,7 @@ def _several(entries: Sequence[DiameterCell]) -> dict[StationKey, list[int]]:
     rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
     for entry in entries:
         rows[_station(entry)][entry.row] = None
-    return {station: list(found) for station, found in rows.items() if len(found) > 1}
+    return {station: list(each) for station, each in rows.items() if len(each) > 1}
 
 
 def _station(entry: DiameterCell) -> StationKey:
@@ -98,7 +98,7 @@ def _splitting(
     several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header, columns: Columns
 ) -> Iterator[tuple[int, Splits]]:
     """Columns that nothing is read from and that tell the rows of one station apart; the surest first."""
-    found: list[tuple[int, int, Splits]] = []
+    candidates: list[tuple[int, int, Splits]] = []
     for index in range(sheet.width):
         if index in columns.read:
             continue
@@ -118,14 +118,14 @@ def _splitting(
         if not splits:
             continue
         if words & STATES:
-            found.append((0, index, splits))
+            candidates.append((0, index, splits))
         elif all(
             is_state(sheet.filled(row, index)) for each in splits.values() for rows in each.values() for row in rows
         ):
-            found.append((1, index, splits))
+            candidates.append((1, index, splits))
         elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits):
-            found.append((2, index, splits))
-    for _, index, surest in sorted(found, key=lambda each: each[:2]):
+            candidates.append((2, index, splits))
+    for _, index, surest in sorted(candidates, key=lambda each: each[:2]):
         yield index, surest
 
 
@@ -137,7 +137,7 @@ def _day(cell: Cell) -> str:
 
 
 def _values(splits: Splits) -> list[str]:
-    return list(dict.fromkeys(value for found in splits.values() for value in found))
+    return list(dict.fromkeys(value for each in splits.values() for value in each))
 
 
 def _same_everywhere(splits: Splits) -> bool:
@@ -339,5 +339,5 @@ def _is(cell: Cell, wanted: str) -> bool:
 
 def has_length(heading: str) -> bool:
     """Whether a heading names a unit of length that a diameter or a clearance may stand in."""
-    found = re.search(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading)
-    return found is not None and find_unit(found[1], "length") is not None and "km" not in found[1]
+    bracketed = re.search(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading)
+    return bracketed is not None and find_unit(bracketed[1], "length") is not None and "km" not in bracketed[1]

@@ -29,9 +29,9 @@ _WHY: dict[Role, str] = {
     "quantity": "another quantity by its heading",
 }
 _SAYS_SIZE = vocabulary(
-    *("diameter", "found", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
+    *("diameter", "actual", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
 )
-_MEASURED = vocabulary("diameter", "coordinate", "found", "reading")
+_MEASURED = vocabulary("diameter", "coordinate", "actual", "reading")
 _DIMENSION = vocabulary("dimension")
 _QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _SHOWN = 2

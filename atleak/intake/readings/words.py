@@ -140,11 +140,11 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
 
 
 def _split_unit(text: str) -> tuple[str, Unit | None]:
-    found = _NUMBER_AND_UNIT.fullmatch(text)
-    if found is None:
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    if match is None:
         return text, None
-    written = find_unit(found[2], "length")
-    return (found[1], written) if written else (text, None)
+    written = find_unit(match[2], "length")
+    return (match[1], written) if written else (text, None)
 
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
@@ -202,10 +202,10 @@ def direction_of(cell: Cell) -> float | None:
     if text in _DIRECTIONS:
         return _DIRECTIONS[text]
     # NFKD leaves ° as it is and turns º into o
-    found = re.fullmatch(r"([+\-]?\d+(?:[.,]\d+)?)(?:°|o|deg|degree|degrees|grad|st|stopni)?", text)
-    if found is None:
+    match = re.fullmatch(r"([+\-]?\d+(?:[.,]\d+)?)(?:°|o|deg|degree|degrees|grad|st|stopni)?", text)
+    if match is None:
         return None
-    return float(found[1].replace(",", ".")) % 180.0
+    return float(match[1].replace(",", ".")) % 180.0
 
 
 _ROMAN = {"i": "1", "ii": "2", "iii": "3", "iv": "4", "v": "5"}
@@ -218,8 +218,8 @@ def repeat_of(cell: Cell) -> int | None:
     (2, 2, 2, None)
     """
     text = plain(text_of(cell))
-    found = re.fullmatch(r"[a-z#]*[ .#]*([0-9]{1,4})\.?", text)
-    return int(found[1] if found else _ROMAN.get(text, "0")) or None
+    match = re.fullmatch(r"[a-z#]*[ .#]*([0-9]{1,4})\.?", text)
+    return int(match[1] if match else _ROMAN.get(text, "0")) or None
 
 
 @lru_cache(maxsize=16384)
@@ -247,7 +247,7 @@ def numbers_in(text: str) -> tuple[float, ...]:
     whole = number_of(text)
     if whole is not None:
         return (whole,)
-    return tuple(float(found[1].replace(",", ".")) for found in _IN_TEXT.finditer(text))
+    return tuple(float(match[1].replace(",", ".")) for match in _IN_TEXT.finditer(text))
 
 
 def plane_names(cell: Cell) -> list[str]:
