@@ -57,7 +57,7 @@ def read_readings(
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
 ) -> Readings:
-    """The readings of a measuring sheet.
+    """Return the readings of a measuring sheet.
 
     Parameters
     ----------
@@ -139,11 +139,11 @@ def _agreement(read: Sequence[Rows], converted: Converted) -> list[Message]:
         for rows in read
         for message in agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
     ]
-    return list(dict.fromkeys(repeated))  # what stands above several tables is said once
+    return list(dict.fromkeys(repeated))  # a message about what stands above several tables is given once
 
 
 def _none_left(result: Readings) -> ReadingsError | None:
-    """Where every reading was left aside."""
+    """Return the error where every reading was left aside, else None."""
     said = [message.text for message in result.messages if message.code in LEFT_ASIDE]
     if not said:
         return None

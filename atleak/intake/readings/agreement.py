@@ -43,7 +43,7 @@ _ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
 def messages(
     table: Table, columns: Columns, entries: Sequence[DiameterCell], readings: Sequence[Reading]
 ) -> Iterator[Message]:
-    """Clearances and means that contradict the diameters beside them, and corrections that were not applied."""
+    """Yield a message for each clearance or mean that contradicts its diameters, and each correction not applied."""
     sheet, header = table.sheet, table.header
     by_place = {reading.place: reading for reading in readings}
     rows: dict[int, list[Reading]] = defaultdict(list)
@@ -143,7 +143,7 @@ def _clearances(
 
 
 def _differences(readings: Sequence[Reading]) -> list[float]:
-    """D − d of the means first, then of single readings [m]; empty where one part is missing."""
+    """Return D − d [m] of the means, then of single readings; nothing where one part is missing."""
     spools, sleeves = (
         [reading.diameter for reading in readings if reading.part == part] for part in ("spool", "sleeve")
     )
@@ -160,7 +160,7 @@ def _length(name: str) -> Unit | None:
 
 
 def _rounded(value: float, unit: Unit) -> float:
-    """How far a stated number may be off by its own rounding and by that of the diameters [m]."""
+    """Return how far rounding may move a stated number away from that of the diameters [m]."""
     decimals = len(f"{value:.6f}".rstrip("0").partition(".")[2])
     return max(0.5 * 10.0**-decimals * unit.factor if decimals else 0.0, _ROUNDED) + 1e-9
 
@@ -193,7 +193,7 @@ def _means(
 def _sets(
     reading: Reading, beside: Sequence[Reading], lands: dict[tuple[str, str], list[Reading]]
 ) -> Iterator[list[float]]:
-    """Diameters that a mean beside this reading may be of: of its row, direction, plane; the closest first."""
+    """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
     same = [each for each in lands[reading.component, reading.plane] if each.part == reading.part]
     in_row = [each.diameter for each in beside if each.part == reading.part]
     direction = [each.diameter for each in same if each.direction == reading.direction]
@@ -256,7 +256,7 @@ def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
 
 
 def other_controller(sheet: Sheet, header: Header, controller: Controller) -> ReadingsError | None:
-    """Whether the head of the sheet names another controller than the one it is read for."""
+    """Return an error where the head of the sheet names another controller than the one it is read for."""
     known = {plain(name) for name in catalogue_files("controllers")}
     mine = {plain(controller.id), plain(controller.name)}
     for row in range(max(header.first, 0)):

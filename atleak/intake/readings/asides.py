@@ -60,19 +60,19 @@ _COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """A row that sums others up, and whether its own labels or only a remark says so."""
+    """A row that gives the mean, sum, largest, smallest, spread or count of other rows."""
 
     row: int
     kind: Summary
 
     @property
     def name(self) -> str:
-        """What one such number is called."""
+        """Return what one such number is called."""
         return _NAMES[self.kind].removesuffix("s")
 
 
 class Asides:
-    """Which rows under the headings are left aside, and why."""
+    """Decides which rows under the headings are left aside, and why."""
 
     def __init__(self, table: Table, columns: Columns, names: ControllerNames) -> None:
         self.sheet, self.header, self.columns, self.names = table.sheet, table.header, columns, names
@@ -102,7 +102,7 @@ class Asides:
         return [cell for row in rows if not is_blank(cell := self.sheet.filled(row, index))]
 
     def takes(self, row: int) -> bool:
-        """Whether a row that holds numbers is no reading."""
+        """Return whether a row that holds numbers is no reading, and note why."""
         hidden = self.sheet.marks.hidden_rows.get(row)
         if hidden is not None:
             self._hidden[hidden].append(row)
@@ -125,14 +125,14 @@ class Asides:
         return specified is not None
 
     def _specification(self, row: int) -> str | None:
-        """The word that says of a row that its number is what should be, beside rows of what is."""
+        """Return the word that calls the row's number a nominal or specified one, None where no word does."""
         for index, cell in enumerate(self.sheet.rows[row]):
             if isinstance(cell, str) and says_specification(cell) and self._is_label(index, cell):
                 return cell
         return None
 
     def _is_label(self, index: int, cell: str) -> bool:
-        """Whether a cell stands where rows are named: in a key's column, or one that holds no numbers."""
+        """Return whether a cell names its row: in a key's column, or in one that holds no numbers."""
         if index in self._keys:
             return self.names.component(cell) is None
         return index in self._others and not any(
@@ -185,7 +185,7 @@ class Asides:
     # --- what is said of them -----------------------------------------------------------------------------------------
 
     def messages(self, entries: Sequence[DiameterCell]) -> Iterator[Message]:
-        """What was left aside, and summaries that are not those of the readings above them."""
+        """Yield what was left aside, and which means or sums disagree with the readings above them."""
         place = self.sheet.place()
         by_kind: dict[Summary, list[int]] = defaultdict(list)
         for summary in self.summaries:
@@ -211,7 +211,7 @@ class Asides:
             yield from self._disagreement(summary, entries)
 
     def stands_alone(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> bool:
-        """Whether a row of means says what it is of, and no single readings of that stand on the sheet."""
+        """Return whether a row of means says what it is of, and the sheet holds no single readings of that."""
         labels = self._labels(summary.row)
         return (
             summary.kind in ("mean", "largest", "smallest")
@@ -220,7 +220,7 @@ class Asides:
         )
 
     def _labels(self, row: int) -> Mapping[str, object]:
-        """What the row's labels say as far as they are understood."""
+        """Return what the row's labels say, as far as they are understood."""
         columns, cell = self.columns, self.sheet.filled
         said: dict[str, object] = {}
         component = self.names.component(cell(row, columns.component.index)) if columns.component else None
@@ -272,7 +272,7 @@ class Asides:
 
 
 def _asks(heading: str, words: Vocabulary) -> bool:
-    """Whether a heading is a question of whether the row counts: such a word, and little else."""
+    """Return whether a heading asks if the row counts: it holds such a word, and little else."""
     said = letters(heading)
     return len(said) <= 4 and any(word in words for word in said)
 
@@ -282,7 +282,7 @@ def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:
 
 
 def _agree(stated: float, computed: float) -> bool:
-    """Whether two numbers are one, rounded as the stated one is."""
+    """Return whether two numbers are equal after rounding to the decimals of the stated one."""
     decimals = len(f"{stated:.6f}".rstrip("0").partition(".")[2])
     return abs(stated - computed) <= max(0.5 * 10.0**-decimals if decimals <= 3 else 0.0, _HALF_A_MICROMETRE) + 1e-9
 

@@ -20,7 +20,7 @@ _WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, no
 
 
 def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
-    """Everything that makes readings unusable, in the order of the sheet; empty where they can be used.
+    """Return everything that makes readings unusable, in the order of the sheet; nothing where they can be used.
 
     Refused are diameters off their nominal one by a factor of 10, 25.4, 1000 and other factors between units, or more
     than twice too large or small, repeats more than 0.5 mm apart, a sleeve that measures smaller than its spool, and a
@@ -60,7 +60,7 @@ def _nominal(land: Land, reading: Reading) -> float:
 
 
 def _factor(ratio: float) -> float | None:
-    """The factor nearest to a ratio, above or below 1, if one is near."""
+    """Return the known factor nearest to a ratio, above or below 1; None where none is near."""
     for factor in FACTORS:
         for candidate in (factor, 1.0 / factor):
             if 1.0 / _FACTOR_TOLERANCE < ratio / candidate < _FACTOR_TOLERANCE:
@@ -197,7 +197,7 @@ def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readin
 
 
 def _swapped_rows(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> ReadingsError | None:
-    """A single spool reading larger than a sleeve reading of the same plane and direction, where others fit."""
+    """Return an error where one spool reading exceeds a sleeve reading of its plane, and the other ones fit."""
     spools: dict[tuple[str, float | None], Reading] = {}
     sleeves: dict[tuple[str, float | None], Reading] = {}
     for reading in readings:
@@ -256,7 +256,7 @@ def _smaller(gap: LandClearance, name: str, spool: str, sleeve: str, place: Plac
 
 
 def _looks_swapped(gap: LandClearance) -> bool:
-    """Whether the other way round the clearance would be one of a valve, new or worn."""
+    """Return whether, with spool and sleeve exchanged, the clearance would be that of a valve, new or worn."""
     return 0.0 < -gap.radial_clearance <= max(5.0 * gap.land.mounting_clearance, 0.1e-3)
 
 

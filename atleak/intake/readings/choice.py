@@ -33,7 +33,7 @@ class Choice:
 
 
 def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None) -> Choice:
-    """The tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
+    """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file
 
 
 def _unless_none(tables: list[Table]) -> list[Table]:
-    """The tables of a sheet that was asked for: its name alone does not leave them aside."""
+    """Return the tables of a sheet that was asked for; its name alone does not leave them aside."""
     if any(table.readable for table in tables):
         return tables
     return [replace(table, aside="") if table.header.values else table for table in tables]
@@ -147,7 +147,7 @@ def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
 
 
 def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsError]:
-    """Problems where two tables of a sheet hold the same diameters and nothing says that they are repeats.
+    """Return the problems where two tables of a sheet hold the same diameters and nothing calls them repeats.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
 
 
 def _goes_on(before: Rows | None, rows: Rows) -> int | None:
-    """The first row under headings printed again, where it goes on with the station of the row above them."""
+    """Return the first row under headings printed again, where it goes on with the station of the row above them."""
     if before is None or before.table.sheet.name != rows.table.sheet.name or not before.entries or not rows.entries:
         return None
     last = {entry.key for entry in before.entries if entry.row == before.entries[-1].row}

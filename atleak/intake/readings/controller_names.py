@@ -45,7 +45,7 @@ class ControllerNames:
         return spelled
 
     def component(self, cell: Cell) -> str | None:
-        """The component a cell names, by number or by name; also one without lands. None where there is none."""
+        """Return the component that a cell names, by number or name, with or without lands; None where none is."""
         text = text_of(cell)
         for spelling in (text, _LEADING.sub("", text)):
             component = self._spellings.get(plain(spelling))
@@ -57,13 +57,13 @@ class ControllerNames:
         return number if number is not None and number == named else None
 
     def is_named(self, text: str) -> bool:
-        """Whether a text names a component by more than a bare number."""
+        """Return whether a text names a component by more than a bare number."""
         if text not in self._named:
             self._named[text] = any(letter.isalpha() for letter in text) and self.component(text) is not None
         return self._named[text]
 
     def component_in(self, text: str) -> str | None:
-        """The component that a title speaks of: its name alone, behind a colon, or its number behind "valve" …"""
+        """Return the component in a title: its name alone or behind a colon, or its number behind "valve" …"""
         for said in (text, text.rpartition(":")[2].strip()):
             if self.is_named(said):
                 return self.component(said)
@@ -72,7 +72,7 @@ class ControllerNames:
         return components.pop() if len(components) == 1 else None
 
     def require_component(self, cell: Cell) -> str:
-        """As `component`, but one with lands or an error.
+        """Return the component that a cell names, which must have lands.
 
         Raises
         ------
@@ -99,7 +99,7 @@ class ControllerNames:
         )
 
     def plane(self, component: str, cell: Cell) -> str:
-        """The plane of that component that a cell names, as the controller spells it.
+        """Return the plane of that component that a cell names, as the controller spells it.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class ControllerNames:
         )
 
     def land(self, component: str, cell: Cell) -> Land:
-        """The land of that component with that number.
+        """Return the land of that component with that number.
 
         Raises
         ------

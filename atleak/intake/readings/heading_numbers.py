@@ -21,7 +21,7 @@ _PLAIN_ANGLES = {"0", "90"}  # behind the word for the diameter also without "°
 
 
 def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, float | None, int | None]:
-    """Coordinate 1 or 2, direction [°] and repeat from the words of a value's heading.
+    """Return coordinate 1 or 2, direction [°] and repeat from the words of a value's heading.
 
     A number is a repeat behind a word for one or beside the word for the diameter. In front of a unit, in a date, or
     behind any other word it says something else: a mileage, a temperature, a vehicle.
@@ -63,7 +63,7 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
 
 
 def besides_numbers(words: Iterable[str]) -> frozenset[str]:
-    """The words of a value's heading that say neither what it is nor of which part.
+    """Return the words of a value's heading that say neither what it is nor of which part.
 
     >>> besides_numbers({"diameter", "1", "before", "spool"})
     frozenset({'before'})
@@ -87,7 +87,7 @@ def _followed(tokens: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 
 def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    """Each number with the word in front of it, past "no.", and the one behind it, past "st" and "nd"."""
+    """Yield each number with the word before it, past "no.", and the word behind it, past "st" and "nd"."""
     said = [token for token in tokens if (token not in _NUMBER or token == "#") and token not in _ORDINAL]
     said = [
         _ROMAN[token] if token in _ROMAN and before in _COUNTED else token
@@ -99,7 +99,7 @@ def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
 
 
 def _may_be_numbered(word: str, after: str) -> bool:
-    """A part, a direction, or nothing in front of the word for the diameter: "1. diameter"."""
+    """Return whether a part, a direction, or nothing stands before the word for the diameter: "1. diameter"."""
     if word == "":
         return after in _DIAMETER or after in _COUNTED or part_of(after) is not None
     return part_of(word) is not None or word in _AXES or is_angle(word)

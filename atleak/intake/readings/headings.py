@@ -95,7 +95,7 @@ class Column:
 
     @property
     def name(self) -> str:
-        """The heading on one line."""
+        """Return the heading on one line."""
         return " ".join(self.heading.split())
 
     @property
@@ -104,12 +104,12 @@ class Column:
 
     @property
     def holds_size(self) -> bool:
-        """Whether diameters may stand in it, measured or not."""
+        """Return whether diameters may stand in it, measured or not."""
         return self.holds_value or self.role in {"specification", "mean", "gauge"}
 
     @property
     def group(self) -> tuple[Part | None, float | None, int | None]:
-        """Columns of one group make one diameter."""
+        """Return what the columns that make one diameter have in common."""
         return self.part, self.direction, self.repeat
 
 
@@ -127,7 +127,7 @@ class Header:
     texts: tuple[str, ...] = ()
 
     def text(self, index: int) -> str:
-        """A column's heading on one line; "" where it has none."""
+        """Return a column's heading on one line; "" where it has none."""
         return " ".join(self.texts[index].split()) if index < len(self.texts) else ""
 
     def of(self, role: Role) -> tuple[Column, ...]:
@@ -139,17 +139,17 @@ class Header:
 
     @property
     def roles(self) -> set[Role]:
-        """What the headings name, of all that makes a reading."""
+        """Return what the headings name, of all that makes a reading."""
         return {column.role for column in self.columns}.difference(_SAYS_NOTHING)
 
     @property
     def complete(self) -> bool:
-        """Whether readings can be read from under it at all."""
+        """Return whether the rows under the headings can be read at all."""
         return bool(self.of("component")) and bool(self.values)
 
     @property
     def score(self) -> float:
-        """How much this looks like the headings of a measuring sheet."""
+        """Return how much this looks like the headings of a measuring sheet."""
         named = self.roles
         distinct = {(column.role, column.coordinate, column.group) for column in self.values}
         doubled = len(self.values) - len(distinct)
@@ -166,7 +166,7 @@ class Header:
 
     @property
     def starts_table(self) -> bool:
-        """Whether this can only be headings: two sizes, or a size beside what it is of."""
+        """Return whether this can only be headings: two sizes, or a size beside what it is of."""
         sizes = [column for column in self.columns if column.holds_size and _is_named_size(column)]
         others = [column for column in self.columns if column.role == "quantity" and column.unit is not None]
         keys = {column.role for column in self.columns}.intersection(KEYS)
@@ -175,7 +175,7 @@ class Header:
 
 
 def _is_named_size(column: Column) -> bool:
-    """A size by a word of its own, not only by "spool" or "0°", which stand in rows of readings too."""
+    """Return whether a word of its own says a size, not only "spool" or "0°", which stand in readings too."""
     if not column.holds_value:
         return True
     words = set(_TOKEN.findall(plain(column.heading).replace("_", " ")))
@@ -184,7 +184,7 @@ def _is_named_size(column: Column) -> bool:
 
 
 def best_header(sheet: Sheet) -> Header | None:
-    """The row (or up to three rows) that looks most like headings, or None where none does."""
+    """Return the row (or up to three rows) that looks most like headings, or None where none does."""
     best: Header | None = None
     for first in range(len(sheet.rows)):
         if not _may_hold_headings(sheet, first):
@@ -196,7 +196,7 @@ def best_header(sheet: Sheet) -> Header | None:
 
 
 def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Header]:
-    """The headings of every table of a sheet, from top to bottom. ``is_component`` knows the cells of readings."""
+    """Return the headings of every table, from top to bottom. ``is_component`` knows the cells of readings."""
     candidates = []
     for first in range(len(sheet.rows)):
         if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
@@ -221,7 +221,7 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
 
 
 def _depth_bonus(sheet: Sheet, header: Header) -> float:
-    """More for headings under headings: "nominal" and "actual" under "diameter" are no table of their own."""
+    """Score headings under headings higher: "nominal" and "actual" under "diameter" make no table of their own."""
     return sum(
         0.02
         for row in range(header.first + 1, header.last + 1)
@@ -249,7 +249,7 @@ def _has_decimals(text: str) -> bool:
 
 
 def _may_hold_headings(sheet: Sheet, row: int) -> bool:
-    """At least two texts, or one over several columns but not from the first: that would be a title."""
+    """Return whether a row has two texts, or one over several columns; over the first column it is a title."""
     texts = [column for column, cell in enumerate(sheet.rows[row]) if isinstance(cell, str) and cell.strip()]
     if len(texts) != 1:
         return len(texts) > 1
@@ -276,7 +276,7 @@ def _heading(sheet: Sheet, first: int, last: int, column: int) -> str:
 
 
 def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
-    """Whether the last row taken for headings is a row of readings: it names a component of its own."""
+    """Return whether the last row taken for headings is a reading: it names a component of its own."""
     return any(
         not is_blank(sheet.cell(row, column.index))
         and any(not is_blank(sheet.cell(above, column.index)) for above in range(header.first, row))
@@ -286,7 +286,7 @@ def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
 
 @lru_cache(maxsize=4096)
 def read_heading(text: str, index: int = 0) -> Column | None:
-    """What a heading says of its column; None where it says nothing.
+    """Return what a heading says of its column; None where it says nothing.
 
     >>> column = read_heading("Coordinate x1 (y1) [mm]")
     >>> column.role, column.coordinate, column.unit.name
@@ -401,7 +401,7 @@ def split_unit(text: str) -> tuple[str, Unit | None]:
 
 
 def read_together(columns: list[Column]) -> tuple[Column, ...]:
-    """What only the columns together tell.
+    """Correct what single headings say by what all columns say together.
 
     A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
     diameters where both stand there and nothing else is one.

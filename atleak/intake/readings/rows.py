@@ -61,7 +61,7 @@ class Rows:
 def read_rows(
     table: Table, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
 ) -> Rows:
-    """Every reading of a table, and everything that is wrong with it."""
+    """Read every diameter of a table, and note everything that is wrong with it."""
     columns = find_columns(table, names)
     if columns.problems:
         return Rows(table, columns, problems=columns.problems)
@@ -122,7 +122,7 @@ class _Reader:
         )
 
     def _read_row(self, row: int) -> bool:
-        """Read a row's diameters; whether there are any, readable or not."""
+        """Read a row's diameters; return whether there are any, readable or not."""
         values = list(self._raw_values(row))
         if values:
             self._overlong(row)
@@ -137,7 +137,7 @@ class _Reader:
         return bool(values) or row in self.asides.struck
 
     def _done(self, row: int) -> None:
-        """Left aside with a word: no number of this row is lost."""
+        """Note that all cells of a row are accounted for, because a message names the row."""
         self.cells.update((row, index) for index in range(len(self.sheet.rows[row])))
 
     def _is_named(self, row: int) -> bool:
@@ -146,7 +146,7 @@ class _Reader:
         return named is not None and not is_blank(self.sheet.filled(row, named.index))
 
     def _title(self, row: int) -> str:
-        """What a row without numbers says, unless it is one that was not measured."""
+        """Return what a row without numbers says, unless it is one that was not measured."""
         column = self.columns.component
         if column is None or self.names.component(self.sheet.filled(row, column.index)) is not None:
             return ""
@@ -154,7 +154,7 @@ class _Reader:
         return "" if is_page_title(title) else title[:80]
 
     def _means_alone(self) -> None:
-        """Means of which the single readings are not on the sheet are readings themselves."""
+        """Read means as readings where their single readings are not on the sheet."""
         read = tuple(self.entries)
         for summary in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
             self.asides.summaries.remove(summary)
@@ -166,7 +166,7 @@ class _Reader:
             self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(summary.row)))
 
     def _overlong(self, row: int) -> None:
-        """A text row with more cells than headings: its decimal commas were taken for the ends of cells."""
+        """Report a text row with more cells than headings: its decimal commas were taken for the ends of cells."""
         width = len(self.header.texts)
         if self.sheet.is_text and any(not is_blank(cell) for cell in self.sheet.rows[row][width:]):
             self._say(
@@ -178,7 +178,7 @@ class _Reader:
             )
 
     def _raw_values(self, row: int) -> Iterator[tuple[dict[str, Column], RawValue | None]]:
-        """Each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
+        """Yield each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
         for group in self.columns.groups:
             given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
             if any((row, column.index) in self.sheet.marks.struck for column in given.values()):
@@ -316,7 +316,7 @@ class _Reader:
             return None
 
     def _same_component(self, component: str, cell: Cell) -> None:
-        """Number and name in one row must not contradict each other."""
+        """Refuse a row whose number and name contradict each other."""
         named = None if is_blank(cell) else self.names.component(cell)
         if named is not None and named != component:
             raise ReadingsError(
@@ -346,7 +346,7 @@ class _Reader:
         return part
 
     def _plane(self, row: int, component: str | None) -> str | None:
-        """The plane as the controller spells it, from the column of planes, of lands, or both."""
+        """Return the plane as the controller spells it, from the column of planes, of lands, or both."""
         plane_column, land_column = self.columns.plane, self.columns.land
         column = plane_column or land_column
         if component is None:  # said already; whether the plane is there at all is still worth saying
@@ -400,7 +400,7 @@ class _Reader:
         return direction, direction is not None
 
     def _repeat(self, row: int, value: Column) -> tuple[int | None, bool, bool]:
-        """The repeat's number, whether a column says it, and whether it could be read."""
+        """Return the repeat's number, whether a column says it, and whether it could be read."""
         column = self.columns.repeat
         if column is None or value.repeat is not None:
             return value.repeat, False, True
@@ -459,7 +459,7 @@ class _Reader:
         self.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
     def _once(self, problem: ReadingsError) -> None:
-        """A problem of the row, not of each of its values."""
+        """Add a problem of the row once, not for each of its values."""
         if problem.place not in {known.place for known in self.problems[-8:]}:
             self.problems.append(problem)
 

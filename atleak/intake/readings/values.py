@@ -68,7 +68,7 @@ class Converted:
 
 
 def convert(entries: Sequence[DiameterCell], controller: Controller, headings: Place) -> Converted:
-    """Readings from diameters as written; ``headings`` is the place to name where the unit is missing."""
+    """Convert diameters as written into readings; ``headings`` is the place to name where the unit is missing."""
     result = Converted()
     unitless = [entry for entry in entries if entry.raw.unit is None]
     assumed = _assumed_unit(unitless, controller, headings, result) if unitless else None
@@ -142,7 +142,7 @@ def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> Re
 def _assumed_unit(
     unitless: Sequence[DiameterCell], controller: Controller, headings: Place, result: Converted
 ) -> Unit | None:
-    """The unit in which the diameters come near the nominal ones."""
+    """Return the unit in which the diameters come near the nominal ones."""
     ratios = []
     for entry in unitless:
         land = controller.land_of_plane(entry.key.component, entry.key.plane)

@@ -12,7 +12,7 @@ from atleak.intake.workbook_marks import Marks
 
 
 def read_workbook(data: bytes, file: str) -> list[Sheet]:
-    """All worksheets of a workbook.
+    """Read all worksheets of a workbook.
 
     Raises
     ------
