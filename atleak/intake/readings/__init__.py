@@ -116,9 +116,9 @@ def read_readings(
             *chosen.messages,
             *(message for rows in read for message in rows.messages),
             *converted.messages,
-            *_about(read, first.sheet),
+            *_about_sheet(read, first.sheet),
             *account.messages,
-            *_agreement(read, converted),
+            *_contradictions(read, converted),
         ),
     )
     problems += [*converted.problems, *account.problems, *check(result, controller)]
@@ -133,7 +133,7 @@ def read_readings(
     return result
 
 
-def _agreement(read: Sequence[Rows], converted: Converted) -> list[Message]:
+def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]:
     repeated = [
         message
         for rows in read
@@ -144,11 +144,11 @@ def _agreement(read: Sequence[Rows], converted: Converted) -> list[Message]:
 
 def _none_left(result: Readings) -> ReadingsError | None:
     """Return the error where every reading was left aside, else None."""
-    said = [message.text for message in result.messages if message.code in LEFT_ASIDE]
-    if not said:
+    reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
+    if not reasons:
         return None
     return ReadingsError(
-        f"no reading is left: {'; '.join(said)}",
+        f"no reading is left: {'; '.join(reasons)}",
         place=Place(result.file, result.sheet),
         expected="at least one diameter, or two coordinates",
     )
@@ -190,7 +190,7 @@ def _layout(converted: Converted, read: Sequence[Rows]) -> Literal["table", "tid
     return "columns" if any(len({each.group for each in rows.table.header.values}) > 1 for rows in read) else "tidy"
 
 
-def _about(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
+def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
     messages = []
     if sheet.note:
         messages.append(Message("info", "read_as", sheet.note, Place(sheet.file)))

@@ -222,22 +222,22 @@ class Asides:
     def _labels(self, row: int) -> Mapping[str, object]:
         """Return what the row's labels say, as far as they are understood."""
         columns, cell = self.columns, self.sheet.filled
-        said: dict[str, object] = {}
+        labels: dict[str, object] = {}
         component = self.names.component(cell(row, columns.component.index)) if columns.component else None
         if component is not None:
-            said["component"] = component
+            labels["component"] = component
             try:
                 if columns.plane is not None and not is_blank(cell(row, columns.plane.index)):
-                    said["plane"] = self.names.plane(component, cell(row, columns.plane.index))
+                    labels["plane"] = self.names.plane(component, cell(row, columns.plane.index))
                 elif columns.land is not None and not is_blank(cell(row, columns.land.index)):
-                    said["plane"] = self.names.land(component, cell(row, columns.land.index)).planes[0]
+                    labels["plane"] = self.names.land(component, cell(row, columns.land.index)).planes[0]
             except ReadingsError:
                 pass
         if columns.part is not None:
-            said["part"] = part_of(text_of(cell(row, columns.part.index)))
+            labels["part"] = part_of(text_of(cell(row, columns.part.index)))
         if columns.direction is not None:
-            said["direction"] = direction_of(cell(row, columns.direction.index))
-        return {name: value for name, value in said.items() if value is not None}
+            labels["direction"] = direction_of(cell(row, columns.direction.index))
+        return {name: value for name, value in labels.items() if value is not None}
 
     def _disagreement(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> Iterator[Message]:
         compute = _COMPUTED.get(summary.kind)
@@ -273,8 +273,8 @@ class Asides:
 
 def _asks(heading: str, words: Vocabulary) -> bool:
     """Return whether a heading asks if the row counts: it holds such a word, and little else."""
-    said = letters(heading)
-    return len(said) <= 4 and any(word in words for word in said)
+    words_of_heading = letters(heading)
+    return len(words_of_heading) <= 4 and any(word in words for word in words_of_heading)
 
 
 def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:

@@ -50,7 +50,7 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
         tables[wanted] = _unless_none(tables[wanted])
     else:
         filled = [sheet for sheet in sheets if any(_is_filled(table) for table in tables[sheet.name])]
-        # a hidden sheet is no one's answer while a visible one is there
+        # hidden sheets are read only where no visible sheet is filled in
         shown = [sheet for sheet in filled if not sheet.hidden] or filled
         looked_at = [sheet for sheet in sheets if sheet in shown or not sheet.hidden]
     readable = [table for sheet in looked_at for table in tables[sheet.name] if table.readable]

@@ -145,7 +145,7 @@ def _shown(sheet: Sheet, header: Header) -> tuple[tuple[Column, ...], tuple[Colu
         for column in header.values
         if column not in concealed and any(True for _ in _cells(sheet, header, column))
     ]
-    # coordinates folded away beside the diameter that they make are one reading with it
+    # hidden coordinates beside the diameter that they make belong to the same reading
     beside = [column for column in concealed if any(_makes_one(column, other) for other in visible)]
     aside = [
         column

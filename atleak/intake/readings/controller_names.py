@@ -64,9 +64,9 @@ class ControllerNames:
 
     def component_in(self, text: str) -> str | None:
         """Return the component in a title: its name alone or behind a colon, or its number behind "valve" …"""
-        for said in (text, text.rpartition(":")[2].strip()):
-            if self.is_named(said):
-                return self.component(said)
+        for part in (text, text.rpartition(":")[2].strip()):
+            if self.is_named(part):
+                return self.component(part)
         folded = f" {plain(text)} "
         components = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
         return components.pop() if len(components) == 1 else None

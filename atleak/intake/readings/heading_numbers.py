@@ -88,12 +88,12 @@ def _followed(tokens: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
     """Yield each number with the word before it, past "no.", and the word behind it, past "st" and "nd"."""
-    said = [token for token in tokens if (token not in _NUMBER or token == "#") and token not in _ORDINAL]
-    said = [
+    words = [token for token in tokens if (token not in _NUMBER or token == "#") and token not in _ORDINAL]
+    words = [
         _ROMAN[token] if token in _ROMAN and before in _COUNTED else token
-        for before, token in zip(("", *said), said, strict=False)
+        for before, token in zip(("", *words), words, strict=False)
     ]
-    for before, (token, after) in zip(("", *said), _followed(said), strict=False):
+    for before, (token, after) in zip(("", *words), _followed(words), strict=False):
         if token.isdigit() or (re.fullmatch(r"[^\W\d]+\d+", token) and token not in _AXES):
             yield before, token, after
 

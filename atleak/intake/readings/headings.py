@@ -210,7 +210,7 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
                 decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)
             ):
                 break
-            # a number beside headings that leave no doubt
+            # a row that holds a number is taken only where its headings leave no doubt
             if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)
     headers: list[Header] = []

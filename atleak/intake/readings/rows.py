@@ -96,15 +96,15 @@ class _Reader:
             holds = any(not is_blank(self.sheet.cell(row, index)) for index in self.values)
             if row in self.left_out:
                 left_out += holds
-                self._done(row)
+                self._account_for_row(row)
             elif holds and self.asides.takes(row):
-                self._done(row)
+                self._account_for_row(row)
             elif not self._read_row(row):
                 if title := self._title(row):
                     self.breaks.append(states.Break(row, title))
                 else:
                     unread += self._is_named(row)
-        self._means_alone()
+        self._read_means_alone()
         self._report_blanks()
         self._report_overridden()
         self._report_hidden_columns()
@@ -125,7 +125,7 @@ class _Reader:
         """Read a row's diameters; return whether there are any, readable or not."""
         values = list(self._raw_values(row))
         if values:
-            self._overlong(row)
+            self._report_overlong(row)
             self.cells.update((row, column.index) for column in self.columns.keys)
         for group, value in values:
             key = self._key(row, group)
@@ -136,7 +136,7 @@ class _Reader:
                 self.cells.update((row, column.index) for column in group.values())
         return bool(values) or row in self.asides.struck
 
-    def _done(self, row: int) -> None:
+    def _account_for_row(self, row: int) -> None:
         """Note that all cells of a row are accounted for, because a message names the row."""
         self.cells.update((row, index) for index in range(len(self.sheet.rows[row])))
 
@@ -153,7 +153,7 @@ class _Reader:
         title = " ".join(text_of(cell) for cell in self.sheet.rows[row] if isinstance(cell, str) and cell.strip())
         return "" if is_page_title(title) else title[:80]
 
-    def _means_alone(self) -> None:
+    def _read_means_alone(self) -> None:
         """Read means as readings where their single readings are not on the sheet."""
         read = tuple(self.entries)
         for summary in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
@@ -165,11 +165,11 @@ class _Reader:
             )
             self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(summary.row)))
 
-    def _overlong(self, row: int) -> None:
+    def _report_overlong(self, row: int) -> None:
         """Report a text row with more cells than headings: its decimal commas were taken for the ends of cells."""
         width = len(self.header.texts)
         if self.sheet.is_text and any(not is_blank(cell) for cell in self.sheet.rows[row][width:]):
-            self._say(
+            self._add_problem(
                 f"the row has {len(self.sheet.rows[row])} cells under {width} headings: a decimal comma in a file "
                 "whose columns are separated by commas?",
                 self.sheet.place(row),
@@ -202,12 +202,14 @@ class _Reader:
         if fault is None or others:
             return False
         if fault.startswith("#"):
-            self._say("this cell's formula gives an error", self._place(row, column), value=fault, expected=_DIAMETER)
+            self._add_problem(
+                "this cell's formula gives an error", self._place(row, column), value=fault, expected=_DIAMETER
+            )
             return True
         coordinates = [other.index for name, other in group.items() if name.startswith("coordinate")]
         if any(re.search(rf"\b{column_letter(index)}{row + 1}\b", fault.replace("$", "")) for index in coordinates):
             return False  # a formula over coordinates that are not filled in yet
-        self._say(
+        self._add_problem(
             "this cell's formula has no stored result",
             self._place(row, column),
             value=fault,
@@ -220,7 +222,7 @@ class _Reader:
             return False
         for name in ("coordinate 1", "coordinate 2"):
             if name not in given:
-                self._say(
+                self._add_problem(
                     f"{name} is missing beside the other one",
                     self._place(row, group.get(name) or next(iter(given.values()))),
                     expected="both coordinates, or the diameter",
@@ -239,7 +241,7 @@ class _Reader:
                 self.problems.append(at(place, problem))
                 return None
             if name == "diameter" and numbers[name] <= 0.0:
-                self._say("a diameter must be positive", place, value=numbers[name], expected=_DIAMETER)
+                self._add_problem("a diameter must be positive", place, value=numbers[name], expected=_DIAMETER)
                 return None
             units[name] = written or self._unit(row, column)
         unit = next(iter(units.values()))
@@ -251,7 +253,7 @@ class _Reader:
         if "coordinate 1" in numbers and "coordinate 2" in numbers:
             coordinates = (numbers["coordinate 1"], numbers["coordinate 2"])
             if coordinates[0] == coordinates[1]:
-                self._say("both coordinates are equal: no diameter between them", place, value=coordinates[0])
+                self._add_problem("both coordinates are equal: no diameter between them", place, value=coordinates[0])
                 return None
         return RawValue(numbers.get("diameter"), coordinates, unit, place)
 
@@ -268,7 +270,7 @@ class _Reader:
         unit = find_unit(text_of(cell), "length")
         if unit is None:
             known = unit_names("length")
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "unknown unit of length",
                     place=self._place(row, unit_column),
@@ -312,7 +314,7 @@ class _Reader:
                 self._same_component(component, self.sheet.filled(row, column.index))
             return component
         except ReadingsError as problem:
-            self._once(at(self._place(row, column), problem))
+            self._add_problem_once(at(self._place(row, column), problem))
             return None
 
     def _same_component(self, component: str, cell: Cell) -> None:
@@ -334,7 +336,7 @@ class _Reader:
         part = part_of(text_of(cell))
         if part is None:
             near = nearest_name(plain(text_of(cell)), part_words())
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "unknown part",
                     place=self._place(row, self.columns.part),
@@ -349,7 +351,7 @@ class _Reader:
         """Return the plane as the controller spells it, from the column of planes, of lands, or both."""
         plane_column, land_column = self.columns.plane, self.columns.land
         column = plane_column or land_column
-        if component is None:  # said already; whether the plane is there at all is still worth saying
+        if component is None:  # reported already; whether a plane is given at all is still reported
             if column is not None:
                 self._required(row, column)
             return None
@@ -377,7 +379,7 @@ class _Reader:
                 )
             return plane
         except ReadingsError as problem:
-            self._once(at(self._place(row, column), problem))
+            self._add_problem_once(at(self._place(row, column), problem))
             return None
 
     def _direction(self, row: int, value: Column) -> tuple[float | None, bool]:
@@ -389,7 +391,7 @@ class _Reader:
             return None, False
         direction = direction_of(cell)
         if direction is None:
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "unknown measuring direction",
                     place=self._place(row, column),
@@ -411,7 +413,7 @@ class _Reader:
         if repeat is None and summary_of(cell, key=True):  # a mean that stands for its single readings
             return None, False, True
         if repeat is None:
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "not the number of a repeat",
                     place=self._place(row, column),
@@ -428,7 +430,7 @@ class _Reader:
         for column, rows in self.blanks.items():
             numbers = [self.sheet.row_number(row) for row in rows]
             more = f" and in {len(numbers) - 1} more: {_numbers(numbers[1:])}" if len(numbers) > 1 else ""
-            self._say(
+            self._add_problem(
                 f"column {' '.join(column.heading.split())!r} is empty in a row that holds a reading{more}",
                 self._place(next(iter(rows)), column),
                 expected=_IN_TEXT if self.sheet.is_text else _EVERY_ROW,
@@ -455,10 +457,10 @@ class _Reader:
     def _place(self, row: int, column: Column) -> Place:
         return self.sheet.place(row, column.index, column.name)
 
-    def _say(self, problem: str, place: Place, *, value: object = None, expected: str | None = None) -> None:
+    def _add_problem(self, problem: str, place: Place, *, value: object = None, expected: str | None = None) -> None:
         self.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
-    def _once(self, problem: ReadingsError) -> None:
+    def _add_problem_once(self, problem: ReadingsError) -> None:
         """Add a problem of the row once, not for each of its values."""
         if problem.place not in {known.place for known in self.problems[-8:]}:
             self.problems.append(problem)

@@ -308,7 +308,7 @@ def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
         text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
         next_said = _said(table, [(f"the line {text!r}", text)], names)
         if next_said.said_by == table.said_by:
-            # what an unknown line begins is not what the line before it said
+            # an unknown line ends what the line before it says
             next_said = replace(table, part=None, component=None, said_by="")
         else:
             next_said = replace(

@@ -275,9 +275,9 @@ def _remarks(several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: 
     """Yield a warning where remarks differ between rows of one station that nothing calls repeats."""
     for column in header.of("remark"):
         for station, rows in several.items():
-            said = {row: text_of(cell) for row in rows if isinstance(cell := sheet.filled(row, column.index), str)}
-            texts = [text for text in dict.fromkeys(said.values()) if letters(text)]
-            if texts and len(set(said.values())) > 1:
+            remarks = {row: text_of(cell) for row in rows if isinstance(cell := sheet.filled(row, column.index), str)}
+            texts = [text for text in dict.fromkeys(remarks.values()) if letters(text)]
+            if texts and len(set(remarks.values())) > 1:
                 yield Message(
                     "warning",
                     "remarks_differ",
@@ -298,7 +298,7 @@ def rows_left_out(table: Table, where: Mapping[str, str]) -> frozenset[int]:
         for heading, wanted in where.items()
         if (index := _headed(table, heading)) is not None
         for row in table.rows
-        if not _is(cells(row, index), wanted)
+        if not _matches(cells(row, index), wanted)
     )
 
 
@@ -317,7 +317,7 @@ def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
             place = tables[0].sheet.place(max(tables[0].header.last, 0))
             raise unknown(f"no column is headed {heading!r}", heading, texts, kind=ReadingsError, place=place)
         cells = [table.sheet.filled(row, index) for table, index in headed for row in table.rows]
-        if not any(_is(cell, wanted) for cell in cells):
+        if not any(_matches(cell, wanted) for cell in cells):
             known = [_day(cell) for cell in cells if not is_blank(cell)]
             table, index = headed[0]
             place = table.sheet.place(max(table.header.last, 0), index, table.heading(index))
@@ -328,13 +328,13 @@ def _headed(table: Table, heading: str) -> int | None:
     return next((index for index in table.columns if plain(table.heading(index)) == plain(heading)), None)
 
 
-def _is(cell: Cell, wanted: str) -> bool:
+def _matches(cell: Cell, wanted: str) -> bool:
     if is_blank(cell):
         return False
-    said = {plain(text_of(cell)), plain(_day(cell))}
+    spellings = {plain(text_of(cell)), plain(_day(cell))}
     if isinstance(cell, datetime.date):
-        said |= {f"{cell:%d.%m.%Y}", f"{cell:%d/%m/%Y}", f"{cell:%m/%d/%Y}", str(cell)}
-    return plain(wanted) in said or plain(wanted).replace(",", ".") in said
+        spellings |= {f"{cell:%d.%m.%Y}", f"{cell:%d/%m/%Y}", f"{cell:%m/%d/%Y}", str(cell)}
+    return plain(wanted) in spellings or plain(wanted).replace(",", ".") in spellings
 
 
 def has_length(heading: str) -> bool:

@@ -1,4 +1,4 @@
-"""What must not change the readings does not."""
+"""Changes to a sheet that must not change its readings do not change them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PAIRS = (("6", "1", 9.939), ("6", "2", 9.942), ("8", "1", 10.0), ("8", "2", 10.0
 
 @st.composite
 def sheets(draw):
-    """Rows of a sheet in mm: some planes, each with both parts, one or two directions, one to three repeats."""
+    """Draw rows of a sheet in mm: some planes, each with both parts, one or two directions, one to three repeats."""
     rows = []
     for component, plane, nominal in draw(st.lists(st.sampled_from(PAIRS), min_size=1, unique=True)):
         for part, low, high in (("spool", -20, 5), ("sleeve", 20, 120)):
@@ -89,7 +89,7 @@ def mean(values):
 
 @given(rows=sheets())
 def test_clearances_are_means_of_means_in_thousandths(controller, rows):
-    """Against the same in integers: repeats, then directions, then planes."""
+    """Compare with means computed from whole micrometres: over repeats, then directions, then planes."""
     for gap in clearances(read_readings(as_text(rows), controller), controller):
         part_means = {}
         for part in ("spool", "sleeve"):
@@ -169,7 +169,7 @@ KEY_CELLS = {"component": "6", "part": "spool", "plane": "1", "Ring": "A3", "No.
 
 @st.composite
 def further_tables(draw):
-    """Lines of a table with numbers of the size of a diameter in it, with or without title, headings and keys."""
+    """Draw lines of a table with numbers of the size of a diameter in it, with or without title, headings and keys."""
     keys, headings = draw(KEY_HEADINGS), draw(st.lists(st.sampled_from(ANYTHING), min_size=1, max_size=3))
     count = draw(st.integers(1, 3))
     lines = [[title] for title in [draw(TITLES)] if title]
@@ -184,7 +184,7 @@ def numbers_on(lines):
 
 
 def numbers_named(readings):
-    """How many numbers the messages name, of those that are left aside or were not read."""
+    """Count the numbers that messages name as left aside or not read."""
     texts = [message.text for message in readings.messages if message.code.endswith(("_aside", "not_read"))]
     more = sum(int(count) for text in texts for count in re.findall(r" and (\d+) more", text))
     return more + sum(len(re.findall(r"\(row \d+\)", text)) for text in texts)

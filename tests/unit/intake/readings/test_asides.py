@@ -168,7 +168,7 @@ def test_a_column_that_counts_is_the_repeat(controller, heading):
 
 
 def test_a_measurement_by_its_number_is_no_component(controller):
-    """Though the controller of the source study numbers its components."""
+    """The controller of the source study numbers its components, and yet this number names none of them."""
     study = load_controller("four_speed_2023")
     land = study.lands[0]
     name = study.components[land.component]

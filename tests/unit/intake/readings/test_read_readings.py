@@ -1,4 +1,4 @@
-"""Every form of measuring sheet that can be read, read."""
+"""Each form of measuring sheet that atleak knows is read."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TABLE_1 = (
 
 
 def sizes(readings):
-    """Diameters in mm by what they are of, to a nanometre."""
+    """Return the diameters in mm by what they are of, to a nanometre."""
     return {
         (each.component, each.part, each.plane, each.direction, each.repeat): round(each.diameter * 1e3, 6)
         for each in readings.readings

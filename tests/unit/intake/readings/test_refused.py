@@ -21,7 +21,7 @@ def where(error):
 
 @pytest.fixture
 def refused_row(refused, make_workbook, tidy):
-    """Refuses component 6 land 1 with one row changed; hands back the only problem."""
+    """Refuse component 6 land 1 with one row changed, and return the only problem."""
 
     def read(index, *row):
         error = refused(make_workbook(tidy({index: row})))

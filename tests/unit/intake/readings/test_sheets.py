@@ -15,7 +15,7 @@ from atleak.intake.readings import read_readings
 
 
 def examples(outcome):
-    """Those with that outcome, "reads" or "refused", in each form that can hold them."""
+    """Return the sheets with that outcome, "reads" or "refused", in each form that can hold them."""
     params = []
     for name in ("columns", "tables"):
         listed = tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))["example"]
@@ -27,7 +27,7 @@ def examples(outcome):
 
 
 def sizes(readings):
-    """Diameters in mm by component, plane and part, in the order of the sheet."""
+    """Return the diameters in mm by component, plane and part, in the order of the sheet."""
     by_part: dict[str, list[float]] = {}
     for one in readings.readings:
         by_part.setdefault(f"{one.component}/{one.plane}/{one.part}", []).append(round(one.diameter * 1e3, 4))

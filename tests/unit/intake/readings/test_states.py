@@ -45,7 +45,7 @@ def refusal(data, controller, **options):
 
 
 def test_two_readings(controller):
-    """What all sheets below would be taken for."""
+    """Two rows of one station are repeats where no column separates them, as in the sheets below."""
     readings = read_readings(
         sheet(HEADINGS["en"], "accumulator;1;piston;17.998", "accumulator;1;piston;17.996"), controller
     )
