@@ -1,4 +1,4 @@
-"""``atleak import-log``: what is understood of a road-test log."""
+"""Show what is understood of a road-test log: ``atleak import-log``."""
 
 from __future__ import annotations
 

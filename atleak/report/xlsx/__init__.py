@@ -1,4 +1,4 @@
-"""A diagnosis as an Excel workbook that an auditor can recompute.
+"""Write a diagnosis as an Excel workbook that an auditor can recompute.
 
 Diameters, clearances, flows, shares and verdicts are live formulas with cached values: changing a diameter changes what
 follows from it. Text is always written as text: nothing a user typed becomes a formula or a link.
@@ -27,7 +27,7 @@ _OPTIONS = {"in_memory": True, "strings_to_formulas": False, "strings_to_urls": 
 
 
 def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str = "a4") -> bytes:
-    """The workbook's bytes.
+    """Return the bytes of the workbook.
 
     Parameters
     ----------
