@@ -1,4 +1,4 @@
-"""Limits → verdicts: which pairs, by which rule, what they cost the pump, and what to repair first."""
+"""Judge a unit by its limits: which pairs, by which rule, what they cost the pump, and what to repair first."""
 
 from __future__ import annotations
 
@@ -34,20 +34,19 @@ from atleak.verdicts import Band, Verdict, worst
 
 @dataclass(frozen=True)
 class LandDiagnosis:
-    """One land's state, its leakage at the stated condition, its verdict and how sure that is."""
+    """One land's clearance, its leakage at the stated condition, its verdict and how sure that is."""
 
     state: LandClearance
     wear: float | None  # (c_r − c_m)/c_m; None where not measured
     effective_clearance: float  # [m] at the stated condition
     leakage: float  # [m³/s] at the stated condition, through every gap of the land
-    drawn_from_pump: float  # [m³/s] what of it counts in the total
+    drawn_from_pump: float  # [m³/s] the part of the leakage that counts in the total
     share: float  # leakage / pump capacity at the stated condition
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[Rule, ...]
-    replace_mileage: (
-        float | None
-    )  # [km] at which the wear limit for replacing is reached, wear ∝ mileage; None in doubt or past
+    #: [km] at which the wear limit for replacing is reached, wear ∝ mileage; None where in doubt or already passed
+    replace_mileage: float | None
     uncertainty: LandUncertainty | None  # None where nothing was measured
     messages: tuple[Message, ...]
 
@@ -57,33 +56,33 @@ class LandDiagnosis:
 
     @property
     def decision(self) -> Decision | None:
-        """How sure the verdict is, about the limit of the rule that gave it; None where not measured."""
+        """Say how sure the verdict is, about the limit of the rule that gave it; None where not measured."""
         decided = self.deciding_uncertainty
         return decided.decision if decided and self.verdict != Verdict.NOT_MEASURED else None
 
     @property
     def probability_over_limit(self) -> float | None:
-        """That the true value is over the limit of the rule that gave the verdict."""
+        """Return the probability that the true value is over the limit of the rule that gave the verdict."""
         decided = self.deciding_uncertainty
         return decided.probability_over_limit if decided and self.verdict != Verdict.NOT_MEASURED else None
 
     @property
     def deciding_uncertainty(self) -> RuleDecision | None:
-        """The decision that belongs to the verdict."""
+        """Return the decision that belongs to the verdict."""
         return self.uncertainty.deciding if self.uncertainty else None
 
     @property
     def deciding(self) -> Rule | None:
-        """The rule that gave the verdict: the worst; of several, the likeliest to be over its limit."""
-        sure = self.deciding_uncertainty
-        if sure is not None:
-            return sure.rule
+        """Return the rule that gave the verdict: the worst; of several, the likeliest to be over its limit."""
+        decided = self.deciding_uncertainty
+        if decided is not None:
+            return decided.rule
         return max(self.rules, key=lambda rule: rule.verdict.rank, default=None)
 
 
 @dataclass(frozen=True)
 class RepairStep:
-    """One land brought back to its mounting clearance, after those before it."""
+    """The repair of one land to its mounting clearance, after the steps before it."""
 
     land: LandDiagnosis
     condition: OperatingPoint
@@ -93,7 +92,7 @@ class RepairStep:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """All that is known of a unit, with the inputs it follows from. Renderers compute nothing."""
+    """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more."""
 
     readings: Readings | None
     controller: Controller
@@ -112,26 +111,26 @@ class Diagnosis:
 
     @property
     def projection(self) -> Projection:
-        """At the stated condition."""
+        """Return the projection at the stated condition."""
         return self.projections[0]
 
     @property
     def hot_idle(self) -> Projection | None:
-        """At hot idle, where a worn unit fails first; None where the controller does not state it."""
-        return next((found for found in self.projections if found.condition.name == HOT_IDLE), None)
+        """Return the projection at hot idle, where a worn unit fails first; None where none is stated."""
+        return next((each for each in self.projections if each.condition.name == HOT_IDLE), None)
 
     @property
     def reported(self) -> tuple[Projection, ...]:
-        """The projections that reports show: the stated condition and hot idle, one where they are the same."""
+        """Return the projections that reports show: the stated condition and hot idle, one if both are the same."""
         idle = self.hot_idle
         return (self.projection,) if idle is None or idle is self.projection else (self.projection, idle)
 
     def at(self, condition: OperatingPoint) -> Projection:
-        """The projection at one of the conditions that were judged."""
-        return next(found for found in self.projections if found.condition == condition)
+        """Return the projection at one of the conditions that were judged."""
+        return next(each for each in self.projections if each.condition == condition)
 
     def over(self, road_test: RoadTest) -> RoadLeakage:
-        """Leakage over a road test, or a part of one, by the same engine.
+        """Compute the leakage over a road test, or a part of one, with the same model.
 
         Raises
         ------
@@ -141,27 +140,27 @@ class Diagnosis:
         return evaluate_road_test(self.model, road_test, self.projection.condition)
 
     def band(self, projection: Projection) -> Band:
-        """The band of a projection's total share."""
+        """Return the band of a projection's total share."""
         return self.limits.band(projection.share)
 
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
-        """Lands at watch or past it, the worst first, then the costliest."""
+        """Return the lands at watch or past it, the worst first, then the costliest."""
         return _flagged(self.lands)
 
     @property
     def ranked(self) -> tuple[LandDiagnosis, ...]:
-        """All lands by leakage at the stated condition, the largest first."""
+        """Return all lands by leakage at the stated condition, the largest first."""
         return tuple(sorted(self.lands, key=lambda land: -land.leakage))
 
     @property
     def worst_total(self) -> Rule:
-        """The total that reached the worst band; of several, the largest."""
+        """Return the total that reached the worst band; of several, the largest."""
         return max(self.total_rules, key=lambda rule: (rule.verdict.rank, rule.value))
 
     @property
     def decided_by(self) -> LandDiagnosis | Rule | None:
-        """What put the unit past a limit: a land, or a total where that is worse; None where no limit is reached.
+        """Return what put the unit past a limit: a land, or a total where that is worse; None within all limits.
 
         Without any reading nothing is decided: the totals are those of a new unit.
         """
@@ -175,7 +174,7 @@ class Diagnosis:
 
     @property
     def verdict(self) -> Verdict:
-        """The worst of any measured land and of the totals, ``not_measured`` where nothing was measured."""
+        """Return the worst of any measured land and of the totals, ``not_measured`` where nothing was measured."""
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
@@ -183,7 +182,7 @@ class Diagnosis:
 
     @property
     def measured(self) -> int:
-        """Lands of which both parts were measured."""
+        """Count the lands of which both parts were measured."""
         return sum(land.state.status == "measured" for land in self.lands)
 
 
@@ -201,20 +200,20 @@ def diagnose(
     assumptions: Assumptions = DEFAULTS,
     guard_factor: float = GUARD_FACTOR,
 ) -> Diagnosis:
-    """The main job: readings and a road test in, a verdict for every land out.
+    """Diagnose a unit from its readings and a road test: a verdict for every land and for the whole.
 
     Parameters
     ----------
     controller, fluid, limits
         from the catalogue or the workshop's own files.
     readings
-        of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
+        those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
-        log to run the engine over.
+        log over which leakage is computed.
     condition
-        at which leakage is projected; the controller's first operating point unless given.
+        condition at which leakage is projected; the controller's first operating point unless given.
     mileage
-        of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
+        mileage of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
     instruments, assumptions
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
     guard_factor
@@ -235,12 +234,12 @@ def diagnose(
     conditions += [point for point in controller.operating_points if point != condition]
     projections = [project(model, point) for point in conditions]
     when_new = [project(new, point) for point in conditions]
-    idle = next((found for found in projections if found.condition.name == HOT_IDLE), None)
+    idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
     rules = unit_rules(states, projections, limits)
-    sure = None
+    uncertainty = None
     if readings is not None:
-        sure = assess(
+        uncertainty = assess(
             model,
             states,
             projections,
@@ -250,10 +249,10 @@ def diagnose(
             assumptions=assumptions,
             guard_factor=guard_factor,
         )
-    lands = tuple(_land(state, projections, when_new, rules, mileage, sure) for state in states)
+    lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
-    if sure is not None:
-        messages = list(dict.fromkeys([*messages, *sure.messages]))
+    if uncertainty is not None:
+        messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
     return Diagnosis(
         readings=readings,
         controller=controller,
@@ -266,15 +265,15 @@ def diagnose(
         projections=tuple(projections),
         road=road,
         repair_plan=_repair_plan(lands, projections, when_new, idle),
-        uncertainty=sure,
+        uncertainty=uncertainty,
         total_rules=rules.totals,
         messages=tuple(messages),
     )
 
 
 def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:
-    past = [land for land in lands if land.verdict.flagged]
-    return tuple(sorted(past, key=lambda land: (-land.verdict.rank, -land.excess_share)))
+    flagged = [land for land in lands if land.verdict.flagged]
+    return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
 
 
 def _repair_plan(
@@ -283,16 +282,16 @@ def _repair_plan(
     when_new: list[Projection],
     idle: Projection | None,
 ) -> tuple[RepairStep, ...]:
-    """Flagged lands in order, with the total share before and after each comes back to its mounting clearance.
+    """Order the flagged lands, with the total share before and after each comes back to its mounting clearance.
 
     The total is that at hot idle where the controller states it: there the pump is weakest.
     """
-    at = projections.index(idle) if idle is not None else 0
-    now, new = projections[at], when_new[at]
-    left, steps = now.leakage, []
+    index = projections.index(idle) if idle is not None else 0
+    now, new = projections[index], when_new[index]
+    leakage, steps = now.leakage, []
     for land in _flagged(lands):
-        before, left = left, left - (now.drawn_by(land.key) - new.drawn_by(land.key))
-        steps.append(RepairStep(land, now.condition, now.share_of(before), now.share_of(left)))
+        before, leakage = leakage, leakage - (now.drawn_by(land.key) - new.drawn_by(land.key))
+        steps.append(RepairStep(land, now.condition, now.share_of(before), now.share_of(leakage)))
     return tuple(steps)
 
 
@@ -302,18 +301,18 @@ def _land(
     when_new: list[Projection],
     rules: UnitRules,
     mileage: float | None,
-    sure: UnitUncertainty | None,
+    uncertainty: UnitUncertainty | None,
 ) -> LandDiagnosis:
     land = state.land
     stated = projections[0]
     wear = state.wear if state.measured else None
-    own = rules.of_land(land.key)
+    own_rules = rules.of_land(land.key)
     excess = max(
         now.share_of(now.drawn_by(land.key)) - new.share_of(new.drawn_by(land.key)) if now.pump_capacity > 0.0 else 0.0
         for now, new in zip(projections, when_new, strict=True)
     )
     leakage = stated.leakage_of(land.key)
-    known = sure.land(land.key) if sure is not None and state.measured else None
+    own_uncertainty = uncertainty.land(land.key) if uncertainty is not None and state.measured else None
     return LandDiagnosis(
         state=state,
         wear=wear,
@@ -322,28 +321,34 @@ def _land(
         drawn_from_pump=stated.drawn_by(land.key),
         share=stated.share_of(leakage),
         excess_share=excess,
-        verdict=_verdict(state, own),
-        rules=own,
-        replace_mileage=_replace_mileage(state, own, mileage, known),
-        uncertainty=known,
+        verdict=_verdict(state, own_rules),
+        rules=own_rules,
+        replace_mileage=_replace_mileage(state, own_rules, mileage, own_uncertainty),
+        uncertainty=own_uncertainty,
         messages=state.messages,
     )
 
 
 def _verdict(state: LandClearance, rules: Iterable[Rule]) -> Verdict:
-    """The worst rule's; with one part at its nominal diameter a limit can be passed, but ``ok`` cannot be claimed."""
+    """Return the verdict of the worst rule.
+
+    With one part at its nominal diameter a limit can be passed, but ``ok`` cannot be claimed.
+    """
     reached = worst(rule.verdict for rule in rules)
     return Verdict.NOT_MEASURED if reached == Verdict.OK and state.status != "measured" else reached
 
 
 def _replace_mileage(
-    state: LandClearance, rules: Iterable[Rule], mileage: float | None, known: LandUncertainty | None
+    state: LandClearance, rules: Iterable[Rule], mileage: float | None, uncertainty: LandUncertainty | None
 ) -> float | None:
-    """Only ahead of the vehicle, and where wear is past the readings' doubt: two standard uncertainties."""
+    """Return the mileage [km] at which the wear limit for replacing is reached.
+
+    None where the vehicle has passed it, or where wear is less than two standard uncertainties of the readings.
+    """
     rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
     if rule is None or mileage is None:
         return None
-    doubt = known.u_clearance if known is not None and known.u_clearance is not None else 0.0
+    doubt = uncertainty.u_clearance if uncertainty is not None and uncertainty.u_clearance is not None else 0.0
     if state.radial_clearance - state.land.mounting_clearance <= 2.0 * doubt:
         return None
     limit = rule.steps.limit_of(Verdict.REPLACE)
@@ -361,36 +366,38 @@ def _messages(
     road: RoadLeakage | None,
     states: Iterable[LandClearance],
 ) -> list[Message]:
-    found: list[Message] = []
+    messages: list[Message] = []
     if controller.representative:
-        found.append(Message("warning", "controller_representative", f"{controller.name}: {controller.representative}"))
+        messages.append(
+            Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
+        )
     leaking = {gap.key for gap in controller.gaps}
     silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking]
     if silent:
         text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
-        found.append(Message("warning", "land_without_gap", text))
+        messages.append(Message("warning", "land_without_gap", text))
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
-        found.append(Message("warning", "no_readings", text))
+        messages.append(Message("warning", "no_readings", text))
     else:
-        found += readings.messages
+        messages += readings.messages
     for state in states:
-        found += state.messages
+        messages += state.messages
     temperatures = [projection.condition.temperature for projection in projections]
     if road is not None:
         logged = road.road_test.values("atf_temperature")
         if logged is not None:
             temperatures += [float(value) for value in (np.nanmin(logged), np.nanmax(logged))]
-    found += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
+    messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
     for projection in projections:
-        found += projection.messages
+        messages += projection.messages
         if projection.pump_capacity <= 0.0:
             text = f"{projection.condition.label}: the pump delivers nothing at this pressure and viscosity."
-            found.append(Message("warning", "pump_delivers_nothing", text))
+            messages.append(Message("warning", "pump_delivers_nothing", text))
     if idle is None:
         text = f"{controller.name} states no operating point hot_idle, where a worn unit fails first."
-        found.append(Message("info", "no_hot_idle", text))
+        messages.append(Message("info", "no_hot_idle", text))
     if road is not None:
-        found += road.road_test.messages
-        found += road.messages
-    return list(dict.fromkeys(found))
+        messages += road.road_test.messages
+        messages += road.messages
+    return list(dict.fromkeys(messages))

@@ -1,4 +1,4 @@
-"""What happened in a road test: shifts, idle, stall, lock-up, steady driving, the minimum-acceleration test.
+"""Detects what happened in a road test: shifts, idle, stall, lock-up, steady driving, minimum-acceleration test.
 
 Every event is a window of time; `RoadTest.window` gives the samples in it. The thresholds are choices of this project,
 gathered in `Thresholds`, except where the field's source is named.
@@ -22,7 +22,7 @@ EventKind = Literal["minimum_acceleration", "gear_shift", "hot_idle", "stall", "
 
 @dataclass(frozen=True)
 class Thresholds:
-    """When an event is one. Speeds of rotation [1/s], vehicle speeds [m/s], temperatures [°C], durations [s]."""
+    """Limits of the events. Speeds of rotation [1/s], vehicle speeds [m/s], temperatures [°C], durations [s]."""
 
     standing: float = 1.0 / 3.6
     idle_low: float = 400 / 60
@@ -58,14 +58,14 @@ class Event:
 
     @property
     def duration(self) -> float:
-        """Length [s]."""
+        """Return the length [s]."""
         return self.stop - self.start
 
 
 def events(road_test: RoadTest, thresholds: Thresholds | None = None) -> tuple[Event, ...]:
-    """All events of a road test, by their start. A channel that is missing only takes its own events away."""
+    """Return all events of a road test by their start; a missing channel leaves out only the events that need it."""
     limits = thresholds or Thresholds()
-    found = [
+    all_events = [
         *gear_shifts(road_test, limits),
         *hot_idle(road_test, limits),
         *stalls(road_test, limits),
@@ -73,7 +73,7 @@ def events(road_test: RoadTest, thresholds: Thresholds | None = None) -> tuple[E
         *steady_driving(road_test, limits),
         *minimum_acceleration(road_test, limits),
     ]
-    return tuple(sorted(found, key=lambda event: (event.start, event.kind)))
+    return tuple(sorted(all_events, key=lambda event: (event.start, event.kind)))
 
 
 # --- runs of a condition ------------------------------------------------------------------------------------
@@ -87,7 +87,7 @@ def _segments(road_test: RoadTest) -> Iterator[slice]:
 
 
 def _runs(road_test: RoadTest, mask: np.ndarray, shortest: float) -> Iterator[tuple[int, int]]:
-    """First and last index of every run of True that lasts long enough; never across a segment's end."""
+    """Yield first and last index of every run of True that lasts long enough; none crosses a segment's end."""
     for part in _segments(road_test):
         edges = np.flatnonzero(np.diff(np.concatenate([[0], mask[part].astype(np.int8), [0]])))
         for low, high in zip(edges[::2], edges[1::2], strict=True):
@@ -108,7 +108,7 @@ def _standing(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
 
 
 def hot_idle(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
-    """Standing, engine at idle speed, fluid at working temperature."""
+    """Return hot idling: the car stands, the engine idles, the fluid is at working temperature."""
     limits = limits or Thresholds()
     engine, standing, atf = (
         road_test.values("engine_speed"),
@@ -126,7 +126,7 @@ def hot_idle(road_test: RoadTest, limits: Thresholds | None = None) -> list[Even
 
 
 def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
-    """Standing with the engine pulling against the converter; with a turbine speed, the turbine stands too.
+    """Return stall tests: the car stands while the engine pulls against the converter; a logged turbine stands too.
 
     A run longer than `Thresholds.stall_longest` is no stall test but an engine revved in neutral or park.
     """
@@ -151,7 +151,7 @@ def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]
 
 
 def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
-    """The converter without slip: engine and turbine turn alike; else where the lock-up is commanded."""
+    """Return lock-ups: engine and turbine turn alike; without a turbine speed, the lock-up is commanded."""
     limits = limits or Thresholds()
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
     source: ChannelSource = "logged"
@@ -172,7 +172,7 @@ def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Even
 
 
 def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
-    """Vehicle and engine speed that stay within a narrow band for some seconds."""
+    """Return steady driving: vehicle and engine speed stay within a narrow band for some seconds."""
     limits = limits or Thresholds()
     engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
     if engine is None or vehicle is None:
@@ -200,55 +200,59 @@ def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> lis
 
 
 def _band(values: np.ndarray, count: int, width: float) -> np.ndarray:
-    """Whether the ``count`` samples up to each one lie within ± width of their middle."""
+    """Return whether the ``count`` samples up to each one lie within ± width of their middle."""
     rolling = pd.Series(values).rolling(count, min_periods=count)
     with np.errstate(invalid="ignore"):
         return ((rolling.max() - rolling.min()) <= 2 * width).to_numpy()
 
 
 def minimum_acceleration(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
-    """From standstill through the gears with little throttle: engine speed never above 2500 rpm.
+    """Return accelerations from standstill through the gears with little throttle: engine never above 2500 rpm.
 
     It begins with the last sample at standstill and ends where the car slows down, the engine is revved higher, or the
-    recording breaks off; shorter than 30 km/h, or in first gear alone, it is none.
+    recording breaks off; one that stays below 30 km/h, or in first gear, does not count.
     """
     limits = limits or Thresholds()
     engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
     if engine is None or vehicle is None:
         return []
     gear = road_test.values("gear")
-    found = []
+    accelerations = []
     for part in _segments(road_test):
-        speed, turns = vehicle[part], engine[part]
+        speed, engine_speed = vehicle[part], engine[part]
         standing = speed < limits.standing
         starts = np.flatnonzero(standing[:-1] & (speed[1:] >= limits.standing))
-        for low in starts:
-            later = np.flatnonzero(standing[low + 1 :])
-            end = low + 1 + int(later[0]) if len(later) else len(speed)
-            run = speed[low:end]
+        for first in starts:
+            later = np.flatnonzero(standing[first + 1 :])
+            end = first + 1 + int(later[0]) if len(later) else len(speed)
+            run = speed[first:end]
             top = np.fmax.accumulate(run)
-            over = np.flatnonzero((run < top - limits.gentle_back) | (turns[low:end] > limits.gentle_speed))
-            high = low + int(over[0]) - 1 if len(over) else end - 1
-            if high <= low or not np.nanmax(speed[low : high + 1]) >= limits.gentle_end:
+            broken_off = np.flatnonzero(
+                (run < top - limits.gentle_back) | (engine_speed[first:end] > limits.gentle_speed)
+            )
+            last = first + int(broken_off[0]) - 1 if len(broken_off) else end - 1
+            if last <= first or not np.nanmax(speed[first : last + 1]) >= limits.gentle_end:
                 continue
-            if gear is not None and not np.nanmax(gear[part][low : high + 1], initial=0) >= 2:
+            if gear is not None and not np.nanmax(gear[part][first : last + 1], initial=0) >= 2:
                 continue
-            high = low + int(np.nanargmax(speed[low : high + 1]))
+            last = first + int(np.nanargmax(speed[first : last + 1]))
             time = road_test.time[part]
-            found.append(Event("minimum_acceleration", float(time[low]), float(time[high])))
-    return found
+            accelerations.append(Event("minimum_acceleration", float(time[first]), float(time[last])))
+    return accelerations
 
 
 def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
-    """Shifts between forward gears: by the ratio of turbine to output speed where both are there, since a logged gear
-    may lag by half a second; else by the gear channel.
+    """Return shifts between forward gears.
+
+    They follow from the ratio of turbine to output speed where both are logged, since a logged gear may lag by half a
+    second; else from the gear channel.
     """
     limits = limits or Thresholds()
     gear = road_test.values("gear")
     ratio = _ratio(road_test, ("turbine_speed",))
     if gear is None and ratio is None:
         return []
-    found: list[Event] = []
+    shifts: list[Event] = []
     if gear is None:
         derived = with_derived_gear(road_test)
         gear = derived.values("gear")
@@ -257,24 +261,24 @@ def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[E
     channel = road_test.channel("gear")
     source: ChannelSource = channel.source if channel else "derived"
     for part in _segments(road_test):
-        known = np.flatnonzero(gear[part] > 0)
-        if len(known) < 2:
+        in_gear = np.flatnonzero(gear[part] > 0)
+        if len(in_gear) < 2:
             continue
-        values = gear[part][known]
+        values = gear[part][in_gear]
         for step in np.flatnonzero(np.diff(values) != 0):
-            low, high = known[step], known[step + 1]
+            before, after = in_gear[step], in_gear[step + 1]
             event = Event(
-                "gear_shift", float(road_test.time[part][low]), float(road_test.time[part][high]),
+                "gear_shift", float(road_test.time[part][before]), float(road_test.time[part][after]),
                 int(values[step]), int(values[step + 1]), source,
             )  # fmt: skip
-            found.append(_by_ratio(event, road_test, ratio, part, int(low), int(high), limits))
-    return found
+            shifts.append(_by_ratio(event, road_test, ratio, part, int(before), int(after), limits))
+    return shifts
 
 
 def _by_ratio(
     event: Event, road_test: RoadTest, ratio: np.ndarray | None, part: slice, low: int, high: int, limits: Thresholds
 ) -> Event:
-    """The shift's true beginning and end, from the turbine's speed against the output's."""
+    """Correct a shift's beginning and end by the ratio of turbine speed to output speed."""
     if ratio is None or event.source != "logged":
         return event
     time, values = road_test.time[part], ratio[part]
@@ -303,7 +307,7 @@ def _by_ratio(
 
 
 def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:
-    """Speed before the gears over speed behind them; its scale is arbitrary where only the vehicle speed is known."""
+    """Return the ratio of speed before the gears to speed behind them; its scale is arbitrary for vehicle speed."""
     above = next((road_test.values(name) for name in drivers if road_test.values(name) is not None), None)
     below = next(
         (road_test.values(name) for name in ("output_speed", "vehicle_speed") if road_test.values(name) is not None),
@@ -316,7 +320,7 @@ def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engi
 
 
 def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
-    """The ratios at which a log dwells, highest first: the gears. Levels closer than 12 % are one.
+    """Return the ratios at which a log stays, highest first: the gears. Levels closer than 12 % are one.
 
     >>> r = np.repeat([2.8, 1.5, 1.0], 200)
     >>> [round(level, 2) for level in ratio_levels(r)]
@@ -339,7 +343,7 @@ def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
             continue
         middle = float(np.median(near))
         if all(abs(middle - level) > 0.12 for level in levels):
-            # a level stands out from what the ratio passes through on its way
+            # a gear stands out from the ratios that a shift passes through
             around = good[(np.abs(good - middle) < 0.12)]
             if np.mean(np.abs(around - middle) < 0.03) > 0.45:
                 levels.append(middle)
@@ -347,7 +351,7 @@ def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
 
 
 def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None, tolerance: float = 0.06) -> RoadTest:
-    """The road test with a gear derived from the speed ratio, marked ``derived``; unchanged where one is logged.
+    """Return the road test with a gear derived from the speed ratio, marked ``derived``; unchanged where one is logged.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Files written whole: whoever opens one finds what stood there before or all of what replaces it, never a part."""
+"""Write files whole: whoever opens one reads the earlier file or all of the new one, never a part."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pathlib import Path
 
 from atleak.errors import OutputError, Place
 
-PRIVATE = 0o600  # what only its owner may read and write
+PRIVATE = 0o600  # a file that only its owner may read and write
 _NEW = 0o666  # less what the user's umask takes away
-_TRIES = 20  # of a replacement: on Windows a reader or a virus scanner holds a file for a moment
+_TRIES = 20  # at replacing a file: on Windows a reader or a virus scanner holds a file for a moment
 _PAUSE = 0.05  # [s]
 
 
@@ -62,11 +62,11 @@ def _status(path: Path) -> os.stat_result | None:
         return None
 
 
-def _standard_stream(found: os.stat_result) -> int | None:
-    """Standard output or error where it goes to this very file, as /dev/stdout does."""
+def _standard_stream(status: os.stat_result) -> int | None:
+    """Return standard output or error where it goes to this same file, as /dev/stdout does; else None."""
     for stream in (1, 2):
         with contextlib.suppress(OSError):  # a stream that is closed
-            if os.path.samestat(found, os.fstat(stream)):
+            if os.path.samestat(status, os.fstat(stream)):
                 return stream
     return None
 

@@ -1,7 +1,7 @@
-"""The mark by which atleak knows the files that it made, so that it writes over no others.
+"""Mark the files that atleak makes and recognise them again, so that it writes over no others.
 
-A file that bears it and was not changed since can be made again; a measuring sheet that somebody filled in cannot.
-What is looked at is bounded: no archive is unpacked and no foreign file is read whole.
+A file that bears the mark and was not changed since can be made again; a measuring sheet that somebody filled in
+cannot. Little of a file is read: no archive is unpacked and no foreign file is read whole.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from atleak.version import __version__
 Kind = Literal["record", "report workbook", "measuring sheet", "PDF", "job file", "table"]
 
 KEYWORD = f"atleak {__version__}"  # of a PDF
-PROPERTY = "atleak"  # of a workbook: what it is, and the seal of its parts
+PROPERTY = "atleak"  # a workbook's property: its kind, and the digest of its parts
 _PART = "docProps/custom.xml"
 _UNSEALED = "0" * 64
 _SEALED = re.compile(rf'name="{PROPERTY}"><vt:lpwstr>([a-z ]+) ([0-9a-f]{{64}})</vt:lpwstr>')
@@ -31,24 +31,24 @@ _PDF = re.compile(rb"<pdf:Keywords>atleak [^<]+</pdf:Keywords>")
 _MADE = re.compile(rb"<xmp:ModifyDate>([^<]+)</xmp:ModifyDate><xmp:CreateDate>\1</xmp:CreateDate>")
 _RECORD_LIMIT = 16 << 20  # bytes of JSON
 _TAIL = 1 << 20  # bytes at the end of a PDF: its metadata and table of contents
-_ENTRIES = 1000  # of an archive
+_ENTRIES = 1000  # most entries of an archive that is looked at
 _DIRECTORY = 1 << 20  # bytes of an archive's table of contents
 _PROPERTIES = 1 << 16  # bytes of a workbook's own properties
-_NO_ARCHIVE = (  # what zipfile raises for an archive that is damaged
+_NO_ARCHIVE = (  # the exceptions that zipfile raises for a damaged archive
     zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, struct.error,
     NotImplementedError, RuntimeError, ValueError, EOFError, IndexError,
 )  # fmt: skip
 
 
 def unsealed(kind: Kind) -> str:
-    """What a workbook's property `PROPERTY` says before `sealed` has seen its parts."""
+    """Return what a workbook's property `PROPERTY` says before `sealed` puts in the digest of its parts."""
     return f"{kind} {_UNSEALED}"
 
 
 def sealed(content: bytes) -> bytes:
-    """The workbook with a digest of all its other parts in the place that `unsealed` kept for it.
+    """Return the workbook with a digest of all its other parts in the place that `unsealed` kept for it.
 
-    Any program that saves the workbook again writes at least one part otherwise, and the digest no longer fits.
+    Any program that saves the workbook again writes at least one part differently, and the digest no longer fits.
     """
     target = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as new:
@@ -61,14 +61,14 @@ def sealed(content: bytes) -> bytes:
 
 
 def _seal(parts: Iterable[zipfile.ZipInfo]) -> str:
-    told = sorted(f"{part.filename}\0{part.file_size}\0{part.CRC}" for part in parts if part.filename != _PART)
-    return hashlib.sha256("\n".join(told).encode()).hexdigest()
+    entries = sorted(f"{part.filename}\0{part.file_size}\0{part.CRC}" for part in parts if part.filename != _PART)
+    return hashlib.sha256("\n".join(entries).encode()).hexdigest()
 
 
 def check_targets(
     inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str | None]], *, force: bool = False
 ) -> None:
-    """Nothing is written over what is read, nor two things to one place, nor over what atleak did not make.
+    """Check that nothing is written over an input, over another target, or over a file that atleak did not make.
 
     Parameters
     ----------
@@ -84,25 +84,25 @@ def check_targets(
         naming the file and, where that helps, ``--force``. An empty file, a device and a file that is not there are no
         obstacle.
     """
-    taken = {Path(name).resolve() for name in inputs if name is not None}
+    paths_in_use = {Path(name).resolve() for name in inputs if name is not None}
     foreign = []
     for kind, target in targets:
         if target is None:
             continue
         path = Path(target) if target == "-" else Path(target).resolve()
-        if path in taken:
+        if path in paths_in_use:
             where = "standard output" if target == "-" else target
             raise OutputError("would be written over another file of this command", place=Place(file=where))
-        taken.add(path)
+        paths_in_use.add(path)
         if target != "-" and not force and (reason := _obstacle(path, kind)):
-            wanted = "another name, or --force to write over it"
-            foreign.append(OutputError(reason, place=Place(file=target), expected=wanted))
+            expected = "another name, or --force to write over it"
+            foreign.append(OutputError(reason, place=Place(file=target), expected=expected))
     if foreign:
         raise OutputError(foreign[0].problem, place=foreign[0].place, expected=foreign[0].expected, others=foreign[1:])
 
 
 def _obstacle(path: Path, kind: Kind) -> str:
-    """Why a file that stands where another of this kind is to be written is not atleak's to replace, else ""."""
+    """Say why a file may not be replaced by one of this kind; "" where it may."""
     try:
         if not path.is_file() or path.stat().st_size == 0 or _kind(path) == kind:
             return ""
@@ -114,7 +114,7 @@ def _obstacle(path: Path, kind: Kind) -> str:
 
 
 def _kind(path: Path) -> Kind | None:
-    """What atleak made this file as; None where it did not, or the file was changed since."""
+    """Return the kind of file that atleak made; None where it did not make it, or the file was changed since."""
     with path.open("rb") as stream:
         start = stream.read(4)
         size = stream.seek(0, io.SEEK_END)
@@ -129,19 +129,22 @@ def _kind(path: Path) -> Kind | None:
 
 
 def _record(content: bytes) -> Kind | None:
-    """A record names its format and atleak; in a list every entry has an id and names atleak."""
+    """Recognise a record: it names its format and atleak; in a list every entry has an id and names atleak."""
     if len(content) > _RECORD_LIMIT:
         return None
     try:
-        found = json.loads(content)
+        data = json.loads(content)
     except (ValueError, RecursionError):
         return None
-    first, known = (found[0], "id") if isinstance(found, list) and found else (found, "format")
+    first, known = (data[0], "id") if isinstance(data, list) and data else (data, "format")
     return "record" if isinstance(first, dict) and known in first and isinstance(first.get("atleak"), str) else None
 
 
 def _pdf(stream: BinaryIO, size: int) -> Kind | None:
-    """A signature or a note is added behind the end of a PDF; a program that saves it anew dates it."""
+    """Recognise a PDF of atleak that is unchanged.
+
+    A signature or a note is added behind the end of a PDF; a program that saves it anew dates it.
+    """
     stream.seek(max(size - _TAIL, 0))
     tail = stream.read(_TAIL)
     whole = tail.count(b"startxref") == 1 and tail.rstrip().endswith(b"%%EOF")
@@ -155,16 +158,16 @@ def _archive(stream: BinaryIO, size: int) -> Kind | None:
         with zipfile.ZipFile(stream) as bundle:
             if (record := _beginning(bundle, "job.json", _RECORD_LIMIT + 1)) is not None:
                 return "job file" if _record(record) else None
-            said = _SEALED.search((_beginning(bundle, _PART, _PROPERTIES) or b"").decode("utf-8", "replace"))
-            if said is None or said[2] != _seal(bundle.infolist()):
+            mark = _SEALED.search((_beginning(bundle, _PART, _PROPERTIES) or b"").decode("utf-8", "replace"))
+            if mark is None or mark[2] != _seal(bundle.infolist()):
                 return None
-            return next((kind for kind in get_args(Kind) if kind == said[1]), None)
+            return next((kind for kind in get_args(Kind) if kind == mark[1]), None)
     except _NO_ARCHIVE:
         return None
 
 
 def _beginning(bundle: zipfile.ZipFile, name: str, limit: int) -> bytes | None:
-    """The first bytes of an entry; None where there is none, or it is packed in a way that atleak does not pack."""
+    """Return the first bytes of an entry; None without one, or where it is packed in a way that atleak does not use."""
     entry = bundle.NameToInfo.get(name)
     if entry is None or entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         return None
@@ -173,7 +176,7 @@ def _beginning(bundle: zipfile.ZipFile, name: str, limit: int) -> bytes | None:
 
 
 def _few_entries(stream: BinaryIO, size: int) -> bool:
-    """Whether an archive's table of contents is short enough to be read, told from the archive's last bytes."""
+    """Return whether an archive's table of contents is short enough to read, judged by the archive's last bytes."""
     stream.seek(max(size - (1 << 16) - 22, 0))
     tail = stream.read()
     at = tail.rfind(b"PK\5\6")

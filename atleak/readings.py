@@ -1,7 +1,7 @@
-"""What measured readings are, and the clearance of every land that follows from them.
+"""Hold measured readings, and work out the clearance of every land from them.
 
 A reading is one diameter of a spool (or piston) or of its sleeve, in one plane and one direction. `clearances` averages
-the readings of each land and says what stands behind the average: ovality, taper, how far repeats agree, and what is
+the readings of each land and says what the average hides: ovality, taper, how far repeats agree, and what is
 missing.
 """
 
@@ -22,7 +22,7 @@ Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
-NOMINAL_HEADING = "Nominal\ndiameter [mm]"  # of the form, by which a sheet made from it is known again
+NOMINAL_HEADING = "Nominal\ndiameter [mm]"  # of the printed form: it marks a sheet that was made from it
 NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal one is flagged: choice of this project
 
 
@@ -46,7 +46,7 @@ class Reading:
 
     @property
     def station(self) -> tuple[str, str, str, float | None]:
-        """What repeats have in common."""
+        """Return what repeats have in common: component, part, plane and direction."""
         return self.component, self.part, self.plane, self.direction
 
 
@@ -58,7 +58,7 @@ class Readings:
     sha256: str
     sheet: str | None  # None for text files
     unit: str  # of the diameters as written: "mm", or several joined by ", "
-    unit_assumed: bool  # told by the nominal diameters, not by the sheet
+    unit_assumed: bool  # inferred from the nominal diameters, not written in the sheet
     layout: Literal["table", "tidy", "columns"]  # coordinates; one diameter a row; several diameters a row
     readings: tuple[Reading, ...]
     messages: tuple[Message, ...] = ()
@@ -75,13 +75,13 @@ class Station:
 
     @property
     def radial_clearance(self) -> float:
-        """[m], eq. (28); negative where the sleeve measures smaller than the spool."""
+        """Return the radial clearance [m], eq. (28); negative where the sleeve measures smaller than the spool."""
         return _clearance(self.sleeve_diameter, self.spool_diameter)
 
 
 @dataclass(frozen=True)
 class LandClearance:
-    """The clearance of one land, cold, and what it rests on.
+    """The clearance of one land, cold, and the readings it rests on.
 
     ``spool_diameter``, ``sleeve_diameter`` and ``radial_clearance`` are means [m] over repeats, then directions, then
     planes. A part that was not measured has its nominal diameter, and ``status`` says so; a land that was not measured
@@ -114,28 +114,28 @@ class LandClearance:
 
     @property
     def measured(self) -> bool:
-        """Whether at least one of the two parts was measured."""
+        """Return whether at least one of the two parts was measured."""
         return self.status != "not_measured"
 
     @property
     def wear(self) -> float:
-        """(c_r − c_m)/c_m as a fraction, eq. (1)."""
+        """Return the wear (c_r − c_m)/c_m as a fraction, eq. (1)."""
         return clearance_equations.wear(self.radial_clearance, self.land.mounting_clearance)
 
     @property
     def thermal_rate(self) -> float:
-        """Growth of the radial clearance with temperature [m/K], eq. (2)."""
+        """Return the growth of the radial clearance with temperature [m/K], eq. (2)."""
         return self.land.thermal_rate(self.spool_diameter, self.sleeve_diameter)
 
     def effective_clearance(self, temperature: float) -> float:
-        """Radial clearance [m] at a temperature [°C], eq. (2): zero where the pair binds."""
+        """Return the radial clearance [m] at a temperature [°C], eq. (2): zero where the pair binds."""
         rise = temperature - REFERENCE_TEMPERATURE
         return clearance_equations.effective_clearance(self.radial_clearance, self.thermal_rate, rise)
 
 
 @dataclass(frozen=True)
 class _PartMean:
-    """One part of one land: the averages and what they say about its shape."""
+    """The mean diameters of one part of one land, and the shape that they show."""
 
     diameter: float
     by_station: Mapping[tuple[str, float | None], float]
@@ -149,14 +149,14 @@ class _PartMean:
 
 
 def clearances(readings: Readings | None, controller: Controller) -> tuple[LandClearance, ...]:
-    """The clearance of every land of the controller, measured or not, in the controller's order.
+    """Work out the clearance of every land of the controller, measured or not, in the controller's order.
 
     Parameters
     ----------
     readings
         as from `atleak.intake.readings.read_readings`; None computes every land at its mounting clearance.
     controller
-        whose lands are asked for. Readings of planes it does not know are left out.
+        the controller with its lands. Readings of planes it does not know are left out.
 
     Returns
     -------
@@ -179,7 +179,9 @@ def clearances(readings: Readings | None, controller: Controller) -> tuple[LandC
 
 
 def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClearance:
-    means = {part: _part_mean(land, part, found) if found else None for part, found in parts.items()}
+    means = {
+        part: _part_mean(land, part, part_readings) if part_readings else None for part, part_readings in parts.items()
+    }
     spool, sleeve = means["spool"], means["sleeve"]
     status: Status = (
         "not_measured"
@@ -194,7 +196,7 @@ def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClea
     sleeve_diameter = land.nominal_sleeve_diameter if sleeve is None else sleeve.diameter
     clearance = land.mounting_clearance if status == "not_measured" else _clearance(sleeve_diameter, spool_diameter)
     stations = _stations(spool, sleeve, spool_diameter, sleeve_diameter)
-    each = [station.radial_clearance for station in stations] or [clearance]
+    radial_clearances = [station.radial_clearance for station in stations] or [clearance]
     directions = {station.direction for station in stations}
     worst = max(stations, key=lambda station: station.radial_clearance).direction if len(directions) > 1 else None
     result = LandClearance(
@@ -203,8 +205,8 @@ def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClea
         spool_diameter=spool_diameter,
         sleeve_diameter=sleeve_diameter,
         radial_clearance=clearance,
-        min_clearance=min(each),
-        max_clearance=max(each),
+        min_clearance=min(radial_clearances),
+        max_clearance=max(radial_clearances),
         worst_direction=worst,
         stations=stations,
         spool_ovality=spool.ovality if spool else None,
@@ -218,7 +220,7 @@ def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClea
         spool_repeats=spool.repeats if spool else 0,
         sleeve_repeats=sleeve.repeats if sleeve else 0,
     )
-    place = next((reading.place for found in parts.values() for reading in found), None)
+    place = next((reading.place for part_readings in parts.values() for reading in part_readings), None)
     messages = (
         *(spool.messages if spool else ()),
         *(sleeve.messages if sleeve else ()),
@@ -254,7 +256,7 @@ def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
 
 
 def independent_repeats(repeats: Iterable[Reading]) -> list[Reading]:
-    """Repeats of one station without those whose two coordinates only repeat or swap an earlier one's.
+    """Return the repeats of one station without those whose two coordinates only repeat or swap an earlier one's.
 
     A microscope reads coordinates to 0.001 mm from an origin of its own, so two settings that agree in both are one
     setting written twice. Diameters without coordinates are taken as independent.
@@ -279,7 +281,7 @@ def _spread(repeats: list[Reading]) -> float:
 def _stations(
     spool: _PartMean | None, sleeve: _PartMean | None, spool_diameter: float, sleeve_diameter: float
 ) -> tuple[Station, ...]:
-    found = {**(spool.by_station if spool else {}), **(sleeve.by_station if sleeve else {})}
+    measured = {**(spool.by_station if spool else {}), **(sleeve.by_station if sleeve else {})}
 
     def diameter(mean: _PartMean | None, station: tuple[str, float | None], otherwise: float) -> float:
         if mean is None:
@@ -287,10 +289,10 @@ def _stations(
         return mean.by_station.get(station, mean.by_plane.get(station[0], mean.diameter))
 
     # a part without directions is known as its mean only: no station of its own beside the other's directions
-    named = {plane for plane, direction in found if direction is not None}
+    named = {plane for plane, direction in measured if direction is not None}
     return tuple(
         Station(*station, diameter(spool, station, spool_diameter), diameter(sleeve, station, sleeve_diameter))
-        for station in found
+        for station in measured
         if not (station[1] is None and station[0] in named)
     )
 
@@ -352,39 +354,39 @@ def _part_messages(
         )
 
 
-def _land_messages(found: LandClearance, place: Place | None) -> Iterable[Message]:
-    land = found.land
+def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Message]:
+    land = state.land
     name = f"component {land.component} land {land.land}"
-    if found.status == "spool_only":
+    if state.status == "spool_only":
         yield Message(
             "warning",
             "sleeve_missing",
-            f"{name}: sleeve not measured; its nominal diameter {_mm(found.sleeve_diameter)} mm was taken, so wear "
+            f"{name}: sleeve not measured; its nominal diameter {_mm(state.sleeve_diameter)} mm was taken, so wear "
             "of the sleeve is not seen",
             place,
         )
-    elif found.status == "sleeve_only":
+    elif state.status == "sleeve_only":
         yield Message(
             "warning",
             "spool_missing",
-            f"{name}: {land.part} not measured; its nominal diameter {_mm(found.spool_diameter)} mm was taken, so its "
+            f"{name}: {land.part} not measured; its nominal diameter {_mm(state.spool_diameter)} mm was taken, so its "
             "wear is not seen",
             place,
         )
-    elif found.status == "measured":
-        if found.radial_clearance < 0.5 * land.mounting_clearance:
+    elif state.status == "measured":
+        if state.radial_clearance < 0.5 * land.mounting_clearance:
             yield Message(
                 "warning",
                 "tighter_than_new",
-                f"{name}: radial clearance {_um(found.radial_clearance)} µm is less than half the mounting clearance "
+                f"{name}: radial clearance {_um(state.radial_clearance)} µm is less than half the mounting clearance "
                 f"of {_um(land.mounting_clearance)} µm: check the readings",
                 place,
             )
-        if found.min_clearance < 0.0 <= found.radial_clearance:
+        if state.min_clearance < 0.0 <= state.radial_clearance:
             yield Message(
                 "warning",
                 "tight_direction",
-                f"{name}: in one direction the sleeve measures {_um(-2.0 * found.min_clearance)} µm smaller than the "
+                f"{name}: in one direction the sleeve measures {_um(-2.0 * state.min_clearance)} µm smaller than the "
                 f"{land.part}",
                 place,
             )

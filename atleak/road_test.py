@@ -1,4 +1,4 @@
-"""What a road test is: channels in SI over time, with the stretches in which time runs without a break.
+"""Defines a road test: channels in SI over time, with the stretches in which time runs without a break.
 
 Nothing here knows a file format. ``atleak.intake.road_test`` makes a `RoadTest` from a logger's file.
 """
@@ -20,10 +20,10 @@ ChannelSource = Literal["logged", "derived", "constant"]
 
 @dataclass(frozen=True)
 class Quantity:
-    """A thing a log can hold.
+    """A quantity that a log can hold.
 
     ``unit_kind`` is the kind of unit in ``atleak.intake.units`` (None: a plain number or code), ``workshop_unit``
-    what people are shown, ``low`` and ``high`` the range in SI outside which a sample cannot be true.
+    the unit people see, ``low`` and ``high`` the range in SI outside which a sample cannot be true.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Channel:
     values
         What the logger wrote at those stamps, in SI; suspect samples stand here unchanged.
     suspect
-        True where a check doubts the sample.
+        True where a check marks the sample as suspect.
     column, unit, unit_assumed
         Name and unit in the file; ``unit_assumed`` when nothing in the file states the unit.
     kind
@@ -93,12 +93,12 @@ class Channel:
 
     @property
     def samples(self) -> int:
-        """Number of samples of its own."""
+        """Return the number of its own samples."""
         return len(self.values)
 
     @property
     def good(self) -> np.ndarray:
-        """The values with NaN where suspect."""
+        """Return the values with NaN where suspect."""
         return np.where(self.suspect, np.nan, self.values) if self.suspect.any() else self.values
 
 
@@ -116,7 +116,7 @@ class Segment:
 
     @property
     def stop(self) -> float:
-        """Last stamp [s]."""
+        """Return the last stamp [s]."""
         return self.start + self.duration
 
 
@@ -149,11 +149,11 @@ class RoadTest:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The quantities this log holds, time first."""
+        """Return the quantities this log holds, time first."""
         return ("time", *self.channels)
 
     def channel(self, quantity: str) -> Channel | None:
-        """The channel of a quantity with its own stamps, or None when the log has none.
+        """Return the channel of a quantity with its own stamps, or None when the log has none.
 
         Raises
         ------
@@ -164,12 +164,12 @@ class RoadTest:
         return self.channels.get(quantity)
 
     def kind(self, quantity: str) -> ChannelKind | None:
-        """Whether a pressure is measured, commanded or unknown; None when the log has none."""
+        """Return whether a pressure is measured, commanded or unknown; None when the log has none."""
         channel = self.channel(quantity)
         return channel.kind if channel else None
 
     def values(self, quantity: str) -> np.ndarray | None:
-        """A channel on the common base: shape ``(len(time),)``, SI, NaN where not sampled or suspect.
+        """Return a channel on the common base: shape ``(len(time),)``, SI, NaN where not sampled or suspect.
 
         Returns None when the log does not hold the quantity. The array is shared: do not write into it.
 
@@ -195,7 +195,7 @@ class RoadTest:
         return hold(channel.time, channel.good, self.time, self.segments)
 
     def window(self, start: float, stop: float) -> RoadTest:
-        """The part with ``start <= time <= stop`` [s]; ``rows`` then counts the base's stamps inside."""
+        """Return the part with ``start <= time <= stop`` [s]; ``rows`` then counts the base's stamps inside."""
         inside = (self.time >= start) & (self.time <= stop)
         time = self.time[inside]
         channels = {}
@@ -228,7 +228,7 @@ class RoadTest:
 
 
 def hold_limit(time: np.ndarray) -> float:
-    """How long a sample may be held [s]: three usual intervals of the channel, and at least nine in ten of them.
+    """Return how long a sample may be held [s]: three usual intervals, and no less than nine in ten intervals last.
 
     >>> hold_limit(np.array([0.0, 0.1, 0.2, 0.3]))
     0.3
@@ -241,7 +241,7 @@ def hold_limit(time: np.ndarray) -> float:
 
 
 def hold(own_time: np.ndarray, values: np.ndarray, time: np.ndarray, segments: tuple[Segment, ...] = ()) -> np.ndarray:
-    """A channel's last own sample at each stamp of another base.
+    """Return a channel's last own sample at each stamp of another base.
 
     NaN before the first sample, after `hold_limit`, and where the last sample lies in an earlier segment.
     """

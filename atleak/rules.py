@@ -1,4 +1,4 @@
-"""Every rule that judges a land or a total, made once and judged once.
+"""Make every rule that judges a land or a total, once, and judge it once.
 
 A rule says which quantity is limited, at which condition, its value and the limits that apply. Everything after it
 (decisions, reports, pages) takes these objects as they are.
@@ -35,42 +35,42 @@ class Rule:
 
     @property
     def level(self) -> Level:
-        """The level that the value has reached: a verdict for a land, a band for a total."""
+        """Return the level that the value has reached: a verdict for a land, a band for a total."""
         return self._judged[0]
 
     @property
     def verdict(self) -> Verdict:
-        """What the level counts as."""
+        """Return the verdict that the level counts as."""
         return self.level.verdict if isinstance(self.level, Band) else self.level
 
     @property
     def limit(self) -> float:
-        """The limit that was reached, or the first one where none was; in the value's unit."""
+        """Return the limit that was reached, or the first one where none was; in the value's unit."""
         return self._judged[1]
 
     @property
     def origin(self) -> LimitOrigin:
-        """Who stands behind the limit."""
+        """Return who set the limit."""
         return self.steps.origin
 
     @property
     def source(self) -> str:
-        """Where the limit was published, or why it was chosen."""
+        """Say where the limit was published, or why it was chosen."""
         return self.steps.source
 
     @property
     def quantity(self) -> str:
-        """What is limited, in plain words."""
+        """Name what is limited, in plain words."""
         return _LABELS[self.kind]
 
     @property
     def label(self) -> str:
-        """The quantity and its condition in plain words."""
+        """Name the quantity and its condition in plain words."""
         return self.quantity + (f", {self.condition.label}" if self.condition else "")
 
     @property
     def id(self) -> str:
-        """The rule's name in records, with the unit of its value: ``share_hot_idle_percent``."""
+        """Return the rule's name in records, with the unit of its value: ``share_hot_idle_percent``."""
         at = () if self.condition is None else (self.condition.name,)
         return "_".join((_IDS[self.kind], *at, self.kind.suffix))
 
@@ -98,7 +98,7 @@ class UnitRules:
     limits: Limits  # the set that was applied
 
     def of_land(self, key: LandKey) -> tuple[Rule, ...]:
-        """The rules of one land; none where it was not measured."""
+        """Return the rules of one land; none where it was not measured."""
         return self.lands.get(key, ())
 
 
@@ -135,7 +135,7 @@ def _land_rules(state: LandClearance, projections: Sequence[Projection], limits:
 
 
 def clearance_limits(state: LandClearance, limits: Limits) -> Steps | None:
-    """The limits of a land's radial clearance [m]: its own from the controller's file, or else the set's."""
+    """Return the limits of a land's radial clearance [m]: its own from the controller's file, or else the set's."""
     own = state.land.clearance_limit
     if own is None:
         return limits.clearance

@@ -1,7 +1,7 @@
-"""A number as people write it → the values it can mean, and whether it can be what was asked for.
+"""Read a number as people write it: the values it can mean, and whether it can be what was asked for.
 
-Nothing is known of the writer's country: comma and point each serve as decimal sign and between thousands. What can be
-read in two ways is said, never chosen between.
+The writer's country is not known: comma and point each serve as decimal sign and between thousands. A number that can
+be read in two ways is reported, and neither way is chosen.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _GROUPED = re.compile(
 
 @dataclass(frozen=True)
 class AskedNumber:
-    """A number that people are asked for: what is refused outside ``limits`` and doubted outside ``usual``."""
+    """A number that people are asked for: it is refused outside ``limits`` and doubted outside ``usual``."""
 
     name: str
     unit: str
@@ -39,7 +39,7 @@ class AskedNumber:
 
 @dataclass(frozen=True)
 class WrittenNumber:
-    """What was made of an entry: its value where it is taken, and what is to be said of it, in sentences."""
+    """The number read from an entry: its value where it is accepted, and any doubt about it, in sentences."""
 
     value: float | None
     doubt: str = ""
@@ -52,7 +52,7 @@ SHIFT = AskedNumber("shift", "s", 1.5, (-1e7, 1e7), (-86_400.0, 86_400.0))
 
 
 def possible_values(text: str) -> tuple[float, ...]:
-    """Every value that a written number can mean; none where it is no number.
+    """Return every value that a written number can mean; none where it is no number.
 
     Of two values the first takes the sign before the last three digits as decimal sign, the second as a thousands
     separator.
@@ -63,17 +63,17 @@ def possible_values(text: str) -> tuple[float, ...]:
     ((123.456, 123456.0), (0.456,), (123.456,))
     """
     plain = "".join(map(_plain_sign, text.translate(_SIGNS))).strip()
-    found = []
+    values = []
     if _DECIMAL.fullmatch(plain):
-        found.append(float(plain.replace(",", ".").replace(" ", "")))
+        values.append(float(plain.replace(",", ".").replace(" ", "")))
     if grouped := _GROUPED.fullmatch(plain):
         whole = re.sub("[ '.,]", "", grouped["whole"])
-        found.append(float(f"{whole}.{grouped['rest'] or ''}"))
-    return tuple(value for value in found if math.isfinite(value))
+        values.append(float(f"{whole}.{grouped['rest'] or ''}"))
+    return tuple(value for value in values if math.isfinite(value))
 
 
 def decimal_number(text: str) -> float | None:
-    """The number where a single comma or point can only be the decimal sign, as in a diameter; None for no number.
+    """Return the number where a single comma or point can only be a decimal sign, as in a diameter; None for none.
 
     >>> decimal_number("12,034"), decimal_number("1.234,5"), decimal_number("twelve")
     (12.034, 1234.5, None)
@@ -82,7 +82,7 @@ def decimal_number(text: str) -> float | None:
 
 
 def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
-    """An entry as the number that was asked for, in its unit; the unit itself may stand behind it.
+    """Read an entry as the number that was asked for, in its unit; the unit itself may stand behind it.
 
     >>> read_number("850,5", ENGINE_SPEED)
     WrittenNumber(value=850.5, doubt='')
@@ -101,13 +101,13 @@ def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
         )
     possible = [value for value in values if _within(value, asked.limits)]
     if not possible:
-        said = f"{_with_unit(bare, asked)} is not taken: the {asked.name} must be {_range(asked.limits, asked)}."
-        return WrittenNumber(None, said)
+        doubt = f"{_with_unit(bare, asked)} is not taken: the {asked.name} must be {_range(asked.limits, asked)}."
+        return WrittenNumber(None, doubt)
     if len(possible) > 1:
         fraction, whole = (written(value, asked) for value in possible)
         meant = [_with_unit(f"{value:.15g}", asked) for value in possible]
-        said = f"{bare!r} can be read in two ways: write {whole} for {meant[1]}, or {fraction} for {meant[0]}."
-        return WrittenNumber(None, said)
+        doubt = f"{bare!r} can be read in two ways: write {whole} for {meant[1]}, or {fraction} for {meant[0]}."
+        return WrittenNumber(None, doubt)
     (value,) = possible
     if _within(value, asked.usual):
         return WrittenNumber(value)
@@ -116,14 +116,14 @@ def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
 
 
 def written(value: float, asked: AskedNumber) -> str:
-    """A number as it can be written and is read back without a doubt.
+    """Write a number so that it is read back without a doubt.
 
     >>> written(80.0, TEMPERATURE), written(92.715, TEMPERATURE), written(123.456, MILEAGE)
     ('80', '92.715', '123.4560')
     """
     text = repr(float(value)).removesuffix(".0")
-    both = [found for found in possible_values(text) if _within(found, asked.limits)]
-    return f"{text}0" if len(both) > 1 else text
+    possible = [each for each in possible_values(text) if _within(each, asked.limits)]
+    return f"{text}0" if len(possible) > 1 else text
 
 
 def _within(value: float, ends: tuple[float, float]) -> bool:
@@ -139,7 +139,7 @@ def _with_unit(text: str, asked: AskedNumber) -> str:
 
 
 def _plain_sign(sign: str) -> str:
-    """One sign as plain ASCII: digits of any script, blanks of any width; direction marks are no signs."""
+    """Return one sign as plain ASCII: digits of any script, blanks of any width; direction marks become nothing."""
     category = unicodedata.category(sign)
     if category == "Nd":
         return str(unicodedata.decimal(sign))

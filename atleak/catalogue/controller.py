@@ -378,10 +378,10 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
                 value=table.land if mine else table.component,
                 expected=expected,
             )
-        unknown = sorted(set(table.gears) - set(entry.gears))
-        if unknown:
+        others = sorted(set(table.gears) - set(entry.gears))
+        if others:
             raise catalogue_error(
-                path, where, "gears", "unknown gear", value=unknown[0], expected=f"one of {entry.gears}"
+                path, where, "gears", "unknown gear", value=others[0], expected=f"one of {entry.gears}"
             )
         ends: dict[str, Pressure] = {}
         for key, text in (("from", table.high), ("to", table.low)):

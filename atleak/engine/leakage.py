@@ -1,4 +1,4 @@
-"""Leakage at one condition: clearances, pressures and a fluid in; the flow of every gap, and of the pump, out.
+"""Compute leakage at one condition: the flow of every gap and of the pump, from clearances, pressures and fluid.
 
 To change the physics read only this file. It calls the published equations of `atleak.equations` and adds nothing but
 the order in which they are used:
@@ -10,10 +10,8 @@ the order in which they are used:
 4. The pump delivers what it displaces less its slip (`PumpFlow.capacity`).
 
 `atleak.engine.series` computes the leakage of every sample of a log by other means, because going through this file for
-each
-gap and each sample would take a hundred times as long. It must give the same numbers:
-``tests/unit/engine/test_series.py``
-shows whether it does.
+each gap and each sample would take a hundred times as long. It must give the same numbers:
+``tests/unit/engine/test_series.py`` shows whether it does.
 """
 
 from __future__ import annotations
@@ -39,22 +37,22 @@ ENTRY_LOSS_WORTH_SAYING = 0.02
 
 
 class Clearance(Protocol):
-    """Hold what the engine needs to know of a land's measured or assumed state."""
+    """The measured or assumed clearance of a land, as far as the engine needs it."""
 
     @property
     def land(self) -> Land: ...
 
     @property
     def spool_diameter(self) -> float:
-        """[m]"""
+        """Return the mean diameter of the spool [m]."""
 
     @property
     def sleeve_diameter(self) -> float:
-        """[m]"""
+        """Return the mean diameter of the sleeve [m]."""
 
     @property
     def radial_clearance(self) -> float:
-        """[m]"""
+        """Return the cold radial clearance [m]."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ class GapLeakage:
     """One gap at one condition: every factor of its gap law, and the flow."""
 
     gap: Gap
-    pressure_drop: float  # [Pa], as it is: a negative one leaks nothing
+    pressure_drop: float  # [Pa], with its sign: a negative one leaks nothing
     diameter: float  # [m], the one in the gap law
     contact_length: float  # [m]
     effective_clearance: float  # [m]
@@ -78,7 +76,7 @@ class GapLeakage:
 
 @dataclass(frozen=True)
 class GapGeometry:
-    """A gap with the clearance of its land: what stays the same at every pressure and with every fluid."""
+    """A gap with the clearance of its land: the part of its flow that neither pressure nor fluid changes."""
 
     gap: Gap
     spool_diameter: float  # [m]
@@ -88,12 +86,12 @@ class GapGeometry:
     drawn_from_pump: bool
 
     def effective_clearance(self, temperature: Any) -> Any:
-        """Give the radial clearance [m] at a temperature [°C]: zero where the spool binds."""
+        """Return the radial clearance [m] at a temperature [°C]: zero where the spool binds."""
         rise = temperature - REFERENCE_TEMPERATURE
         return clearance_equations.effective_clearance(self.radial_clearance, self.thermal_rate, rise)
 
     def pressure_drop(self, pressures: dict[str, Any]) -> Any:
-        """Give the pressure before the gap minus that behind it [Pa] from the pressures of the sections."""
+        """Return the pressure before the gap minus that behind it [Pa] from the pressures of the sections."""
         return sum(coefficient * pressures[section] for section, coefficient in self.drop_coefficients)
 
     @cached_property
@@ -114,7 +112,7 @@ class GapLaw:
 
     @property
     def linear(self) -> bool:
-        """Tell whether the flow is in proportion to the pressure drop and to one over the dynamic viscosity."""
+        """Return whether the flow is in proportion to the pressure drop and to one over the dynamic viscosity."""
         return not self.profile.entry_loss
 
     @cached_property
@@ -123,7 +121,7 @@ class GapLaw:
         return float(gap_equations.eccentricity_factor(self.profile.eccentricity, 1.0))
 
     def diameter(self, spool_diameter: Any, clearance: Any) -> Any:
-        """Give the diameter [m] on which the gap's circumference is taken."""
+        """Return the diameter [m] on which the gap's circumference is taken."""
         return spool_diameter + clearance if self.profile.diameter == "mean" else spool_diameter
 
     def flow(
@@ -135,7 +133,7 @@ class GapLaw:
         density: Any,
         contact_length: Any,
     ) -> Any:
-        """Give the volume flow [m³/s]; arguments as those of `atleak.equations.gap.annular_flow`."""
+        """Return the volume flow [m³/s]; arguments as those of `atleak.equations.gap.annular_flow`."""
         factors = (pressure_drop, diameter, clearance, kinematic_viscosity, density, contact_length)
         if not self.linear:
             return self.eccentricity_factor * gap_equations.entry_loss_flow(*factors)
@@ -148,35 +146,35 @@ class GapLaw:
 
 @dataclass(frozen=True)
 class PumpFlow:
-    """What the pump delivers, with Wilson's slip or with a constant volumetric efficiency.
+    """The flow that the pump delivers, with Wilson's slip or with a constant volumetric efficiency.
 
     The pump's slip coefficient and efficiency may be arrays, as may every argument.
     """
 
     pump: Pump
-    with_slip: bool  # only of a pump with a slip coefficient
+    with_slip: bool  # only where the pump has a slip coefficient
 
     @property
     def per_revolution(self) -> Any:
-        """Give what it delivers in one revolution before slip [m³]."""
+        """Return what the pump delivers in one revolution before slip [m³]."""
         return self.pump.displacement * (1.0 if self.with_slip else self.pump.volumetric_efficiency)
 
     def slip(self, main_pressure: Any, dynamic_viscosity: Any) -> Any:
-        """Give the flow that slips back [m³/s] at any speed; zero where the efficiency is a constant."""
+        """Return the flow that slips back [m³/s] at any speed; zero where the efficiency is a constant."""
         if not self.with_slip:
             return 0.0
-        coefficient: Any = self.pump.slip_coefficient  # there is one: see `with_slip`
+        coefficient: Any = self.pump.slip_coefficient  # never None here: see `with_slip`
         return pump_equations.slip_flow(self.pump.displacement, coefficient, main_pressure, dynamic_viscosity)
 
     def capacity(self, engine_speed: Any, main_pressure: Any, dynamic_viscosity: Any) -> Any:
-        """Give what it delivers [m³/s] at an engine speed [1/s]; never below zero."""
+        """Return what the pump delivers [m³/s] at an engine speed [1/s]; never below zero."""
         if not self.with_slip:
             return pump_equations.capacity(self.pump.displacement, engine_speed, self.pump.volumetric_efficiency)
         displaced = pump_equations.capacity(self.pump.displacement, engine_speed, 1.0)
         return np.maximum(displaced - self.slip(main_pressure, dynamic_viscosity), 0.0)
 
     def minimum_speed(self, leakage: Any, main_pressure: Any, dynamic_viscosity: Any) -> Any:
-        """Give the lowest engine speed [1/s] at which it covers a leakage [m³/s] and its own slip."""
+        """Return the lowest engine speed [1/s] at which the pump covers a leakage [m³/s] and its own slip."""
         return pump_equations.minimum_speed(leakage, self.slip(main_pressure, dynamic_viscosity), self.per_revolution)
 
 
@@ -187,7 +185,7 @@ class PumpFlow:
 class LeakageModel:
     """A controller with given clearances, a fluid and a profile, ready to be evaluated at any condition.
 
-    Leakage is what the profile's ``pump_draw`` says: every gap, or what ends in the sump.
+    The profile's ``pump_draw`` says which gaps count as leakage: every gap, or those that end in the sump.
     """
 
     controller: Controller
@@ -213,7 +211,7 @@ class LeakageModel:
         rates = {
             key: state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter) for key, state in states.items()
         }
-        every = self.profile.pump_draw == "all_gaps"
+        counts_every_gap = self.profile.pump_draw == "all_gaps"
         return tuple(
             GapGeometry(
                 gap=gap,
@@ -221,7 +219,7 @@ class LeakageModel:
                 contact_length=states[gap.key].land.contact_length,
                 radial_clearance=states[gap.key].radial_clearance,
                 thermal_rate=rates[gap.key],
-                drawn_from_pump=every or gap.into_sump,
+                drawn_from_pump=counts_every_gap or gap.into_sump,
             )
             for gap in self.controller.gaps
         )
@@ -239,7 +237,7 @@ class LeakageModel:
         viscosity = self.fluid.kinematic_viscosity(temperature, model)
         density = self.fluid.density(temperature, model)
         pressures = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
-        found = []
+        leakages = []
         for geometry in self.geometries:
             if condition.gear not in geometry.gap.gears:
                 continue
@@ -247,7 +245,7 @@ class LeakageModel:
             clearance = float(geometry.effective_clearance(temperature))
             diameter = float(self.law.diameter(geometry.spool_diameter, clearance))
             flow = self.law.flow(max(drop, 0.0), diameter, clearance, viscosity, density, geometry.contact_length)
-            found.append(
+            leakages.append(
                 GapLeakage(
                     gap=geometry.gap,
                     pressure_drop=drop,
@@ -261,27 +259,27 @@ class LeakageModel:
                     reynolds_number=gap_equations.reynolds_number(flow, diameter, viscosity),
                 )
             )
-        return tuple(found)
+        return tuple(leakages)
 
     def dynamic_viscosity(self, temperature: Any) -> Any:
-        """Give μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data."""
+        """Return μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data."""
         return self.fluid.dynamic_viscosity(temperature, self.profile.viscosity)
 
     def pump_capacity(self, engine_speed: Any, main_pressure: Any, temperature: Any) -> Any:
-        """Give what the pump delivers [m³/s] at an engine speed [1/s]; never below zero."""
+        """Return what the pump delivers [m³/s] at an engine speed [1/s]; never below zero."""
         return self.pump.capacity(engine_speed, main_pressure, self._viscosity_for_slip(temperature))
 
     def pump_slip(self, main_pressure: Any, temperature: Any) -> Any:
-        """Give Wilson's slip flow [m³/s], which does not depend on speed."""
+        """Return Wilson's slip flow [m³/s], which does not depend on speed."""
         return self.pump.slip(main_pressure, self._viscosity_for_slip(temperature))
 
     @property
     def uses_slip(self) -> bool:
-        """Tell whether the pump's efficiency follows from slip rather than from a constant."""
+        """Return whether the pump's efficiency follows from slip rather than from a constant."""
         return self.pump.with_slip
 
     def minimum_speed(self, leakage: float, main_pressure: float, temperature: float) -> float:
-        """Give the lowest engine speed [1/s] at which the pump covers a leakage [m³/s] at that pressure."""
+        """Return the lowest engine speed [1/s] at which the pump covers a leakage [m³/s] at that pressure."""
         return float(self.pump.minimum_speed(leakage, main_pressure, self._viscosity_for_slip(temperature)))
 
     def _viscosity_for_slip(self, temperature: Any) -> Any:
@@ -289,12 +287,12 @@ class LeakageModel:
         return self.dynamic_viscosity(temperature) if self.uses_slip else None
 
 
-# --- what a reader must know
+# --- messages
 
 
 def gap_messages(gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
     """Report reversed drops, narrow gaps, entry loss and turbulence at one condition."""
-    found = []
+    messages = []
     at = condition.label
 
     def names(chosen: list[GapLeakage]) -> str:
@@ -303,7 +301,7 @@ def gap_messages(gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[
     reversed_ = [gap for gap in gaps if gap.pressure_drop < 0]
     if reversed_:
         text = f"{at}: the pressure drop is negative and counts as no leakage at {names(reversed_)}."
-        found.append(Message("warning", "reversed_pressure_drop", text))
+        messages.append(Message("warning", "reversed_pressure_drop", text))
     regime = gap_equations.obliteration(np.array([gap.effective_clearance for gap in gaps]))
     narrow = [gap for gap, state in zip(gaps, regime, strict=True) if state != "free"]
     if narrow:
@@ -311,22 +309,22 @@ def gap_messages(gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[
             f"{at}: under {gap_equations.FREE_CLEARANCE * UM:g} µm the boundary layer partly closes a gap, so the "
             f"leakage given is an upper bound: {names(narrow)}."
         )
-        found.append(Message("info", "partly_closed_gap", text))
+        messages.append(Message("info", "partly_closed_gap", text))
     lossy = [gap for gap in gaps if entry_loss_share(gap) > ENTRY_LOSS_WORTH_SAYING]
     if lossy:
         part = f"{ENTRY_LOSS_WORTH_SAYING * PERCENT:g} %"
         text = f"{at}: entry loss would take more than {part} off the flow at {names(lossy)}."
-        found.append(Message("info", "entry_loss", text))
+        messages.append(Message("info", "entry_loss", text))
     fast = [gap for gap in gaps if gap.reynolds_number > gap_equations.LAMINAR_REYNOLDS]
     if fast:
         limit = f"{gap_equations.LAMINAR_REYNOLDS:g}"
         text = f"{at}: Reynolds number over {limit}, the flow may not be laminar, at {names(fast)}."
-        found.append(Message("warning", "not_laminar", text))
-    return found
+        messages.append(Message("warning", "not_laminar", text))
+    return messages
 
 
 def entry_loss_share(gap: GapLeakage) -> float:
-    """Give the fraction of the gap law's flow that the entry loss would take off [-]."""
+    """Return the fraction of the gap law's flow that the entry loss would take off [-]."""
     if gap.pressure_drop <= 0 or gap.effective_clearance <= 0:
         return 0.0
     factors = (

@@ -1,4 +1,4 @@
-"""The same controller at stated conditions: other temperatures and speeds, other wear, later mileages."""
+"""Project a controller to stated conditions: other temperatures and speeds, other wear, later mileages."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from atleak.readings import LandClearance
 
 @dataclass(frozen=True)
 class Projection:
-    """Leakage and pump at one stated condition."""
+    """Leakage and pump flow at one stated condition."""
 
     condition: OperatingPoint
     pressures: dict[str, float]  # [Pa] by section
@@ -27,30 +27,30 @@ class Projection:
 
     @property
     def share(self) -> float:
-        """Leakage / pump capacity; infinite where the pump delivers nothing."""
+        """Return leakage / pump capacity; infinite where the pump delivers nothing."""
         return self.share_of(self.leakage)
 
     def share_of(self, leakage: float) -> float:
-        """Some leakage [m³/s] as a share of this condition's pump capacity; no leakage has no share of any."""
+        """Return a leakage [m³/s] as a share of this condition's pump capacity; zero for no leakage at all."""
         if self.pump_capacity > 0.0:
             return leakage / self.pump_capacity
         return math.inf if leakage > 0.0 else 0.0
 
     def gaps_of(self, key: tuple[str, int]) -> tuple[GapLeakage, ...]:
-        """The gaps of one land."""
+        """Return the gaps of one land."""
         return tuple(gap for gap in self.gaps if gap.gap.key == key)
 
     def leakage_of(self, key: tuple[str, int]) -> float:
-        """Leakage through every gap of one land [m³/s], whether or not it counts as drawn from the pump."""
+        """Return the leakage through every gap of one land [m³/s], whether or not it counts as drawn from the pump."""
         return sum(gap.leakage for gap in self.gaps_of(key))
 
     def drawn_by(self, key: tuple[str, int]) -> float:
-        """What of it counts in the total [m³/s]."""
+        """Return the part of one land's leakage that counts in the total [m³/s]."""
         return sum(gap.leakage for gap in self.gaps_of(key) if gap.drawn_from_pump)
 
 
 def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
-    """Leakage, pump and share at one condition.
+    """Compute leakage, pump flow and share at one condition.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def stated_condition(
     engine_speed: float | None = None,
     gear: int | None = None,
 ) -> OperatingPoint:
-    """The controller's first operating point, with what is given put in its place.
+    """Return the controller's first operating point, with the given values in place of its own.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def stated_condition(
 
 
 def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[LandClearance, ...]:
-    """Every cold radial clearance grown by a fraction of itself: the sleeve opens, the spool keeps its diameter.
+    """Widen every cold radial clearance by a fraction of itself: the sleeve opens, the spool keeps its diameter.
 
     This is how the source study models wear (W3, W4): the thermal term is added afterwards and not scaled.
     """
@@ -131,7 +131,7 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
 
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
-    """The same unit with some lands brought back to their mounting clearance."""
+    """Return the same unit with some lands brought back to their mounting clearance."""
     chosen = set(lands)
     return tuple(
         _with_clearance(state, state.land.mounting_clearance) if state.land.key in chosen else state
@@ -145,7 +145,7 @@ def _with_clearance(state: LandClearance, radial_clearance: float) -> LandCleara
 
 
 def mileage_at_wear(mileage: float, wear: float, limit: float) -> float | None:
-    """Mileage at which wear that grew in proportion to it reaches a limit, in the unit given; None without wear.
+    """Return the mileage at which wear, growing in proportion to it, reaches a limit; None without wear.
 
     Proportional wear is an assumption of this project: wear accelerates with contaminated fluid.
     """

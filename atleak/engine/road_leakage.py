@@ -1,4 +1,4 @@
-"""Leakage and pump over a road test: what the engine says of every sample, and the instants worth knowing."""
+"""Compute leakage and pump flow over a road test: for every sample, and at the instants worth knowing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from atleak.road_test import RoadTest
 
 @dataclass(frozen=True)
 class Instant:
-    """One sample of a log worth knowing."""
+    """One sample of a log that is worth knowing."""
 
     time: float  # [s]
     leakage: float  # [m³/s]
@@ -41,12 +41,12 @@ class RoadLeakage:
 
     @property
     def share(self) -> np.ndarray | None:
-        """Leakage / pump capacity of every sample; NaN where the pump stands."""
+        """Return leakage / pump capacity of every sample; NaN where the pump stands."""
         return None if self.pump_capacity is None else _share(self.leakage, self.pump_capacity)
 
 
 def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadLeakage:
-    """The engine over a road test.
+    """Compute leakage and pump flow of every sample of a road test.
 
     Parameters
     ----------
@@ -63,19 +63,19 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     """
     main = road_test.values("main_pressure")
     if main is None or not np.isfinite(main).any():
-        found = "no main pressure" if main is None else "no usable sample of main pressure"
+        missing = "no main pressure" if main is None else "no usable sample of main pressure"
         raise RoadTestError(
-            f"the log has {found}, without which leakage cannot be computed",
+            f"the log has {missing}, without which leakage cannot be computed",
             place=Place(file=road_test.file),
             expected="a column p_g [kPa] (or bar, psi)",
         )
     messages: list[Message] = []
 
-    def channel(quantity: str, value: float, said: str) -> np.ndarray:
+    def channel(quantity: str, value: float, value_text: str) -> np.ndarray:
         values = road_test.values(quantity)
         if values is not None:
             return values
-        text = f"The log has no {quantity.replace('_', ' ')}: {said} is assumed for all of it."
+        text = f"The log has no {quantity.replace('_', ' ')}: {value_text} is assumed for all of it."
         messages.append(Message("warning", f"assumed_{quantity}", text))
         return np.full(len(road_test.time), value)
 
@@ -118,7 +118,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
                 "its relation does not hold: its leakage there is too high."
             )
             messages.append(Message("warning", "pressure_relation", text))
-    known = gear[np.isfinite(series.total)]
+    known_gears = gear[np.isfinite(series.total)]
     share = None if capacity is None else _share(series.total, capacity)
 
     def instant(index: int) -> Instant:
@@ -130,7 +130,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         leakage=series.total,
         sections=series.sections,
         pump_capacity=capacity,
-        gears=tuple(int(number) for number in np.unique(known)),
+        gears=tuple(int(number) for number in np.unique(known_gears)),
         section_shares=_section_shares(series.sections, road_test.time),
         max_leakage=instant(int(np.nanargmax(series.total))),
         min_leakage=instant(int(np.nanargmin(series.total))),
@@ -152,7 +152,10 @@ def _instant(time: np.ndarray, leakage: np.ndarray, capacities: np.ndarray | Non
 
 
 def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[str, float | None]:
-    """Each section's part of the volume leaked; a sample stands for the time to the next, a gap for the usual step."""
+    """Return each section's part of the volume leaked.
+
+    A sample stands for the time to the next one; where the log pauses, for the usual step.
+    """
     steps = np.diff(time, append=np.nan)
     forward = steps[steps > 0.0]
     usual = float(np.median(forward)) if forward.size else 1.0
@@ -163,27 +166,27 @@ def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[s
 
 
 def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> list[Message]:
-    found = []
+    messages = []
     for section, count in series.reversed_samples.items():
         if count:
             text = (
                 f"In {count} of {size} samples a pressure drop of section {section} is negative and counts as no "
                 "leakage."
             )
-            found.append(Message("warning", "reversed_pressure_drop", text))
+            messages.append(Message("warning", "reversed_pressure_drop", text))
     if series.other_gear:
         gears = ", ".join(map(str, model.controller.gears))
         text = f"{series.other_gear} of {size} samples are in no gear of this valve body ({gears}) and are left out."
-        found.append(Message("warning", "other_gear", text))
+        messages.append(Message("warning", "other_gear", text))
     if series.outside_fluid:
         low, high = model.fluid.span(model.profile.viscosity)
         text = (
             f"{series.outside_fluid} of {size} samples are at a temperature outside the data of {model.fluid.name} "
             f"({low:g} to {high:g} °C) and are left out."
         )
-        found.append(Message("warning", "outside_fluid", text))
+        messages.append(Message("warning", "outside_fluid", text))
     missing = int(np.count_nonzero(~np.isfinite(series.total))) - series.other_gear - series.outside_fluid
     if missing > 0:
         text = f"{missing} of {size} samples lack a usable value of pressure, temperature or gear and are left out."
-        found.append(Message("info", "samples_left_out", text))
-    return found
+        messages.append(Message("info", "samples_left_out", text))
+    return messages

@@ -1,8 +1,7 @@
-"""Leakage of every sample of a log: the same physics as `atleak.engine.leakage`, in an order that costs little.
+"""Compute the leakage of every sample of a log: the physics of `atleak.engine.leakage`, in an order that costs little.
 
 The physics is changed in ``leakage.py``. This file must agree with it, and ``tests/unit/engine/test_series.py`` shows
-whether
-it does: against a slow loop over samples and gaps, and against ``leakage.py`` at single conditions.
+whether it does: against a slow loop over samples and gaps, and against ``leakage.py`` at single conditions.
 
 Why it is quick
 ---------------
@@ -144,12 +143,12 @@ class _GearSum:
 
     @cached_property
     def groups(self) -> tuple[tuple[str, _Drop], ...]:
-        """Section and drop of each group, in the order in which the controller names their first gap."""
+        """Return section and drop of each group, in the order in which the controller names their first gap."""
         return tuple(dict.fromkeys(term.group for term in self.terms))
 
     @cached_property
     def polynomials(self) -> np.ndarray:
-        """The polynomials of the gaps of each group, added up: shape (groups, 5)."""
+        """Return the polynomials of the gaps of each group, added up: shape (groups, 5)."""
         sums, number = np.zeros((len(self.groups), 5)), {group: row for row, group in enumerate(self.groups)}
         if self.terms:
             np.add.at(sums, [number[term.group] for term in self.terms], [term.polynomial for term in self.terms])
@@ -157,11 +156,11 @@ class _GearSum:
 
     @cached_property
     def drops(self) -> np.ndarray:
-        """The drop of each group as coefficients of the section pressures, shape (groups, sections)."""
+        """Return the drop of each group as coefficients of the section pressures, shape (groups, sections)."""
         return np.array([[dict(drop).get(section, 0.0) for section in SECTIONS] for _, drop in self.groups])
 
     def at(self, temperature: np.ndarray) -> _GearSum:
-        """Let the gaps that close somewhere between these temperatures [°C] stand alone; itself where none does."""
+        """Return these gaps with those set apart that close somewhere between the given temperatures [°C]."""
         if self.always_open or not self.terms:
             return self
         open_ = _open(self.terms, *_span(temperature))
@@ -174,7 +173,7 @@ class _GearSum:
 
 
 def _open(terms: Sequence[_Term], lowest: float, highest: float) -> np.ndarray:
-    """Tell which gaps are open at both ends of a range of temperature [°C], and so all through it."""
+    """Return which gaps are open at both ends of a range of temperature [°C], and so all through it."""
     cold = np.array([term.geometry.radial_clearance for term in terms])
     rate = np.array([term.geometry.thermal_rate for term in terms])
     rises = np.array([[lowest], [highest]]) - REFERENCE_TEMPERATURE
@@ -199,7 +198,7 @@ def _gear_sums(model: LeakageModel) -> dict[int, _GearSum]:
 
 @dataclass(frozen=True)
 class _Log:
-    """The channels of a log, or of a part of one; all of one length."""
+    """The channels of a log, or of a part of one, all of the same length."""
 
     main_pressure: np.ndarray
     converter_pressure: np.ndarray
@@ -207,7 +206,7 @@ class _Log:
     gear: np.ndarray
 
     def part(self, samples: Any) -> _Log:
-        """Give some of the samples."""
+        """Return some of the samples."""
         return _Log(
             self.main_pressure[samples], self.converter_pressure[samples], self.temperature[samples], self.gear[samples]
         )
@@ -265,7 +264,7 @@ def _compute_chunk(
 
 
 def _straight_lines(controller: Controller, log: _Log) -> tuple[np.ndarray, np.ndarray] | None:
-    """Give every section pressure as a sum of p_g, p_k and 1, shape (sections, 3), and the ends of p_g, p_k and 1.
+    """Return every section pressure as a sum of p_g, p_k and 1, shape (sections, 3), and the ends of p_g, p_k and 1.
 
     The ends are the four corners of what these samples span, shape (3, 4). None where the limit of a valve begins among
     the samples.
@@ -284,7 +283,7 @@ def _straight_lines(controller: Controller, log: _Log) -> tuple[np.ndarray, np.n
 
 
 def _matrix(gaps: _GearSum, straight: tuple[np.ndarray, np.ndarray] | None) -> np.ndarray | None:
-    """Give M of ``μ q = (p_g, p_k, 1) · M · (1, τ, … τ⁴)``, shape (3, 5), from the straight lines of the pressures.
+    """Return M of ``μ q = (p_g, p_k, 1) · M · (1, τ, … τ⁴)``, shape (3, 5), from the straight lines of the pressures.
 
     None where there are none, where a drop turns negative or a pressure is missing, and where gaps stand alone.
     """
@@ -339,7 +338,7 @@ def _powers(temperature: np.ndarray, out: np.ndarray) -> None:
 
 
 def _span(temperature: np.ndarray) -> tuple[float, float]:
-    """Give the lowest and highest temperature that are numbers."""
+    """Return the lowest and highest temperature that are numbers."""
     span = float(temperature.min()), float(temperature.max())
     if np.isnan(span[0]):
         finite = temperature[np.isfinite(temperature)]
@@ -348,7 +347,7 @@ def _span(temperature: np.ndarray) -> tuple[float, float]:
 
 
 def _by_gear(gear: np.ndarray) -> Iterator[tuple[int | None, Any]]:
-    """Give (gear, samples): a slice for each run of one gear or, where they are many, a mask for each gear."""
+    """Yield (gear, samples): a slice for each run of one gear or, where they are many, a mask for each gear."""
     starts = np.flatnonzero(gear[1:] != gear[:-1]) + 1
     if len(starts) <= _RUNS:
         bounds = [0, *starts.tolist(), len(gear)]
@@ -360,5 +359,5 @@ def _by_gear(gear: np.ndarray) -> Iterator[tuple[int | None, Any]]:
 
 
 def _gear_number(value: float) -> int | None:
-    """Give the gear as the controller names it: −1 where it has none such, None where the gear is not known."""
+    """Return the gear as the controller names it: −1 where it has none such, None where the gear is not known."""
     return None if np.isnan(value) else int(value) if value.is_integer() else -1

@@ -1,4 +1,4 @@
-"""Published equations, one pure function each: numbers or arrays in, the same kind out.
+"""Hold published equations, one pure function each: numbers or arrays in, the same kind out.
 
 Everything is in SI units; a temperature is in °C, a temperature difference in K, a rotational speed in
 revolutions per second. Scalars give a Python ``float``, arrays (anything ``numpy.asarray`` takes) broadcast

@@ -1,4 +1,4 @@
-"""What the equations share: numbers in, domain checks, numbers out.
+"""Check what goes into the equations, and convert it to numbers and back.
 
 A check costs one ``min()`` or ``max()`` over the array and copies nothing; only where that fails, or meets a
 NaN, the array is looked through for the first offending value. NaN passes every check.

@@ -1,4 +1,4 @@
-"""From diameters to clearances, cold and warm (equations 1, 2 and 28)."""
+"""Compute clearances from diameters, cold and warm (equations 1, 2 and 28)."""
 
 from __future__ import annotations
 

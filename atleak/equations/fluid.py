@@ -1,4 +1,4 @@
-"""Viscosity and density of automatic transmission fluid over temperature (equations 29 and 30, ASTM D341)."""
+"""Compute viscosity and density of automatic transmission fluid over temperature (equations 29 and 30, ASTM D341)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Flow through the annular gap between a spool and its sleeve (equations 3 to 5) and its closed forms."""
+"""Compute flow through the annular gap between a spool and its sleeve (equations 3 to 5) and its closed forms."""
 
 from __future__ import annotations
 
@@ -250,7 +250,7 @@ def reynolds_number(flow: ArrayLike, diameter: ArrayLike, kinematic_viscosity: A
 
 
 def circumferential_cube(clearances: ArrayLike, axis: int = -1) -> Any:
-    """Compute the effective cubed clearance of clearances found around the circumference, ``mean(c³)``.
+    """Compute the effective cubed clearance of clearances measured around the circumference, ``mean(c³)``.
 
     Parameters
     ----------
@@ -284,7 +284,7 @@ def circumferential_cube(clearances: ArrayLike, axis: int = -1) -> Any:
 
 
 def axial_cube(clearances: ArrayLike, axis: int = -1) -> Any:
-    """Compute the effective cubed clearance of clearances found along the length, ``1 / mean(c⁻³)``.
+    """Compute the effective cubed clearance of clearances measured along the length, ``1 / mean(c⁻³)``.
 
     Parameters
     ----------

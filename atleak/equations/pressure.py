@@ -1,4 +1,4 @@
-"""Control and modulated pressure, which no gauge reaches in a working transmission (equations 6 to 14)."""
+"""Compute control and modulated pressure, which no gauge reaches in a working transmission (equations 6 to 14)."""
 
 from __future__ import annotations
 

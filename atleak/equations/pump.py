@@ -1,4 +1,4 @@
-"""What the crescent pump delivers and what it loses to slip (the study's pump equations, Wilson's slip)."""
+"""Compute what the crescent pump delivers and what it loses to slip (the study's pump equations, Wilson's slip)."""
 
 from __future__ import annotations
 

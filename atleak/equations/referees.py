@@ -1,4 +1,4 @@
-"""Published equations that the product does not use: they are referees for those that it does.
+"""Hold published equations that only tests use, as referees for those that the product uses.
 
 Nothing outside the tests calls them. Each gives in another way, or for a more general case, what an equation of this
 package gives, so that a test can hold one against the other.

@@ -1,4 +1,4 @@
-"""The normal distribution, the sources of a reading's uncertainty, and decisions about a limit: closed forms.
+"""Compute the normal distribution, the sources of a reading's uncertainty, and decisions about a limit: closed forms.
 
 All uncertainties are standard uncertainties (one standard deviation) in the unit of the value they belong to. The
 normal distribution is exact to the digits of the standard library; no root finding, no tables.
@@ -67,10 +67,10 @@ def normal_quantile(probability: ArrayLike) -> Any:
     """
     p = values(probability)
     refuse("probability", p, (p <= 0.0) | (p >= 1.0), "above 0 and below 1", "")
-    found = np.full(p.shape, np.nan)
+    quantiles = np.full(p.shape, np.nan)
     known = ~np.isnan(p)
-    found[known] = np.asarray(_each_quantile(p[known]), dtype=float)
-    return result(found)
+    quantiles[known] = np.asarray(_each_quantile(p[known]), dtype=float)
+    return result(quantiles)
 
 
 # --- sources

@@ -1,4 +1,4 @@
-"""Closed forms for the cube of a normal variable and for sums: referees for the draws of `atleak.uncertainty`.
+"""Hold closed forms for the cube of a normal variable and for sums, as referees for the draws of `atleak.uncertainty`.
 
 Nothing outside the tests calls them: the product draws, because more than a clearance is uncertain of a flow. Where
 nothing else is, a test holds the draws against these.

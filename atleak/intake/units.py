@@ -1,4 +1,4 @@
-"""Unit names as people and loggers write them, by kind of quantity, into SI.
+"""Converts units as people and loggers write them to SI, by kind of quantity.
 
 Each kind is its own table: a temperature is no temperature difference, a pressure no percentage. A name that a
 table does not hold is refused, never guessed.
@@ -16,18 +16,18 @@ from atleak.errors import unknown
 
 @dataclass(frozen=True)
 class Unit:
-    """``si = value · factor + offset``."""
+    """A unit: ``si = value · factor + offset``."""
 
     name: str
     factor: float
     offset: float = 0.0
 
     def to_si(self, value: Any) -> Any:
-        """Value or array in this unit → SI."""
+        """Convert a value or array in this unit to SI."""
         return value * self.factor + self.offset if self.offset else value * self.factor
 
     def from_si(self, value: Any) -> Any:
-        """SI value or array → this unit."""
+        """Convert an SI value or array to this unit."""
         return (value - self.offset) / self.factor if self.offset else value / self.factor
 
 
@@ -183,7 +183,7 @@ _TABLE: dict[str, dict[str, Unit]] = {
 
 
 def find_unit(name: str, kind: str) -> Unit | None:
-    """The unit of that kind with that name, or None.
+    """Return the unit of that kind with that name, or None.
 
     >>> find_unit("℃", "temperature").name
     '°C'
@@ -194,24 +194,24 @@ def find_unit(name: str, kind: str) -> Unit | None:
 
 
 def unit(name: str, kind: str) -> Unit:
-    """As `find_unit`, but a name the table lacks raises.
+    """Return the unit of that kind with that name, as `find_unit`, but refuse an unknown name.
 
     Raises
     ------
     InputError
-        naming the unit, the units of that kind and the nearest.
+        for an unknown name; it lists the units of that kind and the nearest one.
     """
-    found = find_unit(name, kind)
-    if found is None:
+    match = find_unit(name, kind)
+    if match is None:
         raise unknown(f"unknown unit of {kind.replace('_', ' ')}", name, unit_names(kind))
-    return found
+    return match
 
 
 def unit_names(kind: str) -> list[str]:
-    """The canonical names of a kind's units, the most usual first."""
-    return [found.name for found in _KINDS[kind]]
+    """Return the usual names of a kind's units, the most common unit first."""
+    return [each.name for each in _KINDS[kind]]
 
 
 def kinds_of(name: str) -> list[str]:
-    """Every kind that knows a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
+    """Return every kind that has a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
     return [kind for kind in _TABLE if find_unit(name, kind)]

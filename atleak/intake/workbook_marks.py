@@ -1,4 +1,4 @@
-"""What a workbook's author hid or crossed out: rows, columns and cells, from the styles of an xlsx or ods.
+"""Reads what a workbook's author hid or crossed out: rows, columns and cells, from the styles of an xlsx or ods.
 
 Cells are read without their styles elsewhere, so this looks at the XML itself. Bytes in, plain data out.
 """
@@ -33,7 +33,10 @@ _STYLE = "{urn:oasis:names:tc:opendocument:xmlns:style:1.0}"
 
 @dataclass(frozen=True)
 class Marks:
-    """Of one sheet, rows and columns from 0. A row hidden in several ways is under the filter first."""
+    """What is hidden or crossed out on one sheet; rows and columns count from 0.
+
+    A row hidden in several ways counts as hidden by the filter.
+    """
 
     hidden_rows: dict[int, Hiding] = field(default_factory=dict)
     hidden_columns: frozenset[int] = frozenset()
@@ -41,7 +44,7 @@ class Marks:
 
 
 def marks(data: bytes) -> dict[str, Marks]:
-    """What is hidden or crossed out in each sheet of an xlsx or ods, by the sheet's name; empty for other kinds.
+    """Return what is hidden or crossed out on each sheet of an xlsx or ods, by its name; empty for other files.
 
     Raises
     ------
@@ -57,12 +60,12 @@ def marks(data: bytes) -> dict[str, Marks]:
         if "xl/workbook.xml" in names:
             return _xlsx(archive, names)
         if "content.xml" in names:
-            return _ods(_part(archive, "content.xml"))
+            return _ods(_unpacked_part(archive, "content.xml"))
     return {}
 
 
 def column_index(letters: str) -> int:
-    """A column's letters as a number from 0.
+    """Return a column's letters as a number from 0.
 
     >>> column_index("A"), column_index("AB")
     (0, 27)
@@ -73,7 +76,7 @@ def column_index(letters: str) -> int:
     return index - 1
 
 
-def _part(archive: zipfile.ZipFile, name: str) -> bytes:
+def _unpacked_part(archive: zipfile.ZipFile, name: str) -> bytes:
     with archive.open(name) as part:
         content = part.read(PART_LIMIT + 1)
     if len(content) > PART_LIMIT:
@@ -85,10 +88,10 @@ def _part(archive: zipfile.ZipFile, name: str) -> bytes:
 
 
 def sheet_paths(archive: zipfile.ZipFile) -> dict[str, str]:
-    """The part of the archive that holds each sheet of an xlsx, by the sheet's name."""
+    """Return the part of the archive that holds each sheet of an xlsx, by the sheet's name."""
     targets = dict(_targets(archive, "xl/workbook.xml"))
     paths = {}
-    for element in ElementTree.fromstring(_part(archive, "xl/workbook.xml")).iter():
+    for element in ElementTree.fromstring(_unpacked_part(archive, "xl/workbook.xml")).iter():
         if element.tag.endswith("}sheet"):
             relation = next((value for key, value in element.attrib.items() if key.endswith("}id")), "")
             paths[element.get("name", "")] = targets.get(relation, "xl")
@@ -96,28 +99,32 @@ def sheet_paths(archive: zipfile.ZipFile) -> dict[str, str]:
 
 
 def _targets(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, str]]:
-    """What a part of an xlsx refers to: names of relations and the parts they lead to."""
+    """Yield what a part of an xlsx refers to: the id of each relation and the part it leads to."""
     folder, name = posixpath.split(part)
-    for relation in ElementTree.fromstring(_part(archive, f"{folder}/_rels/{name}.rels")):
+    for relation in ElementTree.fromstring(_unpacked_part(archive, f"{folder}/_rels/{name}.rels")):
         target = relation.get("Target", "")
         path = target.lstrip("/") if target.startswith("/") else posixpath.normpath(f"{folder}/{target}")
         yield relation.get("Id", ""), path
 
 
 def _xlsx(archive: zipfile.ZipFile, names: set[str]) -> dict[str, Marks]:
-    styles = _struck_styles(_part(archive, "xl/styles.xml")) if "xl/styles.xml" in names else frozenset()
+    styles = _struck_styles(_unpacked_part(archive, "xl/styles.xml")) if "xl/styles.xml" in names else frozenset()
     strings = (
-        _struck_strings(_part(archive, "xl/sharedStrings.xml")) if "xl/sharedStrings.xml" in names else frozenset()
+        _struck_strings(_unpacked_part(archive, "xl/sharedStrings.xml"))
+        if "xl/sharedStrings.xml" in names
+        else frozenset()
     )
-    found = {}
+    marks_by_sheet = {}
     for sheet, path in sheet_paths(archive).items():
         if path in names:
-            xml = _part(archive, path)
-            filters = _filters(archive, names, path, xml) if b"hidden=" in xml else []
-            found[sheet] = Marks(
-                _hidden_rows(xml, filters), frozenset(_hidden_columns(xml)), frozenset(_struck(xml, styles, strings))
+            sheet_xml = _unpacked_part(archive, path)
+            filters = _filters(archive, names, path, sheet_xml) if b"hidden=" in sheet_xml else []
+            marks_by_sheet[sheet] = Marks(
+                _hidden_rows(sheet_xml, filters),
+                frozenset(_hidden_columns(sheet_xml)),
+                frozenset(_struck_cells(sheet_xml, styles, strings)),
             )
-    return found
+    return marks_by_sheet
 
 
 def _attributes(tag: bytes) -> dict[bytes, bytes]:
@@ -125,12 +132,12 @@ def _attributes(tag: bytes) -> dict[bytes, bytes]:
 
 
 def _elements(xml: bytes, name: bytes) -> list[bytes]:
-    """What stands after each opening tag of that name, up to the next one."""
+    """Return the text after each opening tag of that name, up to the next such tag."""
     return re.split(rb"<(?:\w{1,20}:)?" + name + rb"(?=[\s>/])", xml)[1:]
 
 
 def _inside(xml: bytes, name: bytes) -> bytes:
-    """What stands in the first element of that name."""
+    """Return the content of the first element of that name."""
     parts = _elements(xml, name)
     return re.split(rb"</(?:\w{1,20}:)?" + name + rb">", parts[0], maxsplit=1)[0] if parts else b""
 
@@ -155,34 +162,34 @@ def _struck_styles(xml: bytes) -> frozenset[int]:
 
 
 def _struck_strings(xml: bytes) -> frozenset[int]:
-    """Texts of which every run is crossed out."""
+    """Return the numbers of the shared texts that are crossed out throughout."""
     if b"trike" not in xml:
         return frozenset()
-    found = set()
+    struck = set()
     for number, text in enumerate(_elements(xml, b"si")):
         runs = _elements(text, b"r")
         if runs and all(_is_struck(run) for run in runs):
-            found.add(number)
-    return frozenset(found)
+            struck.add(number)
+    return frozenset(struck)
 
 
-def _struck(xml: bytes, styles: frozenset[int], strings: frozenset[int]) -> Iterator[tuple[int, int]]:
+def _struck_cells(xml: bytes, styles: frozenset[int], strings: frozenset[int]) -> Iterator[tuple[int, int]]:
     if styles:
         numbers = b"|".join(b"%d" % style for style in sorted(styles))
         for tag in re.findall(rb'<(?:\w{1,20}:)?c\b([^<>]*\ss="(?:' + numbers + rb')"[^<>]*)>', xml):
-            yield from _cell(tag)
+            yield from _place_of_cell(tag)
     if b"trike" in xml:
         for cell in _elements(xml, b"c"):
             runs = _elements(cell, b"r")
             if runs and all(_is_struck(run) for run in runs):
-                yield from _cell(cell.partition(b">")[0])
+                yield from _place_of_cell(cell.partition(b">")[0])
     if strings:
         for tag, value in _TEXT.findall(xml):
             if int(value) in strings and _attributes(tag).get(b"t") == b"s":
-                yield from _cell(tag)
+                yield from _place_of_cell(tag)
 
 
-def _cell(tag: bytes) -> Iterator[tuple[int, int]]:
+def _place_of_cell(tag: bytes) -> Iterator[tuple[int, int]]:
     reference = _REFERENCE.fullmatch(_attributes(tag.rstrip(b"/")).get(b"r", b""))
     if reference is not None:
         yield int(reference[2]) - 1, column_index(reference[1].decode())
@@ -194,39 +201,39 @@ def _hidden_rows(xml: bytes, filters: list[tuple[int, int]]) -> dict[int, Hiding
         return hidden
     row = -1
     for tag in _ROW.findall(xml):
-        found = _attributes(tag.rstrip(b"/"))
-        row = int(found.get(b"r", b"0")) - 1 if b"r" in found else row + 1
-        if found.get(b"hidden") not in _YES:
+        attributes = _attributes(tag.rstrip(b"/"))
+        row = int(attributes.get(b"r", b"0")) - 1 if b"r" in attributes else row + 1
+        if attributes.get(b"hidden") not in _YES:
             continue
         if any(first <= row <= last for first, last in filters):
             hidden[row] = "by a filter"
         else:
-            folded = found.get(b"outlineLevel", b"0") != b"0"
+            folded = attributes.get(b"outlineLevel", b"0") != b"0"
             hidden[row] = "in a folded outline" if folded else "by hand"
     return hidden
 
 
 def _hidden_columns(xml: bytes) -> Iterator[int]:
     for tag in _COLUMN.findall(_inside(xml, b"cols"))[:_COLUMNS]:
-        found = _attributes(tag.rstrip(b"/"))
-        if found.get(b"hidden") in _YES:
-            first, last = (int(found.get(name, b"0")) for name in (b"min", b"max"))
+        attributes = _attributes(tag.rstrip(b"/"))
+        if attributes.get(b"hidden") in _YES:
+            first, last = (int(attributes.get(name, b"0")) for name in (b"min", b"max"))
             yield from range(max(first - 1, 0), min(last, _COLUMNS))
 
 
 def _filters(archive: zipfile.ZipFile, names: set[str], path: str, xml: bytes) -> list[tuple[int, int]]:
-    """Rows under a filter that chooses something, of the sheet itself and of the tables on it."""
+    """Return the first and last row of each filter in use, of the sheet itself and of the tables on it."""
     parts = [xml]
     folder, name = posixpath.split(path)
     if f"{folder}/_rels/{name}.rels" in names:
         tables = [target for _, target in _targets(archive, path) if "/tables/" in f"/{target}" and target in names]
-        parts += [_part(archive, target) for target in tables]
-    found = []
+        parts += [_unpacked_part(archive, target) for target in tables]
+    filtered = []
     for part in parts:
         area = _AREA.search(part, max(part.find(b"autoFilter"), 0)) if b"filterColumn" in part else None
         if area is not None:
-            found.append((int(area[2]), int(area[4]) - 1))  # the row of headings is never hidden by it
-    return found
+            filtered.append((int(area[2]), int(area[4]) - 1))  # the row of headings is never hidden by it
+    return filtered
 
 
 # --- ods ------------------------------------------------------------------------------------------------------------
@@ -251,26 +258,26 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None]) -> Marks:
     columns: set[int] = set()
     cells: set[tuple[int, int]] = set()
     folded = {id(line) for group in table.iter(f"{_TABLE}table-row-group") for line in group.iter(f"{_TABLE}table-row")}
-    at = 0
-    for column in table.iter(f"{_TABLE}table-column"):
-        again = _repeated(column, "columns")
-        if column.get(f"{_TABLE}visibility", "visible") != "visible":
-            columns.update(range(at, min(at + again, _COLUMNS)))  # empty past the last column
-        at += again
-    at = 0
+    column = 0
+    for element in table.iter(f"{_TABLE}table-column"):
+        count = _repeated(element, "columns")
+        if element.get(f"{_TABLE}visibility", "visible") != "visible":
+            columns.update(range(column, min(column + count, _COLUMNS)))  # empty past the last column
+        column += count
+    row = 0
     for line in table.iter(f"{_TABLE}table-row"):
         shown = line.get(f"{_TABLE}visibility", "visible")
         if shown != "visible" and any(len(cell) for cell in line):
-            way: Hiding = (
+            hiding: Hiding = (
                 "by a filter" if shown == "filter" else "in a folded outline" if id(line) in folded else "by hand"
             )
-            rows[at] = way
-        across = 0
+            rows[row] = hiding
+        column = 0
         for cell in line:
             if cell.get(f"{_TABLE}style-name") in struck and len(cell):
-                cells.add((at, across))
-            across += _repeated(cell, "columns")
-        at += _repeated(line, "rows")
+                cells.add((row, column))
+            column += _repeated(cell, "columns")
+        row += _repeated(line, "rows")
     return Marks(rows, frozenset(columns), frozenset(cells))
 
 

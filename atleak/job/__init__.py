@@ -1,1 +1,1 @@
-"""A job: what the workshop writes down, and all of it in one file."""
+"""Hold a job: its files and choices, what the workshop writes down, and all of it in one zip."""

@@ -1,7 +1,7 @@
-"""A job: its files and choices in one frozen object, and the only way in which they become a diagnosis.
+"""Hold a job, its files and choices, in one frozen object: the only way in which they become a diagnosis.
 
 The command line, the dashboard, job files and batches all make a `Case` and call `Case.diagnose`. A choice from the
-catalogue is an id, a path, or a file of the workshop's own that is at hand as bytes.
+catalogue is an id, a path, or a file of the workshop's own, given as bytes.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ Pairs = tuple[tuple[str, Any], ...]
 
 
 def plain_name(name: str) -> str:
-    """A file's name without any folder: for messages, never for a path."""
+    """Return a file's name without any folder: for messages, never for a path."""
     return PurePosixPath(name.replace("\\", "/")).name or "file"
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A file of a job: its name and its bytes, or the path at which they are read when they are needed."""
+    """A file of a job: its name and its bytes, or the path from which they are read when they are needed."""
 
     name: str
     data: bytes | None = field(default=None, repr=False)
@@ -57,17 +57,17 @@ class SourceFile:
 
     @classmethod
     def at(cls, path: str | Path) -> SourceFile:
-        """The file at a path; nothing is read yet."""
+        """Return the file at a path; nothing is read yet."""
         return cls(Path(path).name, path=Path(path))
 
     @property
     def given(self) -> bytes | Path:
-        """What the intake reads: the path where there is one, or else the bytes."""
+        """Return what the intake reads: the path where there is one, or else the bytes."""
         return self.path if self.path is not None else self.content
 
     @cached_property
     def content(self) -> bytes:
-        """The bytes.
+        """Return the bytes of the file.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class SourceFile:
 
     @cached_property
     def sha256(self) -> str:
-        """Of the bytes, as hexadecimal digits."""
+        """Return the SHA-256 digest of the bytes, as hexadecimal digits."""
         return hashlib.sha256(self.content).hexdigest()
 
 
@@ -94,11 +94,11 @@ Choice = str | SourceFile
 class Slot:
     """One thing that a job takes from the catalogue."""
 
-    name: str  # of the field of `Case`
+    name: str  # name of the field in `Case`
     label: str  # for people
-    folder: str  # of the catalogue
+    folder: str  # folder of the catalogue
     load: Callable[[str | Path], Any]
-    required: bool  # in a job file: an instrument may be one that was made in Python
+    required: bool  # in a job file: an instrument may have been made in Python
 
 
 SLOTS: Mapping[str, Slot] = MappingProxyType(
@@ -116,7 +116,7 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
 
 
 class SheetChoices(TypedDict):
-    """How a measuring sheet is read, as `read_readings` takes it."""
+    """The choices by which a measuring sheet is read, as `read_readings` takes them."""
 
     sheet: str | None
     unit: str | None
@@ -124,7 +124,7 @@ class SheetChoices(TypedDict):
 
 
 class LogChoices(TypedDict):
-    """How a log's columns are read, as `read_road_test` takes it."""
+    """The choices by which a log's columns are read, as `read_road_test` takes them."""
 
     mapping: dict[str, str]
     units: dict[str, str]
@@ -132,7 +132,7 @@ class LogChoices(TypedDict):
 
 
 class Loader(Protocol):
-    """How the files of a job are read; the dashboard hands in one that keeps what it has read."""
+    """The reader of a job's files; the dashboard passes one that keeps what it has read."""
 
     def entry(self, slot: Slot, choice: Choice) -> Any: ...
 
@@ -143,7 +143,7 @@ class Loader(Protocol):
 
 @dataclass(frozen=True)
 class Case:
-    """Files and choices of one job. The defaults of every choice stand here and nowhere else."""
+    """The files and choices of one job. The default of every choice stands here and nowhere else."""
 
     readings: SourceFile | None = None  # the measuring sheet
     road_test: SourceFile | None = None  # the log
@@ -157,7 +157,7 @@ class Case:
     temperature: float | None = None  # [°C]; None: the controller's first operating point
     engine_speed: float | None = None  # [1/s]
     gear: int | None = None
-    point: OperatingPoint | None = None  # in place of the controller's first operating point
+    point: OperatingPoint | None = None  # used instead of the controller's first operating point
     mileage: float | None = None  # [km]
     sheet_name: str | None = None  # of the workbook, where several hold readings
     sheet_unit: str | None = None  # of the diameters, where the sheet does not say
@@ -165,29 +165,29 @@ class Case:
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user chose it
     units: tuple[tuple[str, str], ...] = ()  # quantity → unit
     constants: tuple[tuple[str, float], ...] = ()  # quantity → value in SI of a channel that the log lacks
-    remember: bool = True  # whether what this computer remembers of such logs is consulted
-    assumptions: Pairs = ()  # where they are not the usual ones
+    remember: bool = True  # whether to use what this computer remembers of such logs
+    assumptions: Pairs = ()  # those that differ from the defaults
     guard_factor: float | None = None
 
     @property
     def key(self) -> str:
-        """What a result of this job can be kept by: equal files and choices have equal keys, others have not."""
-        files = {name: (found.name, found.sha256) for name, found in self._files()}
-        said = {name: files.get(name, value) for name, value in vars(self).items() if not name.startswith("_")}
-        return hashlib.sha256(repr(sorted(said.items())).encode("utf-8", "backslashreplace")).hexdigest()
+        """Return a key under which a result can be kept: equal for equal files and choices, and only for those."""
+        files = {name: (file.name, file.sha256) for name, file in self._files()}
+        values = {name: files.get(name, value) for name, value in vars(self).items() if not name.startswith("_")}
+        return hashlib.sha256(repr(sorted(values.items())).encode("utf-8", "backslashreplace")).hexdigest()
 
     def with_files(self, files: Mapping[str, SourceFile | None]) -> Self:
-        """This job with other files, by the names of their fields."""
+        """Return this job with other files, by the names of their fields."""
         changes: dict[str, Any] = dict(files)
         return replace(self, **changes)
 
     def _files(self) -> list[tuple[str, SourceFile]]:
         named = ((name, getattr(self, name)) for name in ("readings", "road_test", *SLOTS))
-        return [(name, found) for name, found in named if isinstance(found, SourceFile)]
+        return [(name, file) for name, file in named if isinstance(file, SourceFile)]
 
     @property
     def engine_profile(self) -> Profile:
-        """The profile with its options.
+        """Return the profile with its options.
 
         Raises
         ------
@@ -198,16 +198,16 @@ class Case:
 
     @property
     def sheet_choices(self) -> SheetChoices:
-        """How the measuring sheet is read."""
+        """Return how the measuring sheet is read."""
         return {"sheet": self.sheet_name, "unit": self.sheet_unit, "where": dict(self.sheet_where)}
 
     @property
     def log_choices(self) -> LogChoices:
-        """How the log's columns are read."""
+        """Return how the log's columns are read."""
         return {"mapping": dict(self.columns), "units": dict(self.units), "constants": dict(self.constants)}
 
     def condition(self, controller: Controller) -> OperatingPoint:
-        """The stated condition.
+        """Return the stated condition.
 
         Raises
         ------
@@ -218,7 +218,7 @@ class Case:
         return stated_condition(base, temperature=self.temperature, engine_speed=self.engine_speed, gear=self.gear)
 
     def with_condition(self, condition: OperatingPoint, controller: Controller) -> Case:
-        """This job at a condition: by what differs from the controller's own, or else as a whole."""
+        """Return this job at a condition, kept as what differs from the controller's own, or else as a whole."""
         own = controller.operating_points[0]
         differ: dict[str, Any] = {
             name: None if getattr(condition, name) == getattr(own, name) else getattr(condition, name)
@@ -232,17 +232,17 @@ class Case:
         return replace(bare, point=condition)
 
     def diagnose(self, loader: Loader | None = None) -> Diagnosis:
-        """The verdict on this job.
+        """Diagnose this job.
 
         Parameters
         ----------
         loader
-            by which the files are read; each is read anew unless given.
+            reads the files; unless given, each is read anew.
 
         Raises
         ------
         AtleakError
-            saying what of the job cannot be used.
+            saying which part of the job cannot be used.
         """
         loader = loader or Reader()
         controller, fluid, limits, spool, sleeve = (
@@ -264,7 +264,7 @@ class Case:
 
 
 def _road_test(log: Understood) -> RoadTest:
-    """The road test of a log, or the reason why there is none."""
+    """Return the road test of a log, or raise the reason why there is none."""
     if log.road_test is None:
         raise log.problem or InputError("the log's columns cannot be told", place=Place(file=log.file))
     return log.road_test
@@ -274,7 +274,7 @@ class Reader:
     """Read every file of a job anew."""
 
     def entry(self, slot: Slot, choice: Choice) -> Any:
-        """A controller, fluid, limit set or instrument by id, path or bytes.
+        """Load a controller, fluid, limit set or instrument by id, path or bytes.
 
         Raises
         ------
@@ -284,7 +284,7 @@ class Reader:
         return load_source(slot.load, choice) if isinstance(choice, SourceFile) else slot.load(choice)
 
     def readings(self, case: Case, controller: Controller) -> Readings:
-        """The readings of the job's measuring sheet.
+        """Read the job's measuring sheet.
 
         Raises
         ------
@@ -296,12 +296,12 @@ class Reader:
         return read_readings(sheet.given, controller, name=sheet.name, **case.sheet_choices)
 
     def log(self, case: Case) -> Understood:
-        """What is understood of the job's log, open questions included.
+        """Read the job's log as far as it is understood, open questions included.
 
         Raises
         ------
         RoadTestError
-            what is no log.
+            for a file that is no log.
         """
         log = case.road_test
         assert log is not None
@@ -310,14 +310,14 @@ class Reader:
 
 
 def with_log_choices(case: Case, log: Understood) -> Case:
-    """The job with its log's columns as they were chosen, now or earlier, so that it reads the same elsewhere.
+    """Return the job with its log's columns as they were chosen, now or earlier: it then reads the same elsewhere.
 
     Parameters
     ----------
     case
-        what was chosen with it goes before what is remembered.
+        the job; its own choices come before what is remembered.
     log
-        as its log was understood: what is remembered counts only where it was consulted.
+        the log as it was understood: what is remembered counts only where it was used.
     """
     consulted = any(message.code == "remembered" for message in log.messages)
     earlier = recall(default_path(), log.signature) if consulted and case.remember else None
@@ -334,7 +334,7 @@ def with_log_choices(case: Case, log: Understood) -> Case:
 
 
 def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:
-    """What a loader of the catalogue makes of a file that is at hand as bytes.
+    """Load an entry of the catalogue from a file that is given as bytes.
 
     The name that a user gave is only shown, in messages and records; no file of that name is written.
 
@@ -359,16 +359,16 @@ def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:
 
 
 def differing_options(profile: Profile) -> Pairs:
-    """The options in which a profile differs from the shipped one of its name."""
+    """Return the options in which a profile differs from the shipped one of its name."""
     shipped = PROFILES[profile.name].options
     return tuple((name, value) for name, value in profile.options.items() if value != shipped[name])
 
 
 def pairs_of(values: Mapping[str, Any] | None) -> Pairs:
-    """A mapping as the pairs that a case keeps."""
+    """Return a mapping as the pairs that a case keeps."""
     return tuple((values or {}).items())
 
 
 def settings_of(point: OperatingPoint) -> dict[str, Any]:
-    """A condition as plain values, in SI."""
+    """Return a condition as plain values, in SI."""
     return asdict(point)

@@ -1,4 +1,4 @@
-"""The job record from a TOML or JSON file; the whole job as a zip that another atleak opens to the same verdict."""
+"""Read the job record from a TOML or JSON file, and write a whole job as a zip that gives the same verdict again."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
 _ENTRIES = 1000
-_STAMP = (1980, 1, 1, 0, 0, 0)  # of every file in the zip: the same job gives the same bytes
+_STAMP = (1980, 1, 1, 0, 0, 0)  # date of every file in the zip, fixed so that the same job gives the same bytes
 
 
 # --- the record alone
 
 
 def load_job(path: str | Path) -> Job:
-    """A job record from a ``.toml`` or ``.json`` file, with the pictures that lie beside it.
+    """Read a job record from a ``.toml`` or ``.json`` file, with the pictures that lie beside it.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def load_job(path: str | Path) -> Job:
 
 
 def parse_job(content: bytes, name: str) -> Job:
-    """A job record from the bytes of a TOML or JSON file, without its pictures.
+    """Read a job record from the bytes of a TOML or JSON file, without its pictures.
 
     Raises
     ------
@@ -92,19 +92,19 @@ def _picture_beside(record: Path, name: str) -> bytes:
         ) from error
 
 
-# --- the job with everything it rests on
+# --- the job with all its files
 
 
 @dataclass(frozen=True)
 class JobFile:
-    """A job as its zip held it: the record, the case to diagnose anew, and the result as it was written."""
+    """A job as its zip contained it: the record, the case to diagnose anew, and the result as it was written."""
 
     job: Job
     case: Case
     result: dict[str, Any]
 
     def diagnose(self) -> Diagnosis:
-        """The diagnosis of this job by the atleak that reads it.
+        """Diagnose this job anew, with the installed version of atleak.
 
         Raises
         ------
@@ -115,7 +115,7 @@ class JobFile:
 
 
 def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
-    """The zip's bytes: job record, measuring sheet, log, pictures, catalogue files and result.
+    """Return the bytes of the zip: job record, measuring sheet, log, pictures, catalogue files and result.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
     entries = _catalogue_files(diagnosis, case)
     sheet = _source(case.readings, diagnosis.readings, "the measuring sheet")
     log = _source(case.road_test, diagnosis.road.road_test if diagnosis.road else None, "the road-test log")
-    sure = diagnosis.uncertainty
+    uncertainty = diagnosis.uncertainty
     choices = Choices(
         format=FORMAT,
         atleak=__version__,
@@ -147,8 +147,8 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         mileage=diagnosis.mileage,
         readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
         road_test=_log_choices(case) if log else {},
-        assumptions=sure.assumptions.settings if sure else {},
-        guard_factor=sure.guard_factor if sure else None,
+        assumptions=uncertainty.assumptions.settings if uncertainty else {},
+        guard_factor=uncertainty.guard_factor if uncertainty else None,
         files=_names(sheet, log, entries),
     )
     target = io.BytesIO()
@@ -166,7 +166,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
 
 
 def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_limit: int = SIZE_LIMIT) -> JobFile:
-    """A job from its zip. Nothing is written to disk and no path of the zip is followed.
+    """Read a job from its zip; nothing is written to disk and no path of the zip is followed.
 
     Parameters
     ----------
@@ -178,8 +178,8 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     Raises
     ------
     InputError
-        what is no job file, is damaged, would unpack to more than ``size_limit`` bytes, or holds entries that no job
-        has.
+        a file that is no job file, is damaged, would unpack to more than ``size_limit`` bytes, or holds entries that
+        no job has.
     """
     name = name if isinstance(source, bytes) else Path(source).name
     place = Place(file=name)
@@ -220,7 +220,7 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result)
 
 
-# --- what stands in job.json
+# --- the content of job.json
 
 
 class _Strict(BaseModel):
@@ -228,7 +228,7 @@ class _Strict(BaseModel):
 
 
 def _known_slot(name: str) -> str:
-    """One of the files that a job can hold."""
+    """Check that a name is one of the files that a job can hold."""
     if name not in (*_OWN_FILES, *SLOTS):
         raise ValueError(f"one of {', '.join((*_OWN_FILES, *SLOTS))}")
     return name
@@ -248,7 +248,7 @@ class Condition(_Strict):
 
 
 class ReadingChoices(_Strict):
-    """What `read_readings` was told of the measuring sheet."""
+    """The choices by which `read_readings` read the measuring sheet."""
 
     sheet: str | None = None
     unit: str | None = None
@@ -259,7 +259,7 @@ _LogChoices = dict[Literal["mapping", "units", "constants"], dict[str, str | flo
 
 
 class Choices(_Strict):
-    """Everything of a job but its files."""
+    """The content of ``job.json``: everything of a job but its files."""
 
     format: Literal[1]
     atleak: str
@@ -275,7 +275,7 @@ class Choices(_Strict):
     files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
 
     def case(self, sources: Mapping[str, SourceFile]) -> Case:
-        """The case that these choices and files make up; nothing that a computer remembers is consulted."""
+        """Return the case that these choices and files make up; nothing that this computer remembers is used."""
         profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
         return Case(
             profile=profile.name,
@@ -347,17 +347,19 @@ def _known_entry(name: str) -> bool:
 
 
 def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
-    """What of the catalogue the diagnosis rests on, each file still as it was when it was loaded."""
-    sure = diagnosis.uncertainty
+    """Return the catalogue files that the diagnosis used, each checked to be unchanged since it was loaded."""
+    uncertainty = diagnosis.uncertainty
     used: dict[str, Any] = {name: getattr(diagnosis, name) for name, slot in SLOTS.items() if slot.required}
-    if sure is not None:
-        used |= {"spool_instrument": sure.instruments.spool, "sleeve_instrument": sure.instruments.sleeve}
+    if uncertainty is not None:
+        used |= {"spool_instrument": uncertainty.instruments.spool, "sleeve_instrument": uncertainty.instruments.sleeve}
     files = {}
     for name, entry in used.items():
         origin, choice = entry.origin, getattr(case, name)
         if origin is None:
             continue  # an instrument made in Python: the catalogue's defaults are taken instead
-        source = SourceFile(origin.file, choice.content if isinstance(choice, SourceFile) else _still(name, origin))
+        source = SourceFile(
+            origin.file, choice.content if isinstance(choice, SourceFile) else _bytes_loaded(name, origin)
+        )
         if source.sha256 != origin.sha256:
             what = f"the file of the {name.replace('_', ' ')}"
             raise InputError(f"{what} has changed since it was loaded", value=origin.file)
@@ -365,7 +367,7 @@ def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
     return files
 
 
-def _still(name: str, origin: Origin) -> bytes:
+def _bytes_loaded(name: str, origin: Origin) -> bytes:
     try:
         return origin.path.read_bytes()
     except OSError as error:

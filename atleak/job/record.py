@@ -1,4 +1,4 @@
-"""The job record: whose car, what was complained of, what was found and what was decided.
+"""Define the job record: whose car it is, what was complained of, what was seen and what was decided.
 
 Every field is optional. The measured diameters and the log are not part of the record: they stay in their own files.
 """
@@ -26,7 +26,7 @@ _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 
 
 def clean_text(text: str) -> str:
-    """Text without what no file can hold: lone surrogates and control characters other than tab and new line."""
+    """Return text without what no file can hold: lone surrogates, and control characters but tab and new line."""
     return _CONTROL.sub("", _SURROGATES.sub("\ufffd", text))
 
 
@@ -37,17 +37,17 @@ def _text(value: Any) -> Any:
 
 
 def _number(asked: AskedNumber, value: Any) -> Any:
-    """What a record holds as text is read as in a field; a number is one already."""
+    """Return a number that may be written as text, read as in a field of a page."""
     if not isinstance(value, str):
         return value
-    found = read_number(value, asked)
-    if found.value is None:
-        raise ValueError(found.doubt.removesuffix("."))
-    return found.value
+    number = read_number(value, asked)
+    if number.value is None:
+        raise ValueError(number.doubt.removesuffix("."))
+    return number.value
 
 
 def picture_name(name: str) -> str:
-    """A picture's name inside the job: relative, with ``/``, never out of the job's folder.
+    """Return a picture's name inside the job: relative, with ``/``, never out of the job's folder.
 
     Raises
     ------
@@ -77,18 +77,18 @@ Celsius = Annotated[
 
 
 class Record(BaseModel):
-    """A table of the job: unknown keys are errors, nothing is changed after it was made."""
+    """A table of the job: unknown keys are errors, and it never changes after it was made."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     @property
     def empty(self) -> bool:
-        """Whether nothing was filled in."""
+        """Return whether nothing was filled in."""
         return not self.model_dump(exclude_defaults=True)
 
 
 class Workshop(Record):
-    """The letterhead."""
+    """The workshop, as its letterhead names it."""
 
     name: CleanText = ""
     address: CleanText = ""
@@ -125,7 +125,7 @@ class Transmission(Record):
 
 
 class InstrumentUsed(Record):
-    """What was measured with; ``calibrated`` is the date of its last calibration."""
+    """An instrument that was used for measuring; ``calibrated`` is the date of its last calibration."""
 
     name: CleanText = ""
     serial: CleanText = ""
@@ -134,7 +134,7 @@ class InstrumentUsed(Record):
 
 
 class FluidCondition(Record):
-    """The oil as it was found in the car."""
+    """The state of the oil in the car."""
 
     product: CleanText = ""
     changed_at_km: Kilometres | None = None
@@ -165,7 +165,7 @@ class Photo(Record):
 
 
 class RepairDecision(Record):
-    """What was proposed for a pair, and what became of it."""
+    """A repair that was proposed for a pair, and what became of it."""
 
     component: CleanText = ""
     land: Annotated[int, Field(ge=1, le=9)] | None = None
@@ -176,7 +176,7 @@ class RepairDecision(Record):
 
 
 class Job(Record):
-    """Everything a workshop writes down about one controller on its bench."""
+    """Everything that a workshop writes down about one controller."""
 
     number: CleanText = ""
     date: dt.date | None = None
@@ -200,21 +200,21 @@ class Job(Record):
 
     @property
     def pictures(self) -> Mapping[str, bytes]:
-        """The bytes of the pictures that are at hand, by name."""
+        """Return the bytes of the pictures that were loaded, by name."""
         return self._pictures
 
     @property
     def picture_names(self) -> tuple[str, ...]:
-        """Every picture the record names: logo, photos, scratches."""
+        """Return the name of every picture in the record: logo, photos, scratches."""
         names = [self.workshop.logo, *(photo.file for photo in self.photos), *(s.photo for s in self.scratches)]
         return tuple(dict.fromkeys(name for name in names if name))
 
     def with_pictures(self, pictures: Mapping[str, bytes]) -> Job:
-        """The same record with the bytes of its pictures; those it does not name are left out."""
+        """Return the same record with the bytes of its pictures; those it does not name are left out."""
         job = self.model_copy()
         job._pictures = MappingProxyType({name: pictures[name] for name in self.picture_names if name in pictures})
         return job
 
     def record(self) -> dict[str, Any]:
-        """What was filled in, as JSON values."""
+        """Return what was filled in, as JSON values."""
         return self.model_dump(mode="json", exclude_defaults=True)

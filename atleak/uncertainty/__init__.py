@@ -1,6 +1,6 @@
-"""Measurement uncertainty carried through the cube of a difference: to every flow, the total and every decision.
+"""Carry measurement uncertainty through the cube of a clearance to every flow, the total and every decision.
 
-`assess` is the one call; the rest is what its result is made of.
+`assess` is the one function to call; the other names are the types of its result.
 """
 
 from __future__ import annotations

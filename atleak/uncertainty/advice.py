@@ -1,4 +1,4 @@
-"""What to do about a decision the measurement cannot settle, in plain words."""
+"""Say in plain words what to do about a decision that the measurement leaves open."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _SYMBOL: dict[Part, str] = {"spool": "d", "sleeve": "D"}
 
 @dataclass(frozen=True)
 class Remedy:
-    """What would make the guard band narrow enough to decide.
+    """The measurements that would make the guard band narrow enough to decide.
 
-    ``first`` is the part to measure first, ``fraction`` what its readings carry of the clearance's variance.
-    ``repeats`` is how many independent repeats of each place settle it, of ``repeat_parts``; None where none do.
-    ``instruments`` lists the choices of shipped instruments that settle it, each choice a part and its instrument, or
-    two where one is not enough. ``reading_part`` is what
-    the clearance carries of the variance of the value that is judged, the rest is not for an instrument to settle.
+    ``first`` is the part to measure first, ``fraction`` the part of the clearance's variance that its readings carry.
+    ``repeats`` is how many independent repeats of each place of ``repeat_parts`` decide it; None where none do.
+    ``instruments`` lists the choices of shipped instruments that decide it, each choice a part and its instrument, or
+    two where one is not enough. ``reading_part`` is the part of the judged value's variance that the clearance
+    carries; no instrument can take away the rest.
     """
 
     first: Part | None
@@ -37,7 +37,7 @@ class Remedy:
 
 
 def remedy(land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float) -> Remedy:
-    """How a conditional decision could be settled.
+    """Work out how a conditional decision could be decided.
 
     Parameters
     ----------
@@ -63,42 +63,41 @@ def remedy(land: LandSources, rule: RuleDecision, per_clearance: float, guard_fa
     )
 
 
-def advise(rule: RuleDecision, name: str, found: Remedy, land: LandSources, limit_text: str, guard_text: str) -> str:
-    """The plain-words form of a conditional decision.
+def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_text: str, guard_text: str) -> str:
+    """Say a conditional decision and its remedy in plain words.
 
     Parameters
     ----------
     name
-        of what is judged: ``"radial clearance"``.
+        name of the value that is judged: ``"radial clearance"``.
     limit_text, guard_text
         the limit with its name and the ± guard band, with their units.
     """
     side = "over" if rule.decision == "conditional_fail" else "under"
     tools = _tools(land)
     text = f"{name} is {side} the {limit_text}, but within what {tools} can tell ({guard_text})"
-    if found.reading_part < 0.5:
+    if way.reading_part < 0.5:
         rest = "the mounting clearance" if rule.rule.kind is RuleKind.WEAR else "fluid, pressure and pump"
         return (
-            f"{text}: the readings carry only {_percent(found.reading_part)} of the uncertainty, the rest is {rest}. "
+            f"{text}: the readings carry only {_percent(way.reading_part)} of the uncertainty, the rest is {rest}. "
             "Measuring again will not settle it."
         )
-    if found.first is None:
+    if way.first is None:
         return f"{text}: nothing of this pair was measured."
     text += (
-        f": measure again, {_SYMBOL[found.first]} first, it carries {_percent(found.fraction)} of the uncertainty "
+        f": measure again, {_SYMBOL[way.first]} first, it carries {_percent(way.fraction)} of the uncertainty "
         "of the clearance."
     )
-    return f"{text} {_settles(found)}"
+    return f"{text} {_ways_to_decide(way)}"
 
 
-def _settles(found: Remedy) -> str:
+def _ways_to_decide(way: Remedy) -> str:
     ways = []
-    if found.repeats is not None:
-        which = " and ".join(_SYMBOL[part] for part in found.repeat_parts)
-        ways.append(f"{found.repeats} independent repeats of {which} in every place")
+    if way.repeats is not None:
+        which = " and ".join(_SYMBOL[part] for part in way.repeat_parts)
+        ways.append(f"{way.repeats} independent repeats of {which} in every place")
     ways += [
-        " with ".join(f"{instrument} for {_SYMBOL[part]}" for part, instrument in choice)
-        for choice in found.instruments
+        " with ".join(f"{instrument} for {_SYMBOL[part]}" for part, instrument in choice) for choice in way.instruments
     ]
     if not ways:
         tried = "more repeats and the other instruments of the catalogue"
@@ -141,13 +140,13 @@ def _better(land: LandSources, measured: Sequence[Part], allowed: float) -> tupl
         ]
         for part in measured
     }
-    one = [{part: instrument} for part, found in others.items() for instrument in found]
-    two = [dict(zip(others, chosen, strict=True)) for chosen in product(*others.values())] if len(others) > 1 else []
-    for choices in (one, two):
-        settling = [chosen for chosen in choices if land.variance_with(instruments=chosen) <= allowed]
-        if settling:
+    single = [{part: instrument} for part, candidates in others.items() for instrument in candidates]
+    pairs = [dict(zip(others, chosen, strict=True)) for chosen in product(*others.values())] if len(others) > 1 else []
+    for choices in (single, pairs):
+        sufficient = [chosen for chosen in choices if land.variance_with(instruments=chosen) <= allowed]
+        if sufficient:
             return tuple(
-                tuple((part, instrument.name.lower()) for part, instrument in chosen.items()) for chosen in settling
+                tuple((part, instrument.name.lower()) for part, instrument in chosen.items()) for chosen in sufficient
             )
     return ()
 

@@ -1,4 +1,4 @@
-"""A unit with its clearances → how sure every number and every verdict is."""
+"""Work out how sure every number and every verdict of a unit is."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True)
 class Shape:
-    """What the mean clearance of a land hides.
+    """The shape of a land's clearance, which its mean does not show.
 
-    ``effective_clearance`` [m] is the cube root of what stands for c³: the mean of c³ around each plane, the harmonic
-    mean along the planes. ``cube_factor`` is that over the cube of the mean clearance: what the engine's flow would be
-    multiplied by; None where a direction closes the gap. ``lower_bound`` says that the sleeve was measured in
-    one direction only, so that wear to one side may not be in the clearance at all.
+    ``effective_clearance`` [m] is the cube root of the effective c³: the mean of c³ around each plane, then the
+    harmonic mean along the planes. ``cube_factor`` is the effective c³ over the cube of the mean clearance, by which
+    the engine's flow would be multiplied; None where a direction closes the gap. ``lower_bound`` says that the sleeve
+    was measured in one direction only, so that wear to one side may not be in the clearance at all.
     """
 
     worst_direction: float | None  # [°]
@@ -59,14 +59,14 @@ class AtCondition:
     u_share: float
     share_interval: Interval
     eccentric: Interval  # [m³/s] the leakage concentric and fully eccentric, everything else as measured
-    budget: tuple[tuple[str, float], ...]  # of the share's linear variance, the largest first
-    clearance_fraction: float  # of it that the clearance carries
+    budget: tuple[tuple[str, float], ...]  # parts of the share's linear variance, the largest first
+    clearance_fraction: float  # part of that variance which the clearance carries
     closed_form: bool  # leakage by closed form instead of draws
 
 
 @dataclass(frozen=True)
 class LandUncertainty:
-    """How sure one land's numbers and decisions are. Nothing is said of a land that was not measured."""
+    """The uncertainty of one land's numbers and decisions; a land that was not measured has none."""
 
     sources: LandSources
     u_clearance: float | None  # [m] standard uncertainty of the radial clearance
@@ -78,59 +78,63 @@ class LandUncertainty:
 
     @property
     def key(self) -> tuple[str, int]:
-        return self.sources.state.land.key
+        """Return component and number of the land."""
+        return self.sources.key
 
     @property
     def budget(self) -> tuple[tuple[str, float], ...]:
-        """What each source carries of the clearance's variance, the largest first."""
+        """Return the part of the clearance's variance that each source carries, the largest first."""
         return tuple((source.label, fraction) for source, fraction in self.sources.budget if fraction > 0.0)
 
     @property
     def leakage_interval(self) -> Interval | None:
-        """At the stated condition [m³/s]."""
+        """Return the interval of the leakage at the stated condition [m³/s]."""
         return self.conditions[0].leakage_interval if self.conditions else None
 
     @property
     def share_interval(self) -> Interval | None:
-        """At the stated condition, as a fraction."""
+        """Return the interval of the share at the stated condition, as a fraction."""
         return self.conditions[0].share_interval if self.conditions else None
 
     @property
     def deciding(self) -> RuleDecision | None:
-        """The rule with the worst verdict; of several, the likeliest to be over its limit."""
+        """Return the rule with the worst verdict; of several, the likeliest to be over its limit."""
         return max(self.rules, key=lambda rule: rule.severity, default=None)
 
     @property
     def decision(self) -> Decision | None:
-        """About the limit of the deciding rule."""
+        """Return the decision about the limit of the deciding rule."""
         return self.deciding.decision if self.deciding else None
 
     @property
     def probability_over_limit(self) -> float | None:
-        """Of the deciding rule."""
+        """Return the probability that the limit of the deciding rule is passed."""
         return self.deciding.probability_over_limit if self.deciding else None
 
     def on(self, rule: Rule) -> RuleDecision | None:
-        """The decision on one of the land's rules."""
+        """Return the decision on one of the land's rules."""
         return next((decided for decided in self.rules if decided.rule == rule), None)
 
     def remedy(self, rule: RuleDecision) -> Remedy | None:
-        """What would settle a conditional rule; None where it is settled."""
+        """Return what would decide a conditional rule; None where it is decided already."""
         if not rule.conditional:
             return None
         return remedy(self.sources, rule, self._per_clearance(rule), self.guard_factor)
 
     def advice_on(self, rule: RuleDecision) -> str | None:
-        """The same in plain words."""
-        found = self.remedy(rule)
-        if found is None:
+        """Say in plain words what would decide a conditional rule; None where it is decided already."""
+        way = self.remedy(rule)
+        if way is None:
             return None
         name, limit, guard = _in_words(rule, self)
-        return advise(rule, name, found, self.sources, limit, guard)
+        return advise(rule, name, way, self.sources, limit, guard)
 
     @cached_property
     def advice(self) -> str | None:
-        """In plain words, about the deciding rule, or else about its next limit; None where both are settled."""
+        """Say in plain words what would decide the deciding rule, or else its next limit.
+
+        None where both are decided already.
+        """
         rule = self.deciding
         if rule is None:
             return None
@@ -138,8 +142,8 @@ class LandUncertainty:
         return self.advice_on(rule) or (self.advice_on(above) if above else None)
 
     def _at(self, rule: Rule) -> AtCondition:
-        """The condition that a rule of share holds at."""
-        return next(at for at in self.conditions if rule.condition and at.condition == rule.condition.name)
+        """Return the condition at which a rule about a share holds."""
+        return next(each for each in self.conditions if rule.condition and each.condition == rule.condition.name)
 
     def _per_clearance(self, decided: RuleDecision) -> float:
         rule = decided.rule
@@ -147,13 +151,15 @@ class LandUncertainty:
             return 1.0
         if rule.kind is RuleKind.WEAR:
             return 1.0 / self.sources.state.land.mounting_clearance
-        at = self._at(rule)
-        return at.u_share * math.sqrt(at.clearance_fraction) / self.u_clearance if self.u_clearance else 0.0
+        if not self.u_clearance:
+            return 0.0
+        condition = self._at(rule)
+        return condition.u_share * math.sqrt(condition.clearance_fraction) / self.u_clearance
 
 
 @dataclass(frozen=True)
 class TotalUncertainty:
-    """The whole controller at one condition."""
+    """The uncertainty of the whole controller's leakage at one condition."""
 
     condition: str
     label: str
@@ -171,7 +177,7 @@ class TotalUncertainty:
 
 @dataclass(frozen=True)
 class UnitUncertainty:
-    """All lands and totals, with what they rest on."""
+    """The uncertainty of all lands and totals, with the inputs it follows from."""
 
     lands: tuple[LandUncertainty, ...]
     totals: tuple[TotalUncertainty, ...]  # in the order of the projections given
@@ -189,11 +195,11 @@ class UnitUncertainty:
         return {land.key: land for land in self.lands}
 
     def land(self, key: tuple[str, int]) -> LandUncertainty:
-        """One land by component and number."""
+        """Return one land by component and number."""
         return self._by_key[key]
 
     def total(self, condition: str) -> TotalUncertainty | None:
-        """The total at the operating point of that name."""
+        """Return the total at the operating point of that name; None where there is none."""
         return next((total for total in self.totals if total.condition == condition), None)
 
 
@@ -211,30 +217,30 @@ def assess(
     draws: int = DRAWS,
     seed: int = SEED,
 ) -> UnitUncertainty:
-    """Measurement uncertainty of a unit, carried through the cube to every flow, the total and every decision.
+    """Carry the measurement uncertainty of a unit through the cube to every flow, the total and every decision.
 
     Parameters
     ----------
     model
-        the engine with the clearances as measured.
+        the leakage model with the clearances as measured.
     states
         the clearance of every land, as the model has them.
     projections
         the conditions that are judged, the stated one first.
     rules
-        of the same states and projections, judged; a decision is added to each.
+        rules of the same states and projections, already judged; a decision is added to each.
     readings
-        the sheet behind the clearances: planes, directions and repeats. Without it nothing was measured.
+        the measuring sheet of the clearances: planes, directions and repeats. Without it nothing was measured.
     instruments
-        with which; the catalogue's defaults unless given.
+        those with which the lands were measured; the catalogue's defaults unless given.
     assumptions
         all that is uncertain besides the readings.
     coverage
-        of every interval; as much is left out below as above.
+        probability of every interval; as much is left out below as above.
     guard_factor
         k of the guard band k·u around a limit; 1.645 leaves 5 % one-sided.
     draws, seed
-        of the Monte Carlo; the same input gives the same digits.
+        number of draws and seed of the Monte Carlo; the same input gives the same digits.
 
     Returns
     -------
@@ -277,12 +283,12 @@ def assess(
     )
     eccentric = model.law.eccentricity_factor
     lands = tuple(
-        _land(land, found, projections, rules.of_land(land.state.land.key), coverage, guard_factor, eccentric)
-        for land, found in zip(sources, spread.lands, strict=True)
+        _land(land, land_spreads, projections, rules.of_land(land.key), coverage, guard_factor, eccentric)
+        for land, land_spreads in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
-        _total(projection, found, rule, rules.limits, guard_factor)
-        for projection, found, rule in zip(projections, spread.totals, rules.totals, strict=True)
+        _total(projection, total_spread, rule, rules.limits, guard_factor)
+        for projection, total_spread, rule in zip(projections, spread.totals, rules.totals, strict=True)
     )
     return UnitUncertainty(
         lands=lands,
@@ -314,7 +320,7 @@ def _check(projections: Sequence[Projection], coverage: float, guard_factor: flo
 
 def _land(
     land: LandSources,
-    found: Sequence[LandSpread],
+    land_spreads: Sequence[LandSpread],
     projections: Sequence[Projection],
     rules: Sequence[Rule],
     coverage: float,
@@ -328,11 +334,11 @@ def _land(
     reach = float(normal_quantile(0.5 + 0.5 * coverage)) * u
     c = state.radial_clearance
     conditions = tuple(
-        _at(land, projection, spread, eccentric) for projection, spread in zip(projections, found, strict=True)
+        _at(land, projection, spread, eccentric) for projection, spread in zip(projections, land_spreads, strict=True)
     )
-    spreads = {projection.condition: spread for projection, spread in zip(projections, found, strict=True)}
+    spreads = {projection.condition: spread for projection, spread in zip(projections, land_spreads, strict=True)}
     decided = tuple(_decided(rule, land, spreads, guard_factor) for rule in rules)
-    # a true clearance is not below zero
+    # a true clearance cannot be below zero
     interval = (max(c - reach, min(c, 0.0)), c + reach)
     return LandUncertainty(land, u, interval, conditions, decided, _shape(state), guard_factor)
 
@@ -355,30 +361,33 @@ def _decided(
 
 
 def _wear_uncertainties(land: LandSources, limits: Sequence[float]) -> tuple[float, ...]:
-    """Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values."""
+    """Return the standard uncertainty of wear at each limit.
+
+    Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values is needed.
+    """
     mounting, u_mounting = land.state.land.mounting_clearance, land.assumptions.mounting_clearance
     return tuple(math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for limit in limits)
 
 
-def _at(land: LandSources, projection: Projection, found: LandSpread, eccentric: float) -> AtCondition:
-    share = projection.share_of(found.leakage)
-    of_clearance = (found.share_per_clearance * land.standard_uncertainty) ** 2
+def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric: float) -> AtCondition:
+    share = projection.share_of(spread.leakage)
+    of_clearance = (spread.share_per_clearance * land.standard_uncertainty) ** 2
     effects = {source.label: fraction * of_clearance for source, fraction in land.budget}
-    effects |= {name: effect**2 for name, effect in found.share_effects.items()}
-    whole = math.fsum(effects.values())
+    effects |= {name: effect**2 for name, effect in spread.share_effects.items()}
+    variance = math.fsum(effects.values())
     return AtCondition(
         condition=projection.condition.name,
         label=projection.condition.label,
-        leakage=found.leakage,
-        u_leakage=found.leakage_spread.standard_uncertainty,
-        leakage_interval=found.leakage_spread.interval,
+        leakage=spread.leakage,
+        u_leakage=spread.leakage_spread.standard_uncertainty,
+        leakage_interval=spread.leakage_spread.interval,
         share=share,
-        u_share=found.share_spread.standard_uncertainty,
-        share_interval=found.share_spread.interval,
-        eccentric=(found.leakage / eccentric, FULLY_ECCENTRIC * found.leakage / eccentric),
+        u_share=spread.share_spread.standard_uncertainty,
+        share_interval=spread.share_spread.interval,
+        eccentric=(spread.leakage / eccentric, FULLY_ECCENTRIC * spread.leakage / eccentric),
         budget=_fractions(effects),
-        clearance_fraction=of_clearance / whole if whole > 0.0 and math.isfinite(whole) else 0.0,
-        closed_form=found.by_quadrature,
+        clearance_fraction=of_clearance / variance if variance > 0.0 and math.isfinite(variance) else 0.0,
+        closed_form=spread.by_quadrature,
     )
 
 
@@ -410,7 +419,7 @@ def _shape(state: LandClearance) -> Shape:
 
 
 def _lower_bound(state: LandClearance) -> bool:
-    """Whether the sleeve was measured in one direction only: ovality needs two in one plane."""
+    """Return whether the sleeve was measured in one direction only: ovality needs two in one plane."""
     return state.status in {"measured", "sleeve_only"} and state.sleeve_ovality is None
 
 
@@ -418,38 +427,40 @@ def _lower_bound(state: LandClearance) -> bool:
 
 
 def _total(
-    projection: Projection, found: TotalSpread, rule: Rule, limits: Limits, guard_factor: float
+    projection: Projection, spread: TotalSpread, rule: Rule, limits: Limits, guard_factor: float
 ) -> TotalUncertainty:
-    at, share, bands = projection.condition, projection.share, limits.bands
-    u = found.share_spread.standard_uncertainty
-    decision = decide_rule(rule, (u,) * len(bands), found.share_spread.probabilities, guard_factor, skewed=u > 0.0)
+    condition, share, bands = projection.condition, projection.share, limits.bands
+    u = spread.share_spread.standard_uncertainty
+    decision = decide_rule(rule, (u,) * len(bands), spread.share_spread.probabilities, guard_factor, skewed=u > 0.0)
     names = (Band.GREEN, *(band for band, _ in bands))
     return TotalUncertainty(
-        condition=at.name,
-        label=at.label,
+        condition=condition.name,
+        label=condition.label,
         leakage=projection.leakage,
-        u_leakage=found.leakage_spread.standard_uncertainty,
-        leakage_interval=found.leakage_spread.interval,
+        u_leakage=spread.leakage_spread.standard_uncertainty,
+        leakage_interval=spread.leakage_spread.interval,
         share=share,
         u_share=u,
-        share_interval=found.share_spread.interval,
-        minimum_speed_interval=found.minimum_speed_interval,
+        share_interval=spread.share_spread.interval,
+        minimum_speed_interval=spread.minimum_speed_interval,
         decision=decision,
-        band_probabilities=tuple(zip(names, found.band_probabilities, strict=True)),
-        budget=_fractions({name: effect**2 for name, effect in found.effects.items()}),
+        band_probabilities=tuple(zip(names, spread.band_probabilities, strict=True)),
+        budget=_fractions({name: effect**2 for name, effect in spread.effects.items()}),
     )
 
 
 def _messages(
     sources: Sequence[LandSources], instruments: Instruments, repeats: dict[Part, RepeatSpread]
 ) -> list[Message]:
-    found = []
+    messages = []
     used = [part for part in PARTS if any(part in land.plans for land in sources)]
     for instrument in dict.fromkeys(instruments.of(part) for part in used):
         if instrument.representative:
-            said = ", ".join(instrument.representative)
-            text = f"{instrument.name}: representative, not from a certificate: {said}. Set your own instrument's."
-            found.append(Message("info", "instrument_representative", text))
+            quantities = ", ".join(instrument.representative)
+            text = (
+                f"{instrument.name}: representative, not from a certificate: {quantities}. Set your own instrument's."
+            )
+            messages.append(Message("info", "instrument_representative", text))
     for part in used:
         spread = repeats[part]
         if spread.degrees_of_freedom == 0:
@@ -459,17 +470,17 @@ def _messages(
                 else f"the reading's step of {spread.resolution * 1e6:g} µm is taken instead"
             )
             text = f"No independent repeats of any {part}: how far readings spread is not known, {taken}."
-            found.append(Message("info", "no_independent_repeats", text))
+            messages.append(Message("info", "no_independent_repeats", text))
     single = [land.state for land in sources if _lower_bound(land.state)]
     if single:
         names = ", ".join(f"{state.land.component} land {state.land.land}" for state in single)
         text = f"Sleeve measured in one direction only, so the clearance is a lower bound: {names}."
-        found.append(Message("warning", "clearance_lower_bound", text))
+        messages.append(Message("warning", "clearance_lower_bound", text))
     missing = sum(not land.state.measured for land in sources)
     if used and missing:
         text = f"{missing} of {len(sources)} lands were not measured and are in the total at their mounting clearance."
-        found.append(Message("warning", "total_with_unmeasured", text))
-    return found
+        messages.append(Message("warning", "total_with_unmeasured", text))
+    return messages
 
 
 def _in_words(decided: RuleDecision, land: LandUncertainty) -> tuple[str, str, str]:

@@ -1,4 +1,4 @@
-"""What else is uncertain besides the readings: defaults of this project, each settable by the workshop."""
+"""List what else is uncertain besides the readings: defaults of this project, each settable by the workshop."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Assumptions:
 
     room_temperature: float = 0.5  # [K] half width: the room is 20 °C within this, any value alike likely
     contact_length: float = 0.1e-3  # [m]
-    mounting_clearance: float = 0.5e-6  # [m] of the catalogue's value, for this very pair
+    mounting_clearance: float = 0.5e-6  # [m] of the catalogue's value, for this one pair
     nominal_diameter: float = 3.0e-6  # [m] of a part that was not measured
-    unseen_ovality: float = 4.0e-6  # [m] of a part measured in one direction, where no other land tells
+    unseen_ovality: float = 4.0e-6  # [m] of a part measured in one direction, where no other land shows it
     form_residual: float = 0.1  # of ovality and taper: what two directions and a few planes do not average out
     viscosity: float = 0.05  # relative: batch, ageing, D341 between two points
     temperature: float = 1.0  # [K] of the fluid in the gaps
@@ -33,14 +33,14 @@ class Assumptions:
 
     @property
     def settings(self) -> dict[str, float]:
-        """Every assumption under its name for people, with the unit in the name."""
+        """Return every assumption under its name for people, with the unit in the name."""
         return {
             f"{field.name}_{_UNITS[field.name][0]}": getattr(self, field.name) / _UNITS[field.name][1]
             for field in fields(self)
         }
 
     def with_settings(self, settings: Mapping[str, Any]) -> Assumptions:
-        """These with some set, by the names of `settings`: ``{"viscosity_percent": 3}``.
+        """Return these assumptions with some changed, by the names of `settings`: ``{"viscosity_percent": 3}``.
 
         Raises
         ------
@@ -53,7 +53,7 @@ class Assumptions:
         2.5
         """
         names = {f"{name}_{unit}": name for name, (unit, _) in _UNITS.items()}
-        found: dict[str, float] = {}
+        changes: dict[str, float] = {}
         for key, given in settings.items():
             if key not in names:
                 raise unknown("no such assumption", key, names)
@@ -61,8 +61,8 @@ class Assumptions:
             number = decimal_number(str(given))
             if number is None or number < 0.0:
                 raise InputError(f"assumption {key} does not take this value", value=given, expected="0 or more")
-            found[name] = number * _UNITS[name][1]
-        return replace(self, **found)
+            changes[name] = number * _UNITS[name][1]
+        return replace(self, **changes)
 
 
 _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(

@@ -1,4 +1,4 @@
-"""A value, its uncertainty and a limit → pass, conditional pass, conditional fail or fail."""
+"""Decide from a value, its uncertainty and a limit: pass, conditional pass, conditional fail or fail."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ GUARD_FACTOR = 1.645  # one-sided 95 %
 
 @dataclass(frozen=True)
 class LevelDecision:
-    """One of a rule's limits, and how the value stands to it."""
+    """One of a rule's limits, and the decision of the value against it."""
 
     level: Level
     limit: float
@@ -27,7 +27,7 @@ class LevelDecision:
 
 @dataclass(frozen=True)
 class RuleDecision:
-    """How sure a rule is: its value against the limit it reached, or its first limit where it reached none.
+    """The decision on a rule: its value against the limit it reached, or its first limit where it reached none.
 
     ``limit`` and ``standard_uncertainty`` are in SI or fractions, as the rule's value is.
     """
@@ -42,22 +42,22 @@ class RuleDecision:
 
     @property
     def value(self) -> float:
-        """The rule's value."""
+        """Return the rule's value."""
         return self.rule.value
 
     @property
     def conditional(self) -> bool:
-        """Whether the measurement cannot settle it."""
+        """Return whether the measurement leaves the decision open."""
         return self.decision in {"conditional_pass", "conditional_fail"}
 
     @property
     def about(self) -> Level:
-        """Name of the level whose limit the decision is about."""
+        """Name the level whose limit the decision is about."""
         return next(level.level for level in self.levels if level.limit == self.limit)
 
     @property
     def at_next_level(self) -> RuleDecision | None:
-        """The same value against the limit above; None where there is none."""
+        """Return the decision on the same value against the limit above; None where there is none."""
         for level, u in zip(self.levels, self.level_uncertainties, strict=True):
             if level.limit > self.limit:
                 return replace(
@@ -71,7 +71,7 @@ class RuleDecision:
 
     @property
     def severity(self) -> tuple[int, float]:
-        """For ranking rules: the verdict, then how likely the limit is passed."""
+        """Return what ranks rules: the verdict, then how likely the limit is passed."""
         return self.rule.verdict.rank, self.probability_over_limit
 
 
@@ -82,7 +82,7 @@ def decide(
     guard_factor: float = GUARD_FACTOR,
     probability_over: float | None = None,
 ) -> Decision:
-    """How a value stands to an upper limit, given what the measurement can tell.
+    """Decide how a value stands to an upper limit, given the uncertainty of its measurement.
 
     Parameters
     ----------

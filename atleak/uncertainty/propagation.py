@@ -1,7 +1,7 @@
-"""Uncertain clearances, fluid, pressures and pump → the spread of every flow and of the total.
+"""Carry uncertain clearances, fluid, pressures and pump into the spread of every flow and of the total.
 
-Monte Carlo after JCGM 101. An error that lands share is drawn once per trial and used for all of them. No array of
-lands by draws is kept: a land's draws are made, used at every condition, added to the totals and forgotten.
+This is the Monte Carlo method of JCGM 101. An error that lands share is drawn once per trial and used for all of them.
+No array of lands by draws is kept: a land's draws are made, used at every condition, added to the totals and discarded.
 """
 
 from __future__ import annotations
@@ -21,30 +21,30 @@ from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 from atleak.equations.uncertainty import normal_quantile
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.sources import ROOM, LandSources
+from atleak.uncertainty.sources import ROOM_TEMPERATURE, LandSources
 
 SEED = 7667
 DRAWS = 20_000
 
-_SMALL = 0.01  # of a standard uncertainty: the step of the numerical derivatives in the budget
-_LOWEST_EFFICIENCY = 0.01  # volumetric: no draw goes below
-_SHORTEST = 0.1  # of the nominal contact length: no draw goes below
+_SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction of a standard uncertainty
+_LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
+_SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
 
 FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
 
 
 @dataclass(frozen=True)
 class Spread:
-    """What the draws of one quantity say."""
+    """The standard uncertainty and the interval of one quantity, from its draws."""
 
     standard_uncertainty: float
     interval: tuple[float, float]
-    probabilities: tuple[float, ...]  # over each of the limits that were asked for
+    probabilities: tuple[float, ...]  # that the quantity is over each of the limits
 
 
 @dataclass(frozen=True)
 class LandSpread:
-    """One land at one condition; the derivative is for the linear budget."""
+    """The leakage of one land at one condition and its spread; the derivative serves the linear budget."""
 
     leakage: float  # [m³/s] at the values as measured
     leakage_spread: Spread
@@ -56,7 +56,7 @@ class LandSpread:
 
 @dataclass(frozen=True)
 class TotalSpread:
-    """The whole controller at one condition."""
+    """The leakage of the whole controller at one condition, and its spread."""
 
     leakage_spread: Spread
     share_spread: Spread
@@ -66,16 +66,16 @@ class TotalSpread:
 
 
 class _Condition:
-    """One operating condition, ready for whole arrays of what is uncertain."""
+    """One operating condition, evaluated for whole arrays of the uncertain factors."""
 
     def __init__(self, model: LeakageModel, projection: Projection, assumptions: Assumptions) -> None:
         self.model, self.point, self.assumptions = model, projection.condition, assumptions
         self.gaps: dict[tuple[str, int], list[tuple[Gap, bool]]] = {}
-        for found in projection.gaps:
-            self.gaps.setdefault(found.gap.key, []).append((found.gap, found.drawn_from_pump))
+        for gap_leakage in projection.gaps:
+            self.gaps.setdefault(gap_leakage.gap.key, []).append((gap_leakage.gap, gap_leakage.drawn_from_pump))
 
     def at(self, deviates: dict[str, Any]) -> _Drawn:
-        """Fluid, pressures and pump at given standard deviates of `FACTORS`."""
+        """Return fluid, pressures and pump at given standard deviates of `FACTORS`."""
         model, point, u = self.model, self.point, self.assumptions
         temperature = point.temperature + u.temperature * deviates["temperature"]
         nu, rho = _fluid_at(model, temperature)
@@ -97,7 +97,10 @@ class _Condition:
 
 
 def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:
-    """ν and ρ; a draw beyond the end of the fluid's data follows the slope of ln ν and of ρ over the last kelvin."""
+    """Return ν and ρ at a temperature [°C].
+
+    A draw beyond the end of the fluid's data follows the slope of ln ν and of ρ over the last kelvin.
+    """
     fluid, kind = model.fluid, model.profile.viscosity
     low, high = fluid.span(kind)
     inside = np.clip(temperature, low, high)
@@ -130,7 +133,7 @@ class _Drawn:
         self._drops: dict[Any, Any] = {}
 
     def drop(self, gap: Gap) -> Any:
-        """Pressure drop [Pa]; a negative one leaks nothing."""
+        """Return the pressure drop [Pa]; a negative one leaks nothing and is given as zero."""
         key = gap.high, gap.low
         if key not in self._drops:
             ends = [0.0 if end.section is None else end.coefficient * self.pressures[end.section] for end in key]
@@ -138,16 +141,16 @@ class _Drawn:
         return self._drops[key]
 
     def driving(self, gaps: Sequence[Gap]) -> Any:
-        """Sum of the pressure drops over the dynamic viscosity [1/s]."""
+        """Return the sum of the pressure drops, divided by the dynamic viscosity [1/s]."""
         key = tuple((gap.high, gap.low) for gap in gaps)
         if key not in self._drops:
             self._drops[key] = sum(self.drop(gap) for gap in gaps) / self.viscosity
         return self._drops[key]
 
     def leakage(self, land: LandSources, clearance: Any, length: Any) -> tuple[Any, Any]:
-        """Flow of one land through all its gaps, and what of it is drawn from the pump [m³/s].
+        """Return the flow of one land through all its gaps, and the part of it drawn from the pump [m³/s].
 
-        A clearance below zero is physically none: it is taken as zero and leaks nothing.
+        A clearance below zero cannot exist: it is taken as zero and leaks nothing.
         """
         state = land.state
         gaps = self.condition.gaps.get(state.land.key)
@@ -159,20 +162,20 @@ class _Drawn:
         d = law.diameter(state.spool_diameter, c)
         if not law.linear:
             flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length) for gap, _ in gaps]
-            every = sum(flows)
-            drawn = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
-            return every, sum(drawn) if drawn else np.zeros_like(every)
-        geometry = law.flow(1.0, d, c, 1.0, 1.0, length)  # of a unit of pressure drop over viscosity
-        every = geometry * self.driving([gap for gap, _ in gaps])
-        counted = [gap for gap, counts in gaps if counts]
-        if len(counted) == len(gaps):
-            return every, every
-        return every, geometry * self.driving(counted) if counted else np.zeros_like(every)
+            flow = sum(flows)
+            drawn_flows = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
+            return flow, sum(drawn_flows) if drawn_flows else np.zeros_like(flow)
+        geometry = law.flow(1.0, d, c, 1.0, 1.0, length)  # for a pressure drop over viscosity of one
+        flow = geometry * self.driving([gap for gap, _ in gaps])
+        drawn_gaps = [gap for gap, counts in gaps if counts]
+        if len(drawn_gaps) == len(gaps):
+            return flow, flow
+        return flow, geometry * self.driving(drawn_gaps) if drawn_gaps else np.zeros_like(flow)
 
 
 @dataclass
 class Propagated:
-    """All lands and totals, by condition in the order given."""
+    """The spread of every land and of the total, at each condition in the order given."""
 
     lands: list[tuple[LandSpread, ...]]
     totals: list[TotalSpread]
@@ -195,11 +198,12 @@ def propagate(
     Parameters
     ----------
     pair_limits, total_limits
-        shares over which probabilities are wanted, for lands and for the total, rising.
+        limits of the share, rising, for lands and for the total: the probability of being over each is computed.
     coverage
-        of the intervals, 0 … 1; they leave out as much below as above.
+        probability of the intervals, 0 … 1; they leave out as much below as above.
     draws, seed
-        of the Monte Carlo. Each land has its own stream of PCG64: the same input gives the same digits.
+        number of draws and seed of the Monte Carlo. Each land has its own stream of PCG64: the same input gives the
+        same digits.
 
     Raises
     ------
@@ -209,15 +213,18 @@ def propagate(
     shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
     deviates = {name: shared.standard_normal(draws) for name in FACTORS}
     names = sorted({group for land in sources for group in land.groups})
-    common = {name: _room(shared, draws) if name == ROOM else shared.standard_normal(draws) for name in names}
+    common = {
+        name: _rectangular_draws(shared, draws) if name == ROOM_TEMPERATURE else shared.standard_normal(draws)
+        for name in names
+    }
     conditions = [_Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
     totals = [np.zeros(draws) for _ in conditions]
     probe_totals = [np.zeros(_PROBES) for _ in conditions]
-    variances = [0.0 for _ in conditions]  # of each total, from what no land shares
+    variances = [0.0 for _ in conditions]  # of each total, from errors that no land shares
     group_slopes = [dict.fromkeys(names, 0.0) for _ in conditions]
-    only_clearance = _nothing_else(assumptions)
+    only_clearance = _only_clearance_uncertain(assumptions)
     lands: list[tuple[LandSpread, ...]] = []
     for number, land in enumerate(sources):
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
@@ -230,16 +237,16 @@ def propagate(
             lengths += nominal
             length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
         exact = only_clearance and land.is_normal
-        found = []
+        by_condition = []
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
-            every, counted = now.leakage(land, clearance, length)
-            totals[index] += counted
-            share = _ratio(every, now.capacity)
+            flow, drawn_flow = now.leakage(land, clearance, length)
+            totals[index] += drawn_flow
+            share = _ratio(flow, now.capacity)
             slopes = _probe(probe, land, assumptions)
-            leakage_spread = _spread(every, (), coverage)
+            leakage_spread = _spread(flow, (), coverage)
             if exact:
                 leakage_spread = _exact(conditions[index], land, coverage) or leakage_spread
-            found.append(
+            by_condition.append(
                 LandSpread(
                     leakage=slopes.leakage,
                     leakage_spread=leakage_spread,
@@ -254,7 +261,7 @@ def propagate(
             variances[index] += slopes.counted_length_effect**2
             for name, u in land.groups.items():
                 group_slopes[index][name] += slopes.counted_per_clearance * u
-        lands.append(tuple(found))
+        lands.append(tuple(by_condition))
     return Propagated(
         lands,
         [
@@ -279,23 +286,23 @@ def _clearance_draws(
     clearance += land.state.radial_clearance
     for source in own:
         if source.shape == "rectangular" and source.standard_uncertainty:
-            clearance += _room(stream, draws) * source.standard_uncertainty
+            clearance += _rectangular_draws(stream, draws) * source.standard_uncertainty
     for name, u in land.groups.items():
         if u:
             clearance += u * common[name]
     return clearance
 
 
-def _room(stream: np.random.Generator, draws: int) -> np.ndarray:
-    """Rectangular draws of unit standard deviation."""
-    found = stream.random(draws)
-    found -= 0.5
-    found *= math.sqrt(12.0)
-    return found
+def _rectangular_draws(stream: np.random.Generator, draws: int) -> np.ndarray:
+    """Draw from a rectangular distribution of unit standard deviation."""
+    deviates = stream.random(draws)
+    deviates -= 0.5
+    deviates *= math.sqrt(12.0)
+    return deviates
 
 
 def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
-    """Share of the pump's flow; infinite where the pump delivers nothing."""
+    """Return the share of the pump's flow; infinite where the pump delivers nothing."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = flow / capacity
     return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
@@ -316,15 +323,15 @@ def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[
     edges = [int(place) for place in places]
     ends = sorted({min(edge + step, values.size - 1) for edge in edges for step in (0, 1)})
     ordered = np.partition(values, ends)
-    found = []
+    quantiles = []
     for place, edge in zip(places, edges, strict=True):
         low, high = float(ordered[edge]), float(ordered[min(edge + 1, values.size - 1)])
-        found.append(low if low == high else low + (place - edge) * (high - low))
-    return found[0], found[1]
+        quantiles.append(low if low == high else low + (place - edge) * (high - low))
+    return quantiles[0], quantiles[1]
 
 
-def _nothing_else(assumptions: Assumptions) -> bool:
-    """Whether a land's leakage is uncertain by its clearance alone."""
+def _only_clearance_uncertain(assumptions: Assumptions) -> bool:
+    """Return whether a land's leakage is uncertain by its clearance alone."""
     return not (
         assumptions.contact_length
         or assumptions.viscosity
@@ -339,9 +346,9 @@ _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 
 
 def _exact(condition: _Condition, land: LandSources, coverage: float) -> Spread | None:
-    """A normal clearance through the gap law: exact Gauss-Hermite moments, quantiles at c ± z u.
+    """Carry a normal clearance through the gap law: exact Gauss-Hermite moments, quantiles at c ± z u.
 
-    None where draws would be cut off at zero.
+    Return None where draws would be cut off at zero.
     """
     c, u = land.state.radial_clearance, land.standard_uncertainty
     z = float(normal_quantile(0.5 + 0.5 * coverage))
@@ -356,18 +363,18 @@ def _exact(condition: _Condition, land: LandSources, coverage: float) -> Spread 
     return Spread(math.sqrt(float(_WEIGHTS @ (moments - mean) ** 2)), (float(low), float(high)), ())
 
 
-# --- the linear budget: one thing at a time, by central differences
+# --- the linear budget: one factor is changed at a time, by central differences
 
 _PROBES = 2 * len(FACTORS) + 5  # two per factor, two of the clearance, two of the contact length, one as it is
 
 
 def _probe_deviates() -> dict[str, np.ndarray]:
-    found = {}
+    deviates = {}
     for number, name in enumerate(FACTORS):
         column = np.zeros(_PROBES)
         column[2 * number], column[2 * number + 1] = _SMALL, -_SMALL
-        found[name] = column
-    return found
+        deviates[name] = column
+    return deviates
 
 
 @dataclass(frozen=True)
@@ -389,21 +396,21 @@ def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slope
     clearance[-4] -= step
     length[-3] += _SMALL * assumptions.contact_length
     length[-2] -= _SMALL * assumptions.contact_length
-    every, counted = probe.leakage(land, clearance, length)
-    share = _ratio(every, probe.capacity)
+    flow, drawn_flow = probe.leakage(land, clearance, length)
+    share = _ratio(flow, probe.capacity)
 
     def effects(values: np.ndarray) -> dict[str, float]:
-        found = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
-        found["contact length"] = _difference(values, -3) / _SMALL
-        return found
+        by_factor = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
+        by_factor["contact length"] = _difference(values, -3) / _SMALL
+        return by_factor
 
-    counted_effects = effects(counted)
+    counted_effects = effects(drawn_flow)
     return _Slopes(
-        leakage=float(every[-1]),
+        leakage=float(flow[-1]),
         share_per_clearance=_difference(share, -5) / step,
         share_effects=effects(share),
-        counted_probe=counted,
-        counted_per_clearance=_difference(counted, -5) / step,
+        counted_probe=drawn_flow,
+        counted_per_clearance=_difference(drawn_flow, -5) / step,
         counted_length_effect=counted_effects["contact length"],
     )
 

@@ -1,7 +1,7 @@
-"""From instruments and readings to what makes each clearance uncertain, source by source.
+"""Collect from instruments and readings what makes each clearance uncertain, source by source.
 
 Every source is stated as its standard uncertainty in the *radial clearance* (half of that in a diameter). A source
-with a ``group`` is one error shared by all lands: the instrument's common part, the room's temperature.
+with a ``group`` is one error that lands share: the instrument's common part, the temperature of the room.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from atleak.readings import LandClearance, Reading, Readings, independent_repeat
 from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
-ROOM = "room temperature"
+ROOM_TEMPERATURE = "room temperature"  # group of the error that all lands share
 SourceKind = Literal[
     "common calibration",
     "calibration",
@@ -36,7 +36,7 @@ SourceKind = Literal[
     "mounting clearance",
 ]
 
-_ENOUGH_DEGREES = 6  # of freedom, from which on repeats speak for themselves: choice of this project
+_ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
 _NORMAL_ENOUGH = 0.02  # excess kurtosis below which a clearance is taken as normal
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
 _STEP_TOLERANCE = 1e-9  # [m]
@@ -55,13 +55,13 @@ class UncertaintySource:
 
     @property
     def label(self) -> str:
-        """For people: ``"sleeve: repeats"``."""
+        """Return the source's name for people: ``"sleeve: repeats"``."""
         return self.kind if self.part is None else f"{self.part}: {self.kind}"
 
 
 @dataclass(frozen=True)
 class RepeatSpread:
-    """How far single readings of one part spread in this unit, and how finely they are written."""
+    """The spread of single readings of one part in this unit, and the step in which they are written."""
 
     part: Part
     standard_deviation: float  # [m] of one reading before rounding
@@ -73,13 +73,13 @@ class RepeatSpread:
 
     @cached_property
     def persistent_variance(self) -> float:
-        """Of the rounding error that repeats of one place do not average out [m²]."""
+        """Return the variance of the rounding error that repeats of one place do not average out [m²]."""
         s = self.standard_deviation / math.sqrt(self.roundings)
         return self.roundings * float(persistent_rounding_variance(self.resolution, s))
 
     @cached_property
     def averaged_variance(self) -> float:
-        """Of what they do average out, rounding included [m²]."""
+        """Return the variance of the errors that repeats average out, rounding included [m²]."""
         s = self.standard_deviation
         rounding = self.roundings * self.resolution**2 / 12.0 - self.persistent_variance
         return s * s + rounding if s > 0.0 else 0.0
@@ -87,7 +87,7 @@ class RepeatSpread:
 
 @dataclass(frozen=True)
 class _MeasuringPlan:
-    """How one part of one land was measured."""
+    """The way in which one part of one land was measured."""
 
     repeat_weight: float  # variance of the mean diameter / variance of a single reading
     rounding_weight: float  # the same for the rounding error that repeats do not average out
@@ -97,7 +97,7 @@ class _MeasuringPlan:
 
 @dataclass(frozen=True)
 class LandSources:
-    """All sources of one land's clearance."""
+    """All sources of the uncertainty of one land's clearance."""
 
     state: LandClearance
     sources: tuple[UncertaintySource, ...]
@@ -106,33 +106,38 @@ class LandSources:
     instruments: Instruments
     assumptions: Assumptions
 
+    @property
+    def key(self) -> tuple[str, int]:
+        """Return component and number of the land."""
+        return self.state.land.key
+
     @cached_property
     def groups(self) -> dict[str, float]:
-        """Each shared error's signed standard uncertainty in this clearance [m]."""
-        found: dict[str, float] = defaultdict(float)
+        """Return the signed standard uncertainty of each shared error in this clearance [m]."""
+        by_group: dict[str, float] = defaultdict(float)
         for source in self.sources:
             if source.group is not None:
-                found[source.group] += source.standard_uncertainty
-        return dict(found)
+                by_group[source.group] += source.standard_uncertainty
+        return dict(by_group)
 
     @cached_property
     def thermal_rate(self) -> float:
-        """Growth of the clearance with temperature [m/K]."""
+        """Return the growth of the clearance with temperature [m/K]."""
         return self.state.thermal_rate
 
     @cached_property
     def own_variance(self) -> float:
-        """Of the errors no other land shares [m²]."""
+        """Return the variance of the errors that no other land shares [m²]."""
         return math.fsum(source.standard_uncertainty**2 for source in self.sources if source.group is None)
 
     @cached_property
     def standard_uncertainty(self) -> float:
-        """Of the radial clearance [m]."""
+        """Return the standard uncertainty of the radial clearance [m]."""
         return math.sqrt(self.own_variance + math.fsum(u * u for u in self.groups.values()))
 
     @cached_property
     def budget(self) -> tuple[tuple[UncertaintySource, float], ...]:
-        """Each source with its part of the variance, the largest first; what two parts share is one source."""
+        """Return each source with its part of the variance, the largest first; an error of both parts is one source."""
         total = self.standard_uncertainty**2
         merged: list[UncertaintySource] = [source for source in self.sources if source.group is None]
         for group, u in self.groups.items():
@@ -143,12 +148,12 @@ class LandSources:
         return tuple(sorted(shares, key=lambda item: -item[1]))
 
     def part_fraction(self, part: Part) -> float:
-        """What one part's readings carry of the clearance's variance."""
+        """Return the fraction of the clearance's variance that one part's readings carry."""
         return math.fsum(fraction for source, fraction in self.budget if source.part == part)
 
     @property
     def is_normal(self) -> bool:
-        """Whether the clearance is normal for practical purposes: its excess kurtosis is next to nothing."""
+        """Return whether the clearance is normal for practical purposes: its excess kurtosis is near zero."""
         rectangular_parts = [fraction for source, fraction in self.budget if source.shape == "rectangular"]
         return 1.2 * math.fsum(fraction * fraction for fraction in rectangular_parts) <= _NORMAL_ENOUGH
 
@@ -158,21 +163,21 @@ class LandSources:
         repeats: Mapping[Part, int] | None = None,
         instruments: Mapping[Part, Instrument] | None = None,
     ) -> float:
-        """Variance of the clearance [m²] had it been measured with more repeats or other instruments."""
+        """Return the variance of the clearance [m²] had it been measured with more repeats or other instruments."""
         chosen = Instruments(**{part: (instruments or {}).get(part, self.instruments.of(part)) for part in PARTS})
-        found: list[UncertaintySource] = []
+        changed: list[UncertaintySource] = []
         for part in PARTS:
             if part not in self.plans:
-                found += [source for source in self.sources if source.part == part]
+                changed += [source for source in self.sources if source.part == part]
                 continue
             plan, spread, instrument = self.plans[part], self.spreads[part], chosen.of(part)
             if part in (instruments or {}):
                 s = instrument.repeatability if instrument.repeatability is not None else 0.0
                 spread = RepeatSpread(part, s, 0, instrument.resolution, 1, "instrument", spread.ovality)
             times = (repeats or {}).get(part, plan.repeats) / plan.repeats
-            found += _part_sources(self.state, part, instrument, chosen, plan, spread, self.assumptions, times)
-        found += [source for source in self.sources if source.part is None]
-        return LandSources(self.state, tuple(found), {}, {}, chosen, self.assumptions).standard_uncertainty ** 2
+            changed += _part_sources(self.state, part, instrument, chosen, plan, spread, self.assumptions, times)
+        changed += [source for source in self.sources if source.part is None]
+        return LandSources(self.state, tuple(changed), {}, {}, chosen, self.assumptions).standard_uncertainty ** 2
 
 
 def find_sources(
@@ -182,21 +187,23 @@ def find_sources(
     instruments: Instruments,
     assumptions: Assumptions,
 ) -> tuple[tuple[LandSources, ...], dict[Part, RepeatSpread]]:
-    """Every land's sources, and what the unit's repeats say of each part.
+    """Return every land's sources, and the spread of repeats of each part over the unit.
 
     Parameters
     ----------
     states
         as from `atleak.readings.clearances`.
     readings
-        the sheet they come from.
+        the measuring sheet from which the clearances come.
     """
     by_land: dict[tuple[str, int], dict[Part, list[Reading]]] = defaultdict(lambda: {"spool": [], "sleeve": []})
     for reading in readings.readings if readings else ():
         land = controller.land_of_plane(reading.component, reading.plane)
         if land is not None:
             by_land[land.key][reading.part].append(reading)
-    groups = {key: {part: _stations(found) for part, found in parts.items()} for key, parts in by_land.items()}
+    groups = {
+        key: {part: _stations(part_readings) for part, part_readings in parts.items()} for key, parts in by_land.items()
+    }
     spreads = {
         part: _spread(part, [land[part] for land in groups.values()], states, instruments.of(part)) for part in PARTS
     }
@@ -209,10 +216,10 @@ _Stations = dict[tuple[str, float | None], list[Reading]]
 
 
 def _stations(readings: Iterable[Reading]) -> _Stations:
-    found: _Stations = defaultdict(list)
+    stations: _Stations = defaultdict(list)
     for reading in readings:
-        found[reading.plane, reading.direction].append(reading)
-    return found
+        stations[reading.plane, reading.direction].append(reading)
+    return stations
 
 
 def _land_sources(
@@ -222,11 +229,11 @@ def _land_sources(
     instruments: Instruments,
     assumptions: Assumptions,
 ) -> LandSources:
-    found: list[UncertaintySource] = []
+    sources: list[UncertaintySource] = []
     plans: dict[Part, _MeasuringPlan] = {}
     mounting = assumptions.mounting_clearance
     if not state.measured:
-        found.append(UncertaintySource("mounting clearance", None, mounting))
+        sources.append(UncertaintySource("mounting clearance", None, mounting))
     else:
         for part in PARTS:
             stations = groups.get(part)
@@ -234,15 +241,15 @@ def _land_sources(
                 nominal = assumptions.nominal_diameter
                 # a sleeve's nominal diameter is the spool's and twice the mounting clearance
                 u = nominal if part == "spool" else math.hypot(nominal, 2.0 * mounting)
-                found.append(UncertaintySource("nominal diameter", part, 0.5 * u))
+                sources.append(UncertaintySource("nominal diameter", part, 0.5 * u))
                 continue
             plans[part] = _plan(stations, spreads[part].resolution)
-            found += _part_sources(
+            sources += _part_sources(
                 state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
             )
-        room = state.thermal_rate * rectangular(assumptions.room_temperature)
-        found.append(UncertaintySource("room temperature", None, room, ROOM, "rectangular"))
-    return LandSources(state, tuple(found), plans, spreads, instruments, assumptions)
+        thermal = state.thermal_rate * rectangular(assumptions.room_temperature)
+        sources.append(UncertaintySource("room temperature", None, thermal, ROOM_TEMPERATURE, "rectangular"))
+    return LandSources(state, tuple(sources), plans, spreads, instruments, assumptions)
 
 
 def _part_sources(
@@ -255,7 +262,7 @@ def _part_sources(
     assumptions: Assumptions,
     times: float = 1.0,
 ) -> list[UncertaintySource]:
-    """Sources of one measured part; ``times`` as many repeats as were made."""
+    """Return the sources of one measured part, with ``times`` as many repeats as were made."""
     sign = 0.5 if part == "sleeve" else -0.5
     # one instrument for both parts errs alike in both, so that its common error drops out of D − d
     group = "one instrument" if instruments.err_alike else f"{part} instrument"
@@ -273,16 +280,16 @@ def _part_sources(
 def _form(
     state: LandClearance, part: Part, plan: _MeasuringPlan, spread: RepeatSpread, assumptions: Assumptions
 ) -> float:
-    """Standard uncertainty [m] of the mean diameter because form is seen in few places only.
+    """Return the standard uncertainty [m] of the mean diameter that comes from seeing the form in few places only.
 
     Two perpendicular directions cancel a two-lobe form exactly, one direction leaves it all, at an unknown phase.
     """
     ovality = state.spool_ovality if part == "spool" else state.sleeve_ovality
     taper = state.spool_taper if part == "spool" else state.sleeve_taper
-    seen = assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
+    residual = assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
     if ovality is None:
         ovality = spread.ovality if spread.ovality is not None else assumptions.unseen_ovality
-    return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), seen)
+    return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), residual)
 
 
 def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
@@ -299,7 +306,7 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
         weights.append(weight)
         repeats.append(len(counts))
         means.append(math.fsum(reading.diameter for reading in group) / len(group))
-    # places that read the same round the same way; others do so independently
+    # places with the same reading are rounded the same way; others are rounded independently
     apart = max(means) - min(means) >= resolution
     return _MeasuringPlan(
         repeat_weight=repeat_weight,
@@ -310,7 +317,7 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
 
 
 def _multiplicities(group: list[Reading]) -> list[int]:
-    """How often each independent reading of one place is in the sheet."""
+    """Count how often each independent reading of one place is in the sheet."""
     if all(reading.coordinates is None for reading in group):
         return [1] * len(group)
     independent = independent_repeats(group)
@@ -351,7 +358,7 @@ def _spread(
         freedom, pooled = 0, 0.0
     s, origin = _single_reading(pooled, freedom, resolution, roundings, instrument)
     ovalities = [state.spool_ovality if part == "spool" else state.sleeve_ovality for state in states]
-    seen = [ovality for ovality in ovalities if ovality is not None]
+    measured = [ovality for ovality in ovalities if ovality is not None]
     return RepeatSpread(
         part=part,
         standard_deviation=s,
@@ -359,7 +366,7 @@ def _spread(
         resolution=resolution,
         roundings=roundings,
         origin=origin,
-        ovality=math.sqrt(math.fsum(o * o for o in seen) / len(seen)) if seen else None,
+        ovality=math.sqrt(math.fsum(o * o for o in measured) / len(measured)) if measured else None,
     )
 
 
@@ -378,15 +385,15 @@ def _single_reading(
 
 
 def _before_rounding(spread: float, resolution: float, roundings: int) -> float:
-    """The standard deviation of readings whose rounded values spread so far."""
+    """Return the standard deviation [m] of readings before they were rounded, from that of the rounded ones."""
 
     def rounded_variance(s: float) -> float:
         persistent = persistent_rounding_variance(resolution, s / math.sqrt(roundings))
         return s * s + roundings * (resolution**2 / 12.0 - persistent)
 
-    much = spread * spread - roundings * resolution**2 / 12.0
-    if much > roundings * (0.6 * resolution) ** 2:
-        return math.sqrt(much)
+    variance = spread * spread - roundings * resolution**2 / 12.0
+    if variance > roundings * (0.6 * resolution) ** 2:
+        return math.sqrt(variance)
     low, high = 0.0, spread
     for _ in range(40):
         middle = 0.5 * (low + high)
@@ -395,7 +402,7 @@ def _before_rounding(spread: float, resolution: float, roundings: int) -> float:
 
 
 def _step(readings: Sequence[Reading]) -> float:
-    """The step [m] in which a sheet is written, 0.0 where it has too few readings to show one."""
+    """Return the step [m] in which a sheet is written, 0.0 where it has too few readings to show one."""
     diameters = {reading.diameter for reading in readings}
     if len(diameters) < _READINGS_THAT_SHOW_A_STEP:
         return 0.0

@@ -1,4 +1,4 @@
-"""The source study's eight variants: run through the engine, laid beside what the article prints, and charted."""
+"""Run the source study's eight variants through the engine, compare them with the article, and chart them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the source study prints beside its tables, and where it contradicts itself.
+"""List what the source study prints beside its tables, and where it contradicts itself.
 
 Dziubak T., Szczepaniak P., Energies 2023, 16(22), 7667, doi 10.3390/en16227667. Every erratum was derived again
 independently; ``docs/source-study.md`` shows the arithmetic and ``tests/literature`` repeats it.
@@ -46,7 +46,7 @@ STATED_POINTS: tuple[StatedPoint, ...] = (
 
 @dataclass(frozen=True)
 class ComparedPoint:
-    """A stated point beside what a road test gives."""
+    """A stated point beside the value that a road test gives."""
 
     point: StatedPoint
     time: float  # [s] of the computed value
@@ -54,12 +54,12 @@ class ComparedPoint:
 
     @property
     def deviation(self) -> float:
-        """Relative to the printed value."""
+        """Return the deviation relative to the printed value."""
         return self.computed / float(self.point.printed) - 1.0
 
 
 def compare_points(results: Sequence[VariantResult]) -> tuple[ComparedPoint, ...]:
-    """The stated points beside the results of the shipped test; points of the pump only where engine speed was logged.
+    """Return the stated points beside the results of the shipped test; the pump's only where engine speed was logged.
 
     The end of the rapid rise is the first sample after the least leakage at which it stops growing.
     """

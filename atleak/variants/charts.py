@@ -1,7 +1,7 @@
-"""What the pictures of the source study show, as plain arrays: prepared once, drawn by plotly and by matplotlib.
+"""Prepare the pictures of the source study as plain arrays, once, to be drawn by plotly and by matplotlib.
 
 Every chart comes in the units people read (dm³/min, %, °C, s). Colours keep a contrast of 3:1 or more on white and on
-near-black; dash and symbol tell the lines apart without them.
+near-black; dash and symbol distinguish the lines without them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from atleak.thinning import thinned
 from atleak.variants.run import TemperatureCurve, VariantResult
 from atleak.workshop_units import DM3_MIN, PERCENT
 
-MOST_POINTS = 2000  # of a line before thinning
+MOST_POINTS = 2000  # that a line may have before it is thinned
 
 Dash = Literal["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"]
 Symbol = Literal["circle", "square", "diamond", "cross", "x", "star", "triangle-up", "triangle-down", "hexagon"]
@@ -45,7 +45,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Mark:
-    """An instant worth a vertical line, told by its words and its dash, not by its colour alone."""
+    """An instant marked by a vertical line, which its text and dash distinguish, not its colour alone."""
 
     x: float
     text: str
@@ -55,7 +55,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class _Point:
-    """An instant in a word, with its marker and the value drawn there."""
+    """A named instant, with its marker and the value drawn there."""
 
     word: str
     symbol: Symbol
@@ -74,11 +74,12 @@ class Chart:
     upper_label: str = ""
     marks: tuple[Mark, ...] = ()
     spans: tuple[tuple[float, float, str], ...] = ()  # (from x, to x, text), such as the gears
-    description: str = ""  # for those who cannot see it
+    description: str = ""  # for people who cannot see the picture
     log_y: bool = False
 
     @property
     def has_upper(self) -> bool:
+        """Return whether a line asks for the upper panel."""
         return any(line.panel == "upper" for line in self.lines)
 
 
@@ -101,7 +102,7 @@ _MODEL_STYLE: dict[str, tuple[str, Dash]] = {
 
 
 def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None) -> Chart:
-    """Leakage of every variant and pump flow over time (the article's Figure 13).
+    """Prepare the leakage of every variant and pump flow over time (the article's Figure 13).
 
     ``gear`` is the road test's, shape (samples,). The marks are the instants of least and most leakage of the variant
     that leaks most; triangles show each variant's own.
@@ -141,7 +142,7 @@ def leakage_chart(results: Sequence[VariantResult], gear: np.ndarray | None = No
 
 
 def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None) -> Chart:
-    """Leakage share of every variant over time: largest at idle, not at the instant of most leakage.
+    """Prepare the leakage share of every variant over time: largest at idle, not at the instant of most leakage.
 
     Raises
     ------
@@ -150,7 +151,7 @@ def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None
     """
     lines: list[Line] = []
     drawn: list[tuple[RoadLeakage, _Point]] = []
-    said: list[str] = []
+    summaries: list[str] = []
     for result in results:
         run = result.computed
         share, worst, most = run.share, run.max_share, run.max_leakage
@@ -160,7 +161,7 @@ def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None
         at_most = _Point("most leakage", "triangle-up", most, most.share * PERCENT)
         lines += _variant_lines(result, share * PERCENT, (largest, at_most))
         drawn.append((run, largest))
-        said.append(
+        summaries.append(
             f"{result.variant.name} at most {largest.value:.3g} %, at the instant of most leakage {at_most.value:.3g} %"
         )
     leading, largest = max(drawn, key=lambda pair: pair[0].max_leakage.leakage)
@@ -175,7 +176,7 @@ def share_chart(results: Sequence[VariantResult], gear: np.ndarray | None = None
             Mark(most_time, f"most leakage, {most_time:g} s", _LEAST, "dot"),
         ),
         spans=gear_spans(leading.time, gear),
-        description="Leakage share over time; " + "; ".join(said),
+        description="Leakage share over time; " + "; ".join(summaries),
     )
 
 
@@ -187,7 +188,7 @@ def temperature_chart(
     printed: bool = True,
     log_y: bool = False,
 ) -> Chart:
-    """Most leakage against temperature at one wear (the article's Figure 14), by viscosity model.
+    """Prepare the largest leakage against temperature at one wear (the article's Figure 14), by viscosity model.
 
     ``results`` adds the variants of that wear as computed and, where ``printed``, as Table 3 prints them.
     """
@@ -195,16 +196,16 @@ def temperature_chart(
     for curve in curves:
         color, dash = _MODEL_STYLE[curve.model]
         lines.append(Line(curve.label, curve.temperature, curve.max_leakage * DM3_MIN, color, dash))
-    same = sorted(
+    of_wear = sorted(
         (result for result in results if result.variant.wear == wear), key=lambda result: result.variant.temperature
     )
-    if same:
-        at = np.array([result.variant.temperature for result in same])
-        names = tuple(result.variant.name for result in same)
+    if of_wear:
+        at = np.array([result.variant.temperature for result in of_wear])
+        names = tuple(result.variant.name for result in of_wear)
         if printed:
-            values = np.array([float(result.variant.printed_max_leakage) for result in same])
+            values = np.array([float(result.variant.printed_max_leakage) for result in of_wear])
             lines.append(Line("Table 3 as printed", at, values, CURVES["grey"], None, "square", filled=False))
-        values = np.array([result.computed.max_leakage.leakage * DM3_MIN for result in same])
+        values = np.array([result.computed.max_leakage.leakage * DM3_MIN for result in of_wear])
         lines.append(Line("computed", at, values, CURVES["blue"], None, "circle", text=names))
     return Chart(
         title=f"Most leakage against temperature at {wear:.0%} wear".replace("%", " %"),
@@ -221,7 +222,7 @@ def temperature_chart(
 
 
 def _variant_lines(result: VariantResult, values: np.ndarray, points: Sequence[_Point]) -> list[Line]:
-    """A variant over time, and its points."""
+    """Return a variant over time, and its points."""
     name, (color, dash, _) = result.variant.name, _STYLE[result.variant.name]
     x, y = _course(result.time, values, keep=[_index(result.time, point.instant) for point in points])
     lines = [Line(variant_label(result), x, y, color, dash, group=name)]
@@ -232,7 +233,7 @@ def _variant_lines(result: VariantResult, values: np.ndarray, points: Sequence[_
 
 
 def variant_label(result: VariantResult) -> str:
-    """``W4: 80 °C, +50 %``; what is left out is fresh oil and no wear."""
+    """Return a label such as ``W4: 80 °C, +50 %``; fresh oil and no wear are not mentioned."""
     variant = result.variant
     oil = ", used oil" if variant.used_oil and not variant.wear else ""
     worn = f", +{variant.wear * PERCENT:g} %" if variant.wear else ""
@@ -240,7 +241,7 @@ def variant_label(result: VariantResult) -> str:
 
 
 def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, float, str], ...]:
-    """Stretches in one gear as (from, to, text); empty without a gear channel or where it changes without end."""
+    """Return the stretches in one gear as (from, to, text); empty without a gear channel or with over 40 stretches."""
     if gear is None or not len(time):
         return ()
     known = np.nan_to_num(gear, nan=np.inf)  # one stretch without a gear is one stretch
@@ -256,7 +257,7 @@ def gear_spans(time: np.ndarray, gear: np.ndarray | None) -> tuple[tuple[float, 
 
 
 def _course(x: np.ndarray, y: np.ndarray, keep: Sequence[int] = ()) -> tuple[np.ndarray, np.ndarray]:
-    """The points of a line that are drawn."""
+    """Choose the points of a line that are drawn."""
     index = thinned([y], MOST_POINTS, keep)
     return x[index], y[index]
 

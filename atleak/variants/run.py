@@ -1,9 +1,9 @@
-"""The eight variants W1-W8 of the source study, for its controller and test or for anybody's own.
+"""Run the eight variants W1-W8 of the source study, for its controller and test or for any other.
 
 A variant is a temperature, a wear of every land and a fluid. It runs through the engine as everything else does: every
-gap, every section, every sample. Wear scales the cold clearance and heat is added after it, unscaled: so do the printed
-results. ``computed`` takes the viscosity that the printed results follow from, ``as_tabulated`` the one that the
-article's Table 2 prints; they differ in W3 and W4.
+gap, every section, every sample. Wear scales the cold clearance; growth by heat is added afterwards, unscaled, as in
+the printed results. ``computed`` takes the viscosity that the printed results follow from, ``as_tabulated`` the one
+that the article's Table 2 prints; they differ in W3 and W4.
 """
 
 from __future__ import annotations
@@ -52,12 +52,12 @@ class Variant:
 
     @property
     def viscosity_of_results(self) -> float:
-        """The viscosity [m²/s] that the printed results follow from."""
+        """Return the viscosity [m²/s] that the printed results follow from."""
         return USED_VISCOSITY if self.used_oil else self.kinematic_viscosity
 
     @property
     def misprinted_viscosity(self) -> bool:
-        """Whether Table 2 prints another viscosity than the results follow from."""
+        """Return whether Table 2 prints another viscosity than the results follow from."""
         return self.viscosity_of_results != self.kinematic_viscosity
 
 
@@ -107,7 +107,7 @@ VARIANTS: tuple[Variant, ...] = (
 
 
 def reaches_digits(printed: Decimal, value: float) -> bool:
-    """Whether a value rounds to every printed digit.
+    """Return whether a value rounds to every printed digit.
 
     >>> reaches_digits(Decimal("8.56"), 8.5577), reaches_digits(Decimal("8.56"), 8.5549)
     (True, False)
@@ -117,7 +117,7 @@ def reaches_digits(printed: Decimal, value: float) -> bool:
 
 @dataclass(frozen=True)
 class VariantResult:
-    """One variant as computed with the viscosity its printed results follow from, and as Table 2 prints it."""
+    """One variant computed twice: with the viscosity its printed results follow from, and with that of Table 2."""
 
     variant: Variant
     profile: Profile
@@ -136,7 +136,7 @@ def run_variants(
     profile: Profile = PAPER,
     mounted: Sequence[LandClearance] | None = None,
 ) -> tuple[VariantResult, ...]:
-    """W1-W8 for a controller and a road test.
+    """Run W1-W8 for a controller and a road test.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def run_variants(
         main pressure is needed; converter pressure and gear are taken from the controller's first operating point
         where the log has none, and a message says so. The log's temperature is not used: a variant has its own.
     profile
-        how the engine computes. With ``viscosity = "tabulated"``, as the ``paper`` profile has it, viscosity and
+        the options of the engine. With ``viscosity = "tabulated"``, as the ``paper`` profile has it, viscosity and
         density are the variant's own; else those of the study's fluid, fresh or used, by that model.
     mounted
         the clearances that count as 0 % wear; the controller's mounting clearances unless given.
@@ -191,7 +191,7 @@ def run_variants(
 
 
 def variant_fluid(variant: Variant, *, as_tabulated: bool = False) -> Fluid:
-    """The study's fluid for a variant: Table 2 with the variant's own row, the data sheet of the fresh or used oil."""
+    """Return a variant's fluid: Table 2 with the variant's own row, and the data sheet of the fresh or used oil."""
     used = variant.used_oil and not (as_tabulated and variant.misprinted_viscosity)
     viscosity = variant.kinematic_viscosity if as_tabulated else variant.viscosity_of_results
     fresh = load_fluid(FRESH_FLUID)
@@ -202,19 +202,19 @@ def variant_fluid(variant: Variant, *, as_tabulated: bool = False) -> Fluid:
 
 
 def variant_road_test(road_test: RoadTest, temperature: float) -> RoadTest:
-    """The same road test at one ATF temperature [°C]."""
+    """Return the same road test at one ATF temperature [°C]."""
     return _with_constants(road_test, {"atf_temperature": temperature})
 
 
 def gear_at_most_leakage(run: RoadLeakage) -> int:
-    """The gear in which a variant leaks most."""
+    """Return the gear in which a variant leaks most."""
     gear = run.road_test.values("gear")
     assert gear is not None  # logged or assumed
     return int(gear[int(np.nanargmax(run.leakage))])
 
 
 def sample_log() -> Path:
-    """The shipped minimum-acceleration test.
+    """Return the shipped minimum-acceleration test.
 
     Raises
     ------
@@ -230,7 +230,7 @@ def _covers(fluid: Fluid, temperature: float, model: ViscosityModel) -> bool:
 
 
 def _with_constants(road_test: RoadTest, constants: Mapping[str, float]) -> RoadTest:
-    """The same road test with some quantities [SI] that do not change."""
+    """Return the same road test with some quantities [SI] held constant."""
     channels = dict(road_test.channels)
     for quantity, value in constants.items():
         channels[quantity] = Channel(
@@ -253,13 +253,13 @@ class _StudyLog:
 
     @classmethod
     def of(cls, controller: Controller, states: tuple[LandClearance, ...], road_test: RoadTest) -> _StudyLog:
-        """Checked by running W1 as any job is run, which refuses a log that cannot be used and says what it assumes."""
+        """Check a log by running W1 over it as any job is run: an unusable log is refused, assumptions are reported."""
         assumed, first = controller.operating_points[0], VARIANTS[0]
         model = LeakageModel(controller, states, variant_fluid(first), PAPER)
-        found = evaluate_road_test(model, variant_road_test(road_test, first.temperature), assumed)
+        road_leakage = evaluate_road_test(model, variant_road_test(road_test, first.temperature), assumed)
         constants = {"converter_pressure": assumed.converter_pressure, "gear": float(assumed.gear)}
         missing = {name: value for name, value in constants.items() if road_test.values(name) is None}
-        return cls(_with_constants(road_test, missing), assumed, found.messages)
+        return cls(_with_constants(road_test, missing), assumed, road_leakage.messages)
 
     def leakage(self, model: LeakageModel, temperature: float) -> np.ndarray:
         main, converter, gear = (
@@ -268,8 +268,8 @@ class _StudyLog:
         return leakage_series(model, main, converter, temperature, gear).total
 
     def run(self, model: LeakageModel, temperature: float) -> RoadLeakage:
-        found = evaluate_road_test(model, variant_road_test(self.road_test, temperature), self.assumed)
-        return replace(found, sections={})  # nobody asks, and those of ten runs over a long log weigh
+        road_leakage = evaluate_road_test(model, variant_road_test(self.road_test, temperature), self.assumed)
+        return replace(road_leakage, sections={})  # not needed, and those of ten runs over a long log take much memory
 
 
 # --- what the better physics is worth ---------------------------------------------------------------------------
@@ -300,7 +300,7 @@ OPTION_STEPS: tuple[tuple[str, dict[str, object]], ...] = (
 def compare_options(
     controller: Controller, road_test: RoadTest, *, mounted: Sequence[LandClearance] | None = None
 ) -> tuple[OptionRow, ...]:
-    """What each option changes for W1-W8: ``paper``, one option at a time, ``workshop``, and that with entry loss."""
+    """Compute W1-W8 with ``paper``, with one option at a time, with ``workshop``, and with that and entry loss."""
     profiles = [(label, PAPER.with_options(**options)) for label, options in OPTION_STEPS]
     profiles.append(("workshop: the four above without entry loss", WORKSHOP))
     profiles.append(("workshop with entry loss", WORKSHOP.with_options(entry_loss=True)))
@@ -331,7 +331,7 @@ def compare_options(
 
 @dataclass(frozen=True)
 class TemperatureCurve:
-    """Largest leakage of a road test over the fluid's temperature, at one wear."""
+    """The largest leakage of a road test over the fluid's temperature, at one wear."""
 
     model: ViscosityModel
     label: str
@@ -355,7 +355,9 @@ def temperature_curves(
     models: Sequence[ViscosityModel] = ("tabulated", "regression", "d341"),
     mounted: Sequence[LandClearance] | None = None,
 ) -> tuple[TemperatureCurve, ...]:
-    """Largest leakage against temperature for the study's fresh fluid, in the ``paper`` profile but for the viscosity.
+    """Compute the largest leakage against temperature for the study's fresh fluid, by viscosity model.
+
+    All else is as in the ``paper`` profile.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The source study's tables as rows for a page or a sheet: units in the headings, None where unknown."""
+"""Give the source study's tables as rows for a page or a sheet: units in the headings, None where unknown."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PeakQuantity = Literal["max_leakage", "share_at_max_leakage", "max_share"]
 
 
 def table_2_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
-    """Table 2: what a variant is, with the viscosity its printed results follow from."""
+    """Return Table 2: every variant, with the viscosity that its printed results follow from."""
     return [
         {
             "variant": result.variant.name,
@@ -30,7 +30,7 @@ def table_2_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
 
 
 def table_3_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
-    """Table 3: most leakage q and share U at that instant, printed and computed; the largest share of the test.
+    """Return Table 3: most leakage q and share U at that instant, printed and computed; the largest share of the test.
 
     ``digits`` is ✓ where the computed value rounds to every printed digit.
     """
@@ -55,27 +55,27 @@ def table_3_rows(results: Sequence[VariantResult]) -> list[dict[str, Any]]:
 
 
 def notes(results: Sequence[VariantResult]) -> dict[str, str]:
-    """What must be said of a variant, by its name."""
+    """Return the remarks on the variants, by their names."""
     return {result.variant.name: result.variant.note for result in results if result.variant.note}
 
 
 def point_rows(points: Sequence[ComparedPoint]) -> list[dict[str, Any]]:
-    """The points of the test that the article states, beside the computed ones."""
+    """Return the points of the test that the article states, beside the computed ones."""
     return [
         {
-            "what": f"{found.point.variant or 'pump'}: {found.point.quantity}",
-            "at [s]": found.time,
-            "stated [dm³/min]": float(found.point.printed),
-            "computed [dm³/min]": found.computed,
-            "deviation [%]": found.deviation * PERCENT,
-            "stated in": "inferred from Table 3" if found.point.inferred else "section 4",
+            "what": f"{each.point.variant or 'pump'}: {each.point.quantity}",
+            "at [s]": each.time,
+            "stated [dm³/min]": float(each.point.printed),
+            "computed [dm³/min]": each.computed,
+            "deviation [%]": each.deviation * PERCENT,
+            "stated in": "inferred from Table 3" if each.point.inferred else "section 4",
         }
-        for found in points
+        for each in points
     ]
 
 
 def option_rows(options: Sequence[OptionRow], quantity: PeakQuantity = "max_leakage") -> list[dict[str, Any]]:
-    """What every set of options gives, by variant: dm³/min, or % for a share."""
+    """Return the results of every set of options, by variant: dm³/min, or % for a share."""
     factor = DM3_MIN if quantity == "max_leakage" else PERCENT
     return [
         {"options": row.label}
@@ -85,7 +85,7 @@ def option_rows(options: Sequence[OptionRow], quantity: PeakQuantity = "max_leak
 
 
 def option_changes(options: Sequence[OptionRow], quantity: PeakQuantity = "max_leakage") -> list[dict[str, Any]]:
-    """The same as change against the first row (``paper``) [%]; the first row itself is left out."""
+    """Return the results of the options as change against the first row, ``paper`` [%], which is left out itself."""
     base = getattr(options[0], quantity)
     return [
         {"options": row.label}
@@ -98,7 +98,7 @@ def option_changes(options: Sequence[OptionRow], quantity: PeakQuantity = "max_l
 
 
 def errata_rows() -> list[dict[str, Any]]:
-    """Where the article contradicts itself, and what is done here."""
+    """Return where the article contradicts itself, and what is done here."""
     return [
         {"no.": item.number, "article": item.article, "finding": item.finding, "here": item.here} for item in ERRATA
     ]

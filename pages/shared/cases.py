@@ -18,7 +18,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.errors import OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
-from atleak.intake.road_test.names.memory import Settled
+from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.job.case import SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
 from atleak.readings import Readings
 
@@ -138,7 +138,7 @@ def controller_of(case: Case) -> Controller:
     return controller
 
 
-def remembered_columns(log: SourceFile) -> Settled | None:
+def remembered_columns(log: SourceFile) -> RememberedColumns | None:
     """Return how the columns of logs with this header were chosen earlier."""
     return recall(default_path(), understood(log).signature)
 

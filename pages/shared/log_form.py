@@ -10,7 +10,7 @@ from atleak.errors import AtleakError
 from atleak.events import Event
 from atleak.intake.road_test import Understood, describe
 from atleak.intake.road_test.describe import workshop_unit
-from atleak.intake.road_test.names.memory import Settled
+from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.intake.units import unit_names
 from atleak.job.case import SourceFile
 from atleak.road_test import QUANTITIES, RoadTest
@@ -65,7 +65,7 @@ def form(file: SourceFile, log: Understood, case: PageCase) -> None:
     asked = {question.quantity for question in log.ambiguous}
     for question in log.ambiguous:
         st.warning(f"**{QUANTITIES[question.quantity].label}:** {show.plain(question.why)}. Which column is it?")
-    earlier = (remembered_columns(file) if file != case.road_test or case.remember else None) or Settled()
+    earlier = (remembered_columns(file) if file != case.road_test or case.remember else None) or RememberedColumns()
     chosen_columns, chosen_units = dict(earlier.mapping), dict(earlier.units)
     if file == case.road_test:
         chosen_columns |= dict(case.columns)

@@ -47,10 +47,22 @@ def field(page: Page, label: str) -> Locator:
     return form(page).get_by_role("textbox", name=label, exact=True).last
 
 
+# Comes back when the page's script has not run for a second.
+IDLE = """() => new Promise(done => {
+    let since = performance.now()
+    const look = () => {
+        const app = document.querySelector("[data-testid=stApp]")
+        if (app?.dataset.testScriptState !== "notRunning") since = performance.now()
+        performance.now() - since > 1000 ? done() : requestAnimationFrame(look)
+    }
+    look()
+})"""
+
+
 def download(page: Page, button: str) -> bytes:
     """What a button gives; a click that goes astray, because the page is drawn anew meanwhile, is made again."""
     for _ in range(6):
-        wait_until_idle(page)
+        page.evaluate(IDLE)
         with contextlib.suppress(TooLate):
             with page.expect_download(timeout=15_000) as waiting:
                 page.get_by_role("button", name=button).click(delay=80)

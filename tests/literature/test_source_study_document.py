@@ -23,8 +23,8 @@ def text(root: Path) -> str:
 
 def rows(text: str, first: str) -> list[list[str]]:
     """Table rows whose first cell matches."""
-    found = re.findall(rf"^\| ({first}) \| (.+) \|$", text, flags=re.MULTILINE)
-    return [[head, *rest.split(" | ")] for head, rest in found]
+    matches = re.findall(rf"^\| ({first}) \| (.+) \|$", text, flags=re.MULTILINE)
+    return [[head, *rest.split(" | ")] for head, rest in matches]
 
 
 def test_table_3_of_the_document(text: str, four_speed: Controller, sample_log: Path) -> None:

@@ -21,7 +21,7 @@ DM3_MIN = 6e4
 
 @pytest.fixture(scope="module")
 def results(four_speed: Controller, sample_log: Path) -> dict[str, VariantResult]:
-    return {found.variant.name: found for found in run_variants(four_speed, read_road_test(sample_log))}
+    return {each.variant.name: each for each in run_variants(four_speed, read_road_test(sample_log))}
 
 
 def test_1_viscosity_in_pascal_seconds_would_be_a_factor_of_1000() -> None:
@@ -81,18 +81,18 @@ def test_7_printed_form_of_the_control_pressure(four_speed: Controller) -> None:
 
 
 def test_8_three_conventions_of_drains_stay_as_printed(four_speed: Controller) -> None:
-    lows = {str(found.low) for found in four_speed.gaps_in(2) if found.published}
+    lows = {str(gap.low) for gap in four_speed.gaps_in(2) if gap.published}
     assert {"0.1*p_g", "0.1*p_m", "0.1*p_k", "drain"} <= lows
 
 
 def test_9_land_1_of_valve_8_is_two_gaps(four_speed: Controller) -> None:
-    ends = {(str(found.high), str(found.low)) for found in four_speed.gaps_in(2) if found.key == ("8", 1)}
+    ends = {(str(gap.high), str(gap.low)) for gap in four_speed.gaps_in(2) if gap.key == ("8", 1)}
     assert ends == {("p_g", "p_m"), ("p_m", "0.1*p_m")}
 
 
 def test_10_every_land_of_valve_26_has_its_own_entry_at_half_the_main_pressure(four_speed: Controller) -> None:
-    gaps = [found for found in four_speed.gaps_in(2) if found.component == "26"]
-    assert [(found.land, str(found.high), str(found.low)) for found in gaps] == [
+    gaps = [gap for gap in four_speed.gaps_in(2) if gap.component == "26"]
+    assert [(gap.land, str(gap.high), str(gap.low)) for gap in gaps] == [
         (land, "p_g", "0.5*p_g") for land in (1, 2, 3, 4)
     ]
 

@@ -57,13 +57,13 @@ DM3_MIN = 6e4
 
 @pytest.fixture(scope="module")
 def results(four_speed: Controller, sample_log: Path) -> dict[str, VariantResult]:
-    found = run_variants(four_speed, read_road_test(sample_log))
-    return {result.variant.name: result for result in found}
+    computed_variants = run_variants(four_speed, read_road_test(sample_log))
+    return {result.variant.name: result for result in computed_variants}
 
 
 @pytest.fixture(scope="module")
 def points(results: dict[str, VariantResult]) -> dict[str, ComparedPoint]:
-    return {found.point.key: found for found in compare_points(list(results.values()))}
+    return {each.point.key: each for each in compare_points(list(results.values()))}
 
 
 def half_digit(printed: str) -> float:
@@ -85,14 +85,14 @@ def reaches(printed: str, value: float) -> bool:
     ],
 )
 def test_table_2_is_what_the_variants_hold(variant: str, column: int, printed: str) -> None:
-    held = next(found for found in VARIANTS if found.name == variant)
+    held = next(each for each in VARIANTS if each.name == variant)
     values = (held.temperature, held.wear * 100, held.kinematic_viscosity * 1e6, held.density * 1e-3)
     assert values[column] == pytest.approx(float(printed), rel=1e-12, abs=0.0)
 
 
 @pytest.mark.parametrize("variant", [pytest.param(name, id=f"table3-{name}-printed") for name in TABLE_3])
 def test_printed_results_are_kept_with_their_digits(variant: str) -> None:
-    held = next(found for found in VARIANTS if found.name == variant)
+    held = next(each for each in VARIANTS if each.name == variant)
     assert (str(held.printed_max_leakage), str(held.printed_max_share)) == TABLE_3[variant]
 
 

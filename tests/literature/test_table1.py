@@ -79,31 +79,31 @@ def readings(request, study):
 
 
 def test_the_eight_readings_as_printed(readings):
-    assert [(found.plane, f"{found.direction:g}°", found.repeat) for found in readings.readings] == [
+    assert [(each.plane, f"{each.direction:g}°", each.repeat) for each in readings.readings] == [
         (str(plane), direction, 1 + index % 2) for index, (plane, direction, *_) in enumerate(ROWS)
     ]
-    for found, (_, _, _, _, diameter, _) in zip(readings.readings, ROWS, strict=True):
-        assert (found.component, found.part) == ("6", "spool")
-        assert found.diameter * 1e3 == pytest.approx(diameter, abs=1e-12)
+    for each, (_, _, _, _, diameter, _) in zip(readings.readings, ROWS, strict=True):
+        assert (each.component, each.part) == ("6", "spool")
+        assert each.diameter * 1e3 == pytest.approx(diameter, abs=1e-12)
     assert (readings.unit, readings.unit_assumed) == ("mm", False)
 
 
 def test_the_means_of_the_two_planes_as_printed(readings, study):
-    found = {state.land.key: state for state in clearances(readings, study)}
-    assert f"{found['6', 1].spool_diameter * 1e3:.3f}" == "9.939"
-    assert f"{found['6', 2].spool_diameter * 1e3:.3f}" == "9.942"
-    assert found["6", 1].spool_ovality == pytest.approx(0.0, abs=1e-15)
-    assert found["6", 2].spool_ovality == pytest.approx(2e-6, abs=1e-15)
-    assert {state.status for key, state in found.items() if key[0] == "6"} == {"spool_only"}
-    assert {state.status for key, state in found.items() if key[0] != "6"} == {"not_measured"}
+    states = {state.land.key: state for state in clearances(readings, study)}
+    assert f"{states['6', 1].spool_diameter * 1e3:.3f}" == "9.939"
+    assert f"{states['6', 2].spool_diameter * 1e3:.3f}" == "9.942"
+    assert states["6", 1].spool_ovality == pytest.approx(0.0, abs=1e-15)
+    assert states["6", 2].spool_ovality == pytest.approx(2e-6, abs=1e-15)
+    assert {state.status for key, state in states.items() if key[0] == "6"} == {"spool_only"}
+    assert {state.status for key, state in states.items() if key[0] != "6"} == {"not_measured"}
 
 
 def test_its_repeats_only_swap_the_coordinates(readings, study):
-    found = {state.land.key: state for state in clearances(readings, study)}["6", 1]
-    mirrored = "mirrored_repeats" in [message.code for message in found.messages]
+    spool = {state.land.key: state for state in clearances(readings, study)}["6", 1]
+    mirrored = "mirrored_repeats" in [message.code for message in spool.messages]
     if readings.readings[0].coordinates is None:  # diameters alone cannot show it
         assert not mirrored
-        assert (found.spool_repeats, found.spool_repeat_spread) == (2, 0.0)
+        assert (spool.spool_repeats, spool.spool_repeat_spread) == (2, 0.0)
     else:
         assert mirrored
-        assert (found.spool_readings, found.spool_repeats, found.spool_repeat_spread) == (4, 1, None)
+        assert (spool.spool_readings, spool.spool_repeats, spool.spool_repeat_spread) == (4, 1, None)

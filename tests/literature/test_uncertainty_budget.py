@@ -136,18 +136,21 @@ def _referee(controller: Controller, hipol: Fluid) -> tuple[dict[str, object], d
 def test_clearance_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, hipol: Fluid) -> None:
     cold, _, elementary = _referee(two_lands, hipol)
     for land in assessed.lands:
-        found = cold[land.key[0]]
-        assert land.sources.state.radial_clearance == pytest.approx(GTC.value(found), rel=1e-9, abs=0.0)
-        assert land.u_clearance == pytest.approx(GTC.uncertainty(found), rel=1e-9, abs=0.0)
+        clearance = cold[land.key[0]]
+        assert land.sources.state.radial_clearance == pytest.approx(GTC.value(clearance), rel=1e-9, abs=0.0)
+        assert land.u_clearance == pytest.approx(GTC.uncertainty(clearance), rel=1e-9, abs=0.0)
         expected = {
-            source.label: (GTC.component(found, source) / GTC.uncertainty(found)) ** 2 for source in elementary.values()
+            source.label: (GTC.component(clearance, source) / GTC.uncertainty(clearance)) ** 2
+            for source in elementary.values()
         }
         for label, fraction in land.budget:
             if label.endswith("resolution"):
                 assert fraction < 1e-9
                 continue
             referee = max(
-                (GTC.component(found, s) / GTC.uncertainty(found)) ** 2 for s in elementary.values() if s.label == label
+                (GTC.component(clearance, s) / GTC.uncertainty(clearance)) ** 2
+                for s in elementary.values()
+                if s.label == label
             )
             assert fraction == pytest.approx(referee, rel=1e-6, abs=0.0)
         assert sum(fraction for _, fraction in land.budget) == pytest.approx(1.0, rel=1e-12, abs=0.0)
@@ -157,24 +160,24 @@ def test_clearance_and_its_budget(assessed: UnitUncertainty, two_lands: Controll
 def test_share_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, hipol: Fluid) -> None:
     _, share, elementary = _referee(two_lands, hipol)
     for land in assessed.lands:
-        found, stated = share[land.key[0]], land.conditions[0]
-        assert stated.share == pytest.approx(GTC.value(found), rel=1e-9, abs=0.0)
+        land_share, stated = share[land.key[0]], land.conditions[0]
+        assert stated.share == pytest.approx(GTC.value(land_share), rel=1e-9, abs=0.0)
         # draws see the cube's curvature and scatter themselves, the linear sum does neither
-        assert stated.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03, abs=0.0)
+        assert stated.u_share == pytest.approx(GTC.uncertainty(land_share), rel=0.03, abs=0.0)
         for label, fraction in stated.budget:
-            same = [GTC.component(found, s) for s in elementary.values() if s.label == label]
-            referee = max((part**2 / GTC.uncertainty(found) ** 2 for part in same), default=0.0)
+            same = [GTC.component(land_share, s) for s in elementary.values() if s.label == label]
+            referee = max((part**2 / GTC.uncertainty(land_share) ** 2 for part in same), default=0.0)
             assert fraction == pytest.approx(referee, rel=1e-4, abs=1e-9), label
 
 
 def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, hipol: Fluid) -> None:
     _, share, elementary = _referee(two_lands, hipol)
-    found, total = share["a"] + share["b"], assessed.totals[0]
-    assert total.share == pytest.approx(GTC.value(found), rel=1e-9, abs=0.0)
-    assert total.u_share == pytest.approx(GTC.uncertainty(found), rel=0.03, abs=0.0)
-    variance = GTC.uncertainty(found) ** 2
+    total_share, total = share["a"] + share["b"], assessed.totals[0]
+    assert total.share == pytest.approx(GTC.value(total_share), rel=1e-9, abs=0.0)
+    assert total.u_share == pytest.approx(GTC.uncertainty(total_share), rel=0.03, abs=0.0)
+    variance = GTC.uncertainty(total_share) ** 2
     expected = {
-        name: GTC.component(found, elementary[source]) ** 2 / variance
+        name: GTC.component(total_share, elementary[source]) ** 2 / variance
         for name, source in (
             ("viscosity", "viscosity"),
             ("temperature", "temperature"),
@@ -185,7 +188,7 @@ def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, 
             ("common to all lands: room temperature", "room"),
         )
     }
-    own = [GTC.component(found, u) ** 2 for name, u in elementary.items() if name[:2] in {"a ", "b "}]
+    own = [GTC.component(total_share, u) ** 2 for name, u in elementary.items() if name[:2] in {"a ", "b "}]
     expected["each land's own readings and contact length"] = math.fsum(own) / variance
     budget = dict(total.budget)
     for name, fraction in expected.items():

@@ -61,8 +61,8 @@ def test_covariance_of_cubes_against_exact_hermite_quadrature(correlation: float
     x = c_1 + s_1 * a
     y = c_2 + s_2 * (correlation * a + math.sqrt(1.0 - correlation**2) * b)
     expected = np.sum(w * x**3 * y**3) - np.sum(w * x**3) * np.sum(w * y**3)
-    found = referees.cube_covariance(c_1, s_1, c_2, s_2, correlation)
-    assert found == pytest.approx(expected, rel=1e-9, abs=1e-6)
+    covariance = referees.cube_covariance(c_1, s_1, c_2, s_2, correlation)
+    assert covariance == pytest.approx(expected, rel=1e-9, abs=1e-6)
 
 
 @pytest.mark.parametrize("probability", [1e-6, 0.025, 0.05, 0.5, 0.95, 0.975, 1 - 1e-6])

@@ -34,16 +34,16 @@ REGULATOR, SECOND, TCC, PISTON = (
 
 def at_wear(controller: Controller, **wear: float) -> dict[tuple[str, int], tuple[float, float]]:
     """Diameters of the first land of some components at a given wear."""
-    found = {}
+    diameters = {}
     for component, fraction in wear.items():
         land = controller.land(component, 1)
         clearance = land.mounting_clearance * (1.0 + fraction)
-        found[component, 1] = (land.nominal_diameter, land.nominal_diameter + 2.0 * clearance)
-    return found
+        diameters[component, 1] = (land.nominal_diameter, land.nominal_diameter + 2.0 * clearance)
+    return diameters
 
 
-def codes(found: Diagnosis) -> set[str]:
-    return {message.code for message in found.messages}
+def codes(diagnosis: Diagnosis) -> set[str]:
+    return {message.code for message in diagnosis.messages}
 
 
 # --- verdicts
@@ -61,8 +61,8 @@ def test_wear_of_exactly_a_tenth_through_floating_point_is_watch(
         ),
     )
     controller = load_controller(path)
-    found = diagnose(controller, hipol, limits, readings=readings_of(controller, {TCC: (12.000e-3, 12.066e-3)}))
-    land = next(land for land in found.lands if land.key == TCC)
+    diagnosis = diagnose(controller, hipol, limits, readings=readings_of(controller, {TCC: (12.000e-3, 12.066e-3)}))
+    land = next(land for land in diagnosis.lands if land.key == TCC)
     assert land.wear == pytest.approx(0.10, rel=1e-9, abs=0.0)
     assert land.rules[0].verdict == "watch"
     assert land.verdict in {"watch", "replace", "critical"}
@@ -75,10 +75,10 @@ def test_verdicts_of_wear_begin_at_the_published_limits(
     wear: float, verdict: str, minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     readings = readings_of(minimal, at_wear(minimal, solenoid_modulator=wear))
-    found = diagnose(minimal, hipol, replace(limits, pair_share=None), readings=readings)
-    assert [land.verdict for land in found.lands if land.state.measured] == [verdict]
-    assert found.verdict == verdict
-    assert found.measured == 1
+    diagnosis = diagnose(minimal, hipol, replace(limits, pair_share=None), readings=readings)
+    assert [land.verdict for land in diagnosis.lands if land.state.measured] == [verdict]
+    assert diagnosis.verdict == verdict
+    assert diagnosis.measured == 1
 
 
 def test_the_worst_rule_gives_the_verdict_and_is_named(
@@ -115,10 +115,10 @@ def test_a_clearance_limit_of_the_workshop_s_own_limits(
         ),
     )
     readings = readings_of(minimal, at_wear(minimal, tcc_regulator=0.05, solenoid_modulator=0.0, accumulator=0.0))
-    found = diagnose(minimal, hipol, replace(load_limits(path), pair_share=None), readings=readings)
-    verdicts = {land.key[0]: land.verdict for land in found.lands if land.state.measured}
+    diagnosis = diagnose(minimal, hipol, replace(load_limits(path), pair_share=None), readings=readings)
+    verdicts = {land.key[0]: land.verdict for land in diagnosis.lands if land.state.measured}
     assert verdicts == {"tcc_regulator": "watch", "solenoid_modulator": "ok", "accumulator": "critical"}
-    deciding = next(land.deciding for land in found.lands if land.key == PISTON)
+    deciding = next(land.deciding for land in diagnosis.lands if land.key == PISTON)
     assert deciding is not None
     assert (deciding.kind, deciding.kind.unit, deciding.origin) == ("radial_clearance", "µm", "set by the workshop")
     assert deciding.value == pytest.approx(20e-6, rel=1e-9, abs=0.0)
@@ -136,8 +136,8 @@ def test_a_clearance_limit_of_one_land_goes_before_that_of_all(
     assert limits.wear is not None
     everywhere = replace(limits.wear, levels=(("critical", 5e-6),), origin="set by the workshop")
     readings = readings_of(controller, at_wear(controller, tcc_regulator=0.05))
-    found = diagnose(controller, hipol, replace(limits, clearance=everywhere, pair_share=None), readings=readings)
-    land = next(land for land in found.lands if land.key == TCC)
+    diagnosis = diagnose(controller, hipol, replace(limits, clearance=everywhere, pair_share=None), readings=readings)
+    land = next(land for land in diagnosis.lands if land.key == TCC)
     assert land.deciding is not None
     assert (land.verdict, land.deciding.kind) == ("replace", "radial_clearance")
     assert land.deciding.limit == pytest.approx(16.5e-6, rel=1e-12, abs=0.0)
@@ -151,8 +151,8 @@ def test_a_clearance_limit_of_one_land_goes_before_that_of_all(
 def test_lands_that_were_not_measured_are_at_mounting_clearance_and_get_no_verdict(
     minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
-    found = diagnose(minimal, hipol, limits, readings=readings_of(minimal, at_wear(minimal, accumulator=0.3)))
-    for land in found.lands:
+    diagnosis = diagnose(minimal, hipol, limits, readings=readings_of(minimal, at_wear(minimal, accumulator=0.3)))
+    for land in diagnosis.lands:
         if land.key == PISTON:
             assert land.verdict != "not_measured"
             continue
@@ -160,29 +160,29 @@ def test_lands_that_were_not_measured_are_at_mounting_clearance_and_get_no_verdi
         assert land.state.radial_clearance == land.state.land.mounting_clearance
         assert land.leakage > 0.0
         assert land.excess_share == pytest.approx(0.0, abs=1e-15)
-    assert all(land.verdict != "not_measured" for land in found.flagged)
+    assert all(land.verdict != "not_measured" for land in diagnosis.flagged)
 
 
 def test_half_a_measurement_is_judged_and_flagged(
     minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     nominal = minimal.land(*TCC).nominal_diameter
-    found = diagnose(minimal, hipol, limits, readings=readings_of(minimal, {TCC: (nominal - 20e-6, None)}))
-    land = next(land for land in found.lands if land.key == TCC)
+    diagnosis = diagnose(minimal, hipol, limits, readings=readings_of(minimal, {TCC: (nominal - 20e-6, None)}))
+    land = next(land for land in diagnosis.lands if land.key == TCC)
     assert land.state.status == "spool_only"
     assert land.wear == pytest.approx(10.0 / 16.0, rel=1e-6, abs=0.0)
     assert land.verdict in {"replace", "critical"}
-    assert "sleeve_missing" in codes(found)
+    assert "sleeve_missing" in codes(diagnosis)
 
 
 def test_without_readings_nothing_is_judged(minimal: Controller, hipol: Fluid, limits: Limits) -> None:
-    found = diagnose(minimal, hipol, limits)
-    assert found.verdict == "not_measured"
-    assert found.measured == 0
-    assert found.flagged == found.repair_plan == ()
-    assert found.uncertainty is None
-    assert found.projection.leakage > 0.0
-    assert "no_readings" in codes(found)
+    diagnosis = diagnose(minimal, hipol, limits)
+    assert diagnosis.verdict == "not_measured"
+    assert diagnosis.measured == 0
+    assert diagnosis.flagged == diagnosis.repair_plan == ()
+    assert diagnosis.uncertainty is None
+    assert diagnosis.projection.leakage > 0.0
+    assert "no_readings" in codes(diagnosis)
 
 
 @pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
@@ -191,9 +191,9 @@ def test_no_land_of_the_study_s_controller_is_flagged_when_new(
 ) -> None:
     # as the limits of one pair's share say of themselves
     assert limits.pair_share is not None
-    found = diagnose(four_speed, hipol, limits, profile=profile)
-    for projection in found.projections:
-        for land in found.lands:
+    diagnosis = diagnose(four_speed, hipol, limits, profile=profile)
+    for projection in diagnosis.projections:
+        for land in diagnosis.lands:
             assert limits.pair_share.judge(projection.share_of(projection.leakage_of(land.key)), "ok")[0] == "ok"
 
 
@@ -261,11 +261,11 @@ def test_without_hot_idle_the_plan_is_at_the_stated_condition(
     minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     only = replace(minimal, operating_points=minimal.operating_points[:1])
-    found = diagnose(only, hipol, limits, readings=readings_of(only, at_wear(only, accumulator=0.7)))
-    assert found.hot_idle is None
-    assert found.reported == (found.projection,)
-    assert {step.condition.name for step in found.repair_plan} == {"driving_second"}
-    assert "no_hot_idle" in codes(found)
+    diagnosis = diagnose(only, hipol, limits, readings=readings_of(only, at_wear(only, accumulator=0.7)))
+    assert diagnosis.hot_idle is None
+    assert diagnosis.reported == (diagnosis.projection,)
+    assert {step.condition.name for step in diagnosis.repair_plan} == {"driving_second"}
+    assert "no_hot_idle" in codes(diagnosis)
 
 
 # --- conditions
@@ -276,20 +276,20 @@ def test_a_stated_condition_is_judged_beside_the_controller_s_own(
 ) -> None:
     condition = stated_condition(four_speed, temperature=60.0, gear=3)
     readings = readings_of(four_speed, {("25", 1): (16e-3, 16.12e-3)})
-    found = diagnose(four_speed, hipol, limits, readings=readings, condition=condition)
-    land = found.flagged[0]
+    diagnosis = diagnose(four_speed, hipol, limits, readings=readings, condition=condition)
+    land = diagnosis.flagged[0]
     names = [rule.condition.name if rule.condition else rule.kind for rule in land.rules]
     assert names == ["wear", "stated", "driving_second", "hot_idle"]
-    assert found.projection.condition is condition
-    assert found.hot_idle is not None
-    assert found.hot_idle.condition.name == "hot_idle"
+    assert diagnosis.projection.condition is condition
+    assert diagnosis.hot_idle is not None
+    assert diagnosis.hot_idle.condition.name == "hot_idle"
 
 
 def test_hot_idle_may_be_the_stated_condition(
     four_speed: Controller, hot_idle: OperatingPoint, hipol: Fluid, limits: Limits
 ) -> None:
-    found = diagnose(four_speed, hipol, limits, condition=hot_idle)
-    assert found.projection is found.hot_idle
+    diagnosis = diagnose(four_speed, hipol, limits, condition=hot_idle)
+    assert diagnosis.projection is diagnosis.hot_idle
 
 
 def test_a_pump_that_delivers_nothing_is_said_and_only_leaking_lands_suffer(
@@ -301,11 +301,11 @@ def test_a_pump_that_delivers_nothing_is_said_and_only_leaking_lands_suffer(
         key: (spool, sleeve + 2.0 * four_speed.land(*key).mounting_clearance)
         for key, (spool, sleeve) in diameters.items()
     }
-    found = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, new), condition=condition)
-    verdicts = {land.key: land.verdict for land in found.lands if land.state.measured}
+    diagnosis = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, new), condition=condition)
+    verdicts = {land.key: land.verdict for land in diagnosis.lands if land.state.measured}
     assert verdicts == {("6", 1): "ok", ("26", 1): "critical"}  # land 6/1 sees no pressure drop in second gear
-    assert "pump_delivers_nothing" in codes(found)
-    assert all(math.isfinite(land.excess_share) for land in found.lands)
+    assert "pump_delivers_nothing" in codes(diagnosis)
+    assert all(math.isfinite(land.excess_share) for land in diagnosis.lands)
 
 
 def test_temperature_outside_the_fluid_is_refused(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
@@ -337,14 +337,14 @@ def test_hot_idle_as_the_stated_condition_is_one_projection(
     four_speed: Controller, hipol: Fluid, limits: Limits
 ) -> None:
     idle = four_speed.operating_points[1]
-    found = diagnose(four_speed, hipol, limits, condition=idle)
-    assert found.reported == (found.projection,)
-    assert found.hot_idle is found.projection
+    diagnosis = diagnose(four_speed, hipol, limits, condition=idle)
+    assert diagnosis.reported == (diagnosis.projection,)
+    assert diagnosis.hot_idle is diagnosis.projection
 
 
 def test_without_mileage_none_is_projected(sample: Diagnosis, limits: Limits, hipol: Fluid) -> None:
-    found = diagnose(sample.controller, hipol, limits, readings=sample.readings)
-    assert {land.replace_mileage for land in found.lands} == {None}
+    diagnosis = diagnose(sample.controller, hipol, limits, readings=sample.readings)
+    assert {land.replace_mileage for land in diagnosis.lands} == {None}
 
 
 def test_messages_are_not_repeated(sample: Diagnosis) -> None:
@@ -372,12 +372,12 @@ def test_of_half_a_pair_ok_is_not_claimed(
     kept = tuple(
         reading for reading in readings.readings if reading.component not in {"5", "25"} or reading.part == part
     )
-    found = diagnose(sample.controller, hipol, limits, readings=replace(readings, readings=kept))
-    half = {land.key: land for land in found.lands if land.state.status == status}
+    diagnosis = diagnose(sample.controller, hipol, limits, readings=replace(readings, readings=kept))
+    half = {land.key: land for land in diagnosis.lands if land.state.status == status}
     assert half[("5", 1)].verdict == "not_measured"
     assert half[("5", 1)].decision is None
     assert half[("5", 1)].rules
-    assert found.measured == len(found.lands) - len(half)
+    assert diagnosis.measured == len(diagnosis.lands) - len(half)
     if part == "sleeve":  # the worn bore of land 25/1 crosses its limit whatever its spool
         assert half[("25", 1)].verdict == "replace"
 
@@ -391,9 +391,9 @@ def test_the_worst_of_lands_and_totals_is_the_verdict_of_the_unit(
         land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * growth * land.mounting_clearance)
         for land in four_speed.lands
     }
-    found = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, diameters))
-    assert found.verdict == verdict
-    assert isinstance(found.decided_by, Rule)
-    assert found.decided_by.condition is not None
-    assert found.at(found.decided_by.condition).share == found.decided_by.value
-    assert all(land.verdict.rank < found.verdict.rank for land in found.lands)
+    diagnosis = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, diameters))
+    assert diagnosis.verdict == verdict
+    assert isinstance(diagnosis.decided_by, Rule)
+    assert diagnosis.decided_by.condition is not None
+    assert diagnosis.at(diagnosis.decided_by.condition).share == diagnosis.decided_by.value
+    assert all(land.verdict.rank < diagnosis.verdict.rank for land in diagnosis.lands)

@@ -67,15 +67,19 @@ def drive() -> dict[str, np.ndarray]:
 
 
 def test_the_whole_drive() -> None:
-    found = events(road_test(**drive()))
-    kinds = [event.kind for event in found]
+    drive_events = events(road_test(**drive()))
+    kinds = [event.kind for event in drive_events]
     assert kinds.count("minimum_acceleration") == 1
     assert kinds.count("stall") == 1
     assert kinds.count("hot_idle") == 3
     assert "steady_driving" in kinds
     assert "lock_up" in kinds
-    assert [(e.from_gear, e.to_gear) for e in found if e.kind == "gear_shift"] == [(1, 2), (2, 3), (3, 1)]
-    assert [event.start for event in found] == sorted(event.start for event in found)
+    assert [(event.from_gear, event.to_gear) for event in drive_events if event.kind == "gear_shift"] == [
+        (1, 2),
+        (2, 3),
+        (3, 1),
+    ]
+    assert [event.start for event in drive_events] == sorted(event.start for event in drive_events)
 
 
 def test_minimum_acceleration_ends_at_the_top_and_refuses_high_revs() -> None:
@@ -160,8 +164,8 @@ def test_gear_is_derived_from_the_ratio_and_marked() -> None:
 @given(st.lists(st.sampled_from([4.2, 2.6, 1.7, 1.25, 1.0, 0.72]), min_size=1, max_size=6, unique=True))
 def test_ratio_levels_find_every_gear(ratios: list[float]) -> None:
     noise = np.random.default_rng(1).normal(1, 0.004, 200 * len(ratios))
-    found = ratio_levels(np.repeat(sorted(ratios, reverse=True), 200) * noise)
-    assert found == pytest.approx(sorted(ratios, reverse=True), rel=0.02, abs=0.0)
+    levels = ratio_levels(np.repeat(sorted(ratios, reverse=True), 200) * noise)
+    assert levels == pytest.approx(sorted(ratios, reverse=True), rel=0.02, abs=0.0)
 
 
 def test_thresholds_can_be_set() -> None:

@@ -166,8 +166,8 @@ def test_a_report_that_does_not_fit_on_the_disk_leaves_the_earlier_one(
     def little_room() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
-    found = subprocess.run(command, capture_output=True, check=False, preexec_fn=little_room)
-    assert found.returncode == 2
-    assert b"cannot be written" in found.stderr
+    finished = subprocess.run(command, capture_output=True, check=False, preexec_fn=little_room)
+    assert finished.returncode == 2
+    assert b"cannot be written" in finished.stderr
     assert target.read_bytes() == b"earlier"
     assert [path.name for path in tmp_path.iterdir()] == ["report"]

@@ -83,19 +83,19 @@ def test_a_number_of_any_country_is_itself_or_doubted(number, places: int, count
 def test_a_number_that_is_taken_is_never_another_one(number, country: tuple[str, str], asked) -> None:
     plain = f"{number:,f}"
     text = plain.translate({ord("."): country[0], ord(","): country[1]})
-    value, found = float(plain.replace(",", "")), read_number(text, asked)
+    value, entry = float(plain.replace(",", "")), read_number(text, asked)
     if not asked.limits[0] <= value <= asked.limits[1]:
         return  # what cannot be meant is not looked for
-    assert found.value in (value, None)
-    assert found.value is not None or "two ways" in found.doubt
+    assert entry.value in (value, None)
+    assert entry.value is not None or "two ways" in entry.doubt
 
 
 @given(st.text(max_size=12), st.sampled_from(ASKED))
 def test_any_text_is_taken_or_doubted_in_words(text: str, asked) -> None:
-    found = read_number(text, asked)
-    assert found.value is not None or found.doubt.endswith(".")
-    if found.value is not None:
-        assert asked.limits[0] <= found.value <= asked.limits[1]
+    number = read_number(text, asked)
+    assert number.value is not None or number.doubt.endswith(".")
+    if number.value is not None:
+        assert asked.limits[0] <= number.value <= asked.limits[1]
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(ASKED))
@@ -128,7 +128,7 @@ def test_what_a_field_starts_with_is_read_back(value: float, asked) -> None:
     ],
 )
 def test_an_entry_is_taken_or_doubted(text: str, asked, value: float | None, words: str) -> None:
-    found = read_number(text, asked)
-    assert found.value == value
-    assert words in found.doubt
-    assert bool(words) == bool(found.doubt)
+    entry = read_number(text, asked)
+    assert entry.value == value
+    assert words in entry.doubt
+    assert bool(words) == bool(entry.doubt)

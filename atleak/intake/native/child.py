@@ -1,8 +1,8 @@
-"""What runs in the reading process: it takes a file's bytes, calls one function on them and answers with plain data.
+"""Runs in the reading process: it takes a file's bytes, calls one function on them and answers with plain data.
 
 This module and those with the functions import nothing heavy at their top: the process starts as fast as they do.
 
-Parent and child speak in frames, eight bytes of length and then the content. The child greets with its process number.
+Parent and child exchange frames, eight bytes of length and then the content. The child greets with its process number.
 A request is two frames: the function with its limits, then the file. The answer is one frame for each item the
 function yields, then one that ends it or says why the file is refused.
 """
@@ -24,10 +24,9 @@ from importlib import import_module
 from typing import Any, BinaryIO
 
 LENGTH = struct.Struct(">Q")
-ADDRESSES = (
-    1 << 30
-)  # bytes of address space beyond the memory limit: libraries, stacks, what is reserved and never used
-_ERROR_SHOWN = 200  # characters of a reader's own words
+ADDRESSES = 1 << 30
+"""Bytes of address space beyond the memory limit: libraries, stacks, what is reserved and never used."""
+_ERROR_SHOWN = 200  # characters of a reader's own message
 
 
 class Refused(Exception):
@@ -51,14 +50,14 @@ class Request:
 
 
 def send(stream: BinaryIO, content: bytes) -> None:
-    """Writes one frame."""
+    """Write one frame."""
     stream.write(LENGTH.pack(len(content)))
     stream.write(content)
     stream.flush()
 
 
 def receive(stream: BinaryIO, limit: int | None = None) -> bytes:
-    """Reads one frame.
+    """Read one frame.
 
     Raises
     ------
@@ -80,26 +79,26 @@ def receive(stream: BinaryIO, limit: int | None = None) -> bytes:
 
 
 def serve() -> None:
-    """Answers requests until standard input is closed, which is also how the death of the parent shows."""
+    """Answer requests until standard input is closed, which also happens when the parent dies."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is meant for the parent
     source, target = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     silence = os.open(os.devnull, os.O_RDWR)
-    for standard in (0, 1, 2):  # what a library prints is no answer, and nothing for the user's terminal
+    for standard in (0, 1, 2):  # what a library prints must reach neither the answer nor the user's terminal
         os.dup2(silence, standard)
     _no_dumps()
     requests: queue.SimpleQueue[tuple[bytes, bytes]] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(source, requests), daemon=True).start()
     send(target, pickle.dumps(os.getpid()))
     while True:
-        asked, data = requests.get()
-        request: Request = pickle.loads(asked)
+        packed_request, data = requests.get()
+        request: Request = pickle.loads(packed_request)
         _limit_addresses(request.memory + ADDRESSES)
-        # a thread below Python that ends the process, should nobody be left to do so
+        # a thread below Python ends the process if the parent is no longer there to do so
         faulthandler.dump_traceback_later(2 * request.seconds, exit=True)
         for answer in _answers(request, data):
             send(target, pickle.dumps(answer, protocol=5))
         faulthandler.cancel_dump_traceback_later()
-        del asked, data, answer
+        del packed_request, data, answer
 
 
 def _listen(source: BinaryIO, requests: queue.SimpleQueue[tuple[bytes, bytes]]) -> None:
@@ -127,7 +126,7 @@ def _answers(request: Request, data: bytes) -> Iterator[tuple[str, Any]]:
 
 
 def _no_dumps() -> None:
-    """A crash leaves no file on the disk and no window on the screen."""
+    """Make a crash leave no file on the disk and no window on the screen."""
     if sys.platform == "win32":
         import msvcrt
 
@@ -139,12 +138,12 @@ def _no_dumps() -> None:
 
 
 def _limit_addresses(limit: int) -> None:
-    """Where the system can, it refuses memory itself, before the parent's next look."""
+    """Let the system itself refuse memory, where it can, before the parent's next check."""
     if sys.platform == "win32":
         return
     import resource
 
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     wanted = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
-    with contextlib.suppress(ValueError, OSError):  # macOS knows the limit and does not take it
+    with contextlib.suppress(ValueError, OSError):  # macOS knows the limit but does not accept it
         resource.setrlimit(resource.RLIMIT_AS, (wanted, hard))

@@ -11,7 +11,7 @@ MdfPart = tuple[str, dict[str, Any]]
 
 
 def mdf_parts(data: bytes) -> Iterator[MdfPart]:
-    """What an MDF file holds, part by part; arrays as the bytes of floats unless said otherwise.
+    """Yield what an MDF file holds, part by part; arrays are the bytes of floats unless stated otherwise.
 
     ``file`` with its ``version``; then each ``channel`` that holds numbers, with ``label``, ``unit`` or None,
     ``values`` and ``stamps`` [s], these None where they are those of the channel before; then ``frames`` of each group
@@ -64,9 +64,9 @@ def _frames(mdf: Any) -> Iterator[dict[str, Any]]:
             continue
         ids = mdf.get("CAN_DataFrame.ID", group=number)
         payload = np.asarray(mdf.get("CAN_DataFrame.DataBytes", group=number).samples)
-        found: dict[str, Any] = {"count": len(ids.samples)}
+        frames: dict[str, Any] = {"count": len(ids.samples)}
         if payload.ndim == 2 and payload.shape[1] >= 8:
-            found["stamps"] = bytearray(np.ascontiguousarray(ids.timestamps, float))
-            found["identifiers"] = bytearray(np.ascontiguousarray(ids.samples, np.int64))
-            found["data"] = bytearray(np.ascontiguousarray(payload[:, :8], np.uint8))
-        yield found
+            frames["stamps"] = bytearray(np.ascontiguousarray(ids.timestamps, float))
+            frames["identifiers"] = bytearray(np.ascontiguousarray(ids.samples, np.int64))
+            frames["data"] = bytearray(np.ascontiguousarray(payload[:, :8], np.uint8))
+        yield frames

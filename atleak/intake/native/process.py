@@ -1,7 +1,7 @@
 """Calls a reading function in a child process, within limits of time and memory.
 
-Children stay warm for the next file and are lent to one thread at a time. One that dies, or is ended at a limit, is a
-refusal of the file it was reading; the next file gets a new one.
+Children keep running for the next file and serve one thread at a time. When one dies, or is ended at a limit, the file
+it was reading is refused; the next file gets a new child.
 
 To have another kind of file read there, write a function that takes the file's bytes and yields plain data (None,
 numbers, texts, bytes, bytearrays, dates, times, and lists, tuples and dicts of them), in a module that imports nothing
@@ -38,8 +38,8 @@ KEPT = 300 << 20
 """Bytes of memory above which a child is ended after its file instead of kept: memory once used is not given back."""
 START = 30.0
 """Seconds a child may take to start: it takes 0.02, on a cold disk behind a virus scanner a hundred times that."""
-LOOK = 0.02
-"""Seconds between two looks at a child: at 2 GB/s, what memory is filled with at most, it is 40 MB late."""
+CHECK_INTERVAL = 0.02
+"""Seconds between two checks of a child: memory fills at 2 GB/s at most, so a limit is passed by 40 MB."""
 EXPLAIN = 10.0
 """Seconds that may be spent on a better reason for a refusal."""
 LEAVE = 5.0
@@ -48,7 +48,7 @@ LEAVE = 5.0
 
 @dataclass(frozen=True)
 class Budget:
-    """What reading a file may take: memory [bytes] and time [s], each with a part for every byte of the file."""
+    """What reading a file may use: memory [bytes] and time [s], each with a part for every byte of the file."""
 
     kind: str
     memory: int
@@ -59,7 +59,7 @@ class Budget:
     expected: str
 
     def limits(self, size: int) -> tuple[int, float]:
-        """Memory [bytes] and time [s] for a file of ``size`` bytes."""
+        """Return the memory [bytes] and time [s] allowed for a file of ``size`` bytes."""
         return int(self.memory + self.memory_per_byte * size), self.seconds + self.seconds_per_byte * size
 
 
@@ -95,7 +95,7 @@ def read_apart(
     budget: Budget,
     explain: Callable[[bytes], Iterator[object]] | None = None,
 ) -> list[Item]:
-    """All that a reading function yields about a file, called in a child process.
+    """Call a reading function in a child process and return all it yields about a file.
 
     Parameters
     ----------
@@ -104,13 +104,13 @@ def read_apart(
     data
         the file's bytes.
     file
-        what to call it in messages.
+        the file's name in messages.
     error
         the exception that says why the file is refused.
     budget
-        what reading it may take.
+        what reading it may use.
     explain
-        called on a file that its reader did not survive, to refuse it with a better reason than that.
+        called on a file that ended its reader, to refuse it with a better reason.
 
     Raises
     ------
@@ -121,10 +121,10 @@ def read_apart(
     memory, seconds = budget.limits(len(data))
     place = Place(file)
     try:
-        items, ending, said = _pool.read(_request(function, memory, seconds), data)
-    except _Gone as gone:
-        said = None if explain is None or gone.reason == "time" else _second_look(explain, data, memory)
-        if said is None:
+        items, ending, answer = _pool.read(_request(function, memory, seconds), data)
+    except _ChildGone as gone:
+        answer = None if explain is None or gone.reason == "time" else _explained_refusal(explain, data, memory)
+        if answer is None:
             problem = {
                 "time": f"reading this {budget.kind} took longer than {seconds:.0f} s and was stopped",
                 "memory": f"reading this {budget.kind} took more than {memory >> 20} MB of memory and was stopped",
@@ -139,9 +139,11 @@ def read_apart(
             expected="a plain Python installation, or the table as .csv, which needs no second process",
         ) from fault
     if ending == "refused":
-        raise error(said["problem"], place=Place(file, said["sheet"]), value=said["value"], expected=said["expected"])
+        raise error(
+            answer["problem"], place=Place(file, answer["sheet"]), value=answer["value"], expected=answer["expected"]
+        )
     if ending == "damaged":
-        problem = f"this {budget.kind} is damaged or of a kind that cannot be read ({said})"
+        problem = f"this {budget.kind} is damaged or of a kind that cannot be read ({answer})"
         raise error(problem, place=place, expected=budget.expected)
     return items
 
@@ -150,15 +152,15 @@ def _request(function: Callable[[bytes], Iterator[Any]], memory: int, seconds: f
     return Request(function.__module__, function.__qualname__, memory, seconds)
 
 
-def _second_look(explain: Callable[[bytes], Iterator[Any]], data: bytes, memory: int) -> Any:
-    """The words in which it refuses the file; None where it has nothing to say either."""
-    with contextlib.suppress(_Gone, OSError):
-        _, ending, said = _pool.read(_request(explain, memory, EXPLAIN), data)
-        return said if ending == "refused" else None
+def _explained_refusal(explain: Callable[[bytes], Iterator[Any]], data: bytes, memory: int) -> Any:
+    """Return the reason for which ``explain`` refuses the file; None where it gives none."""
+    with contextlib.suppress(_ChildGone, OSError):
+        _, ending, answer = _pool.read(_request(explain, memory, EXPLAIN), data)
+        return answer if ending == "refused" else None
     return None
 
 
-class _Gone(Exception):
+class _ChildGone(Exception):
     """The child ended, or was ended, before it had answered."""
 
     def __init__(self, reason: Literal["time", "memory", "death"]) -> None:
@@ -167,7 +169,7 @@ class _Gone(Exception):
 
 
 class _PlainUnpickler(pickle.Unpickler):
-    """Takes plain data alone: what a damaged file made of the child must not become code in its parent."""
+    """Accepts plain data alone: a child that a damaged file has taken over must not run code in its parent."""
 
     _TIMES = {name: getattr(datetime, name) for name in ("date", "datetime", "time", "timedelta")}
 
@@ -199,32 +201,32 @@ class _Child:
         try:
             self._watched = psutil.Process(self.process.pid)
             with self._limits(sys.maxsize, START):
-                # where an environment's python only hands on to another one, as on Windows, the greeting names that
-                self._watched = psutil.Process(_plain(receive(self._output, 1000)))
-        except (_Gone, psutil.Error, TypeError) as fault:
+                # where an environment's python only starts another one, as on Windows, the greeting names that one
+                self._watched = psutil.Process(_plain_data(receive(self._output, 1000)))
+        except (_ChildGone, psutil.Error, TypeError) as fault:
             self.kill()
             self.end()
             raise OSError(f"{sys.executable} does not start as a Python interpreter") from fault
 
     def memory(self) -> int:
-        """Bytes of memory it holds; 0 when it has ended."""
+        """Return the bytes of memory it uses; 0 when it has ended."""
         try:
-            found = self._watched.memory_info()
+            usage = self._watched.memory_info()
         except psutil.Error:
             return 0
-        return max(found.rss, getattr(found, "private", 0))  # Windows: also what was moved out to the disk
+        return max(usage.rss, getattr(usage, "private", 0))  # Windows: also what was moved out to the disk
 
     def usable(self) -> bool:
-        """Whether it may read another file."""
+        """Return whether it may read another file."""
         if self._killed or self.process.poll() is not None:
             return False
         with contextlib.suppress(psutil.Error):
-            # one killed while several of its threads ran is dead for a moment before its end can be asked for
+            # a child killed while several of its threads ran is dead for a moment before poll() can say so
             return self._watched.status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
         return False
 
     def end(self) -> None:
-        """Ends it: the closed pipe tells it to, and where it does not listen it is killed."""
+        """End it by closing its pipe; kill it where it does not react."""
         with contextlib.suppress(OSError):
             self._input.close()
         if not self._killed:
@@ -235,7 +237,7 @@ class _Child:
         self._output.close()
 
     def kill(self) -> None:
-        """Ends it at once; whoever waits for its answer is told by the pipe."""
+        """End it at once; the closed pipe ends the wait for its answer."""
         self._killed = True
         with contextlib.suppress(psutil.Error):
             self._watched.kill()
@@ -243,15 +245,15 @@ class _Child:
             self.process.kill()
 
     def disown(self) -> None:
-        """In a process forked off the parent: the child is not this one's to end."""
+        """Leave the child alone, in a process forked off the parent, which alone may end it."""
         self.process.returncode = 0
 
     def read(self, request: Request, data: bytes) -> tuple[list[Any], str, Any]:
-        """All items of the answer, how it ended, and what was said at its end.
+        """Read a file: return all items of the answer, how it ended, and what came with its end.
 
         Raises
         ------
-        _Gone
+        _ChildGone
             where the child ends before it has answered in full.
         """
         items: list[Any] = []
@@ -262,22 +264,22 @@ class _Child:
             while True:
                 frame = receive(self._output, left)
                 left -= len(frame)
-                kind, content = _plain(frame)
+                kind, content = _plain_data(frame)
                 if kind == "memory":
-                    raise _Gone("memory")
+                    raise _ChildGone("memory")
                 if kind != "item":
                     return items, kind, content
                 items.append(content)
 
     @contextlib.contextmanager
     def _limits(self, memory: int, seconds: float) -> Iterator[None]:
-        """Ends the child when it passes a limit; what was going on with it then fails with `_Gone`."""
+        """End the child when it passes a limit; the exchange with it then fails with `_ChildGone`."""
         done = threading.Event()
         passed: list[Literal["time", "memory"]] = []
         deadline = time.monotonic() + seconds
 
         def watch() -> None:
-            while not done.wait(LOOK):
+            while not done.wait(CHECK_INTERVAL):
                 if self.memory() > memory or time.monotonic() > deadline:
                     passed.append("time" if time.monotonic() > deadline else "memory")
                     self.kill()
@@ -288,17 +290,17 @@ class _Child:
         try:
             yield
         except OverflowError as fault:
-            raise _Gone("memory") from fault
+            raise _ChildGone("memory") from fault
         except (EOFError, OSError, pickle.UnpicklingError) as fault:
             done.set()
             watcher.join()
-            raise _Gone(passed[0] if passed else "death") from fault
+            raise _ChildGone(passed[0] if passed else "death") from fault
         finally:
             done.set()
             watcher.join()
 
 
-def _plain(frame: bytes) -> Any:
+def _plain_data(frame: bytes) -> Any:
     try:
         return _PlainUnpickler(io.BytesIO(frame)).load()
     except Exception as fault:  # a child gone wrong may send anything
@@ -306,18 +308,18 @@ def _plain(frame: bytes) -> Any:
 
 
 class _Pool:
-    """Children, and the right to use one."""
+    """The children, of which at most `CHILDREN` read at the same time."""
 
     def __init__(self) -> None:
         self._places = threading.BoundedSemaphore(CHILDREN)
         self._idle: list[_Child] = []
 
     def read(self, request: Request, data: bytes) -> tuple[list[Any], str, Any]:
-        """As `_Child.read`, by a child that is free.
+        """Read a file as `_Child.read` does, with a child that is free.
 
         Raises
         ------
-        _Gone
+        _ChildGone
             where the child ends before it has answered in full.
         OSError
             where no child can be started.
@@ -327,12 +329,12 @@ class _Pool:
 
     @contextlib.contextmanager
     def _borrowed(self) -> Iterator[_Child]:
-        """A child for one file; kept afterwards where it answered in full and stayed small."""
+        """Provide a child for one file; keep it afterwards if it answered in full and stayed small."""
         with self._places:
             child = self._take()
             try:
                 yield child
-            except BaseException:  # whatever it still had to say is not read: it cannot be used again
+            except BaseException:  # the rest of its answer is not read, so it cannot be used again
                 child.kill()
                 child.end()
                 raise
@@ -352,12 +354,12 @@ class _Pool:
             child.end()
 
     def close(self) -> None:
-        """Ends the children that wait."""
+        """End the idle children."""
         while self._idle:
             self._idle.pop().end()
 
     def disown(self) -> None:
-        """Forgets the children, which belong to the process this one was forked off."""
+        """Forget the children, which belong to the process this one was forked off."""
         for child in self._idle:
             child.disown()
 

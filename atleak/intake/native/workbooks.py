@@ -19,11 +19,11 @@ NativeCell = Any  # str, float, int, bool, date or time; "" where empty
 Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
 
 CELLS = 1_000_000
-"""A measuring sheet's outermost cells span at most this many; a filled one spans thousands."""
+"""Cells that a measuring sheet may span at most; a filled one spans thousands."""
 LOG_CELLS, LOG_CELLS_PER_BYTE = 4_000_000, 16
-"""A log's: so many, and more for every byte of the file, which packs a cell in three; one in fifty need be filled."""
+"""Cells that a log may span, and more for each byte of its file: a cell takes three, if one in fifty is filled."""
 COLUMNS = 16_384
-"""A sheet's columns in a spreadsheet program."""
+"""Columns of a sheet in a spreadsheet program."""
 BLOCK = 20_000
 """Rows of a log in one item."""
 
@@ -35,7 +35,7 @@ _ODS = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
 
 
 class MeasuringSheet(TypedDict):
-    """A worksheet with what its cells alone do not say; ``rows`` and all places are absolute."""
+    """A worksheet with what its cells alone do not show; ``rows`` and all places count from cell A1."""
 
     name: str
     hidden: bool
@@ -46,7 +46,7 @@ class MeasuringSheet(TypedDict):
 
 
 def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
-    """Every worksheet, with merged ranges, formulas that have no usable result, and what is hidden or crossed out.
+    """Yield every worksheet, with merged ranges, formulas without a usable result, and what is hidden or crossed out.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
         where the file is protected by a password, no workbook, or spans more cells than a measuring sheet can.
     """
     _refuse_other_kinds(data)
-    merges, faults = _look_inside(data) if data.startswith(b"PK") else ({}, {})
+    merges, faults = _merges_and_faults(data) if data.startswith(b"PK") else ({}, {})
     marked = marks(data)
     for name, hidden, sheet in _worksheets(data):
         rows, columns = _size(sheet)
@@ -71,7 +71,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
 
 
 def log_rows(data: bytes) -> Iterator[tuple[str, list[list[NativeCell | None]]]]:
-    """Every worksheet's name and rows, in blocks; None where empty, and without what is empty before the first cell.
+    """Yield every worksheet's name and rows, in blocks; empty cells are None, those before the first are left out.
 
     Raises
     ------
@@ -91,10 +91,10 @@ def log_rows(data: bytes) -> Iterator[tuple[str, list[list[NativeCell | None]]]]
 
 
 def stray_cells(data: bytes) -> Iterator[None]:
-    """Refuses a workbook (xlsx) whose outermost cells span more than can be laid out.
+    """Refuse a workbook (xlsx) whose outermost cells span more than memory can hold.
 
-    It lays a sheet out from its first cell to its last: a single one in the last corner makes it ask for half a
-    terabyte, which it does not survive. Reading the XML is slower than calamine, so it comes after.
+    calamine lays a sheet out from its first cell to its last: one cell in the last corner makes it ask for half a
+    terabyte, which ends the process. This looks at the XML instead, which is slower, so it runs only afterwards.
 
     Raises
     ------
@@ -106,21 +106,21 @@ def stray_cells(data: bytes) -> Iterator[None]:
         for path in archive.namelist():
             if path.startswith("xl/worksheets/") and path.endswith(".xml"):
                 with archive.open(path) as stream:
-                    rows, columns = _reach(stream)
+                    rows, columns = _outermost(stream)
                 _refuse_vast(rows, columns, sheets.get(path), rows * columns > LOG_CELLS)
     yield None
 
 
-def _reach(stream: IO[bytes]) -> tuple[int, int]:
-    """Rows and columns down to the outermost cells of a sheet's XML."""
+def _outermost(stream: IO[bytes]) -> tuple[int, int]:
+    """Return the number of rows and columns up to the outermost cells of a sheet's XML."""
     rows = columns = 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal rows, columns
         if tag.rpartition(":")[2] == "c":
-            found = _REFERENCE.match(f'r="{attributes.get("r", "").upper()}"'.encode())
-            if found:
-                row, column = _place(found)
+            reference = _REFERENCE.match(f'r="{attributes.get("r", "").upper()}"'.encode())
+            if reference:
+                row, column = _row_and_column(reference)
                 rows, columns = max(rows, row + 1), max(columns, column + 1)
 
     parser = expat.ParserCreate()
@@ -148,7 +148,7 @@ def _protected() -> Refused:
 
 
 def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
-    """Name, whether hidden, and cells of every worksheet."""
+    """Yield every worksheet's name, whether it is hidden, and its cells."""
     from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
 
     try:
@@ -161,7 +161,7 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
 
 
 def _size(sheet: Any) -> tuple[int, int]:
-    """Rows and columns down to the last cell; calamine's own total_height leaves out the last row."""
+    """Return the number of rows and columns up to the last cell; calamine's total_height leaves out the last row."""
     return (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
 
 
@@ -175,7 +175,7 @@ def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None
 
 
 def _within(ranges: list[Range], rows: int, columns: int, sheet: str) -> list[Range]:
-    """Merged ranges cut to the cells there are. They cannot overlap, so they never cover more than those."""
+    """Cut merged ranges to the cells that exist; refuse ranges that cover more than those, since they overlap."""
     kept, covered = [], 0
     for (top, left), (bottom, right) in ranges:
         bottom, right = min(bottom, rows - 1), min(right, columns - 1)
@@ -191,8 +191,8 @@ def _within(ranges: list[Range], rows: int, columns: int, sheet: str) -> list[Ra
     return kept
 
 
-def _look_inside(data: bytes) -> tuple[dict[str, list[Range]], dict[str, dict[tuple[int, int], str]]]:
-    """What calamine does not say: merged ranges of an ods, formulas without result of an xlsx."""
+def _merges_and_faults(data: bytes) -> tuple[dict[str, list[Range]], dict[str, dict[tuple[int, int], str]]]:
+    """Return what calamine does not read: merged ranges of an ods, formulas without result of an xlsx."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         names = set(archive.namelist())
         if "xl/workbook.xml" in names:
@@ -205,27 +205,27 @@ def _look_inside(data: bytes) -> tuple[dict[str, list[Range]], dict[str, dict[tu
 
 
 def _formula_faults(xml: bytes) -> dict[tuple[int, int], str]:
-    """Cells whose formula has an error or no stored result."""
-    found: dict[tuple[int, int], str] = {}
+    """Return the cells whose formula has an error or no stored result."""
+    faults: dict[tuple[int, int], str] = {}
     if not _FORMULA.search(xml) and b't="e"' not in xml:
-        return found  # the usual case, in a tenth of the time
+        return faults  # the usual case, in a tenth of the time
     for attributes, content in _CELL.findall(xml):
         reference = _REFERENCE.search(attributes)
         if reference is None:
             continue
-        place = _place(reference)
+        place = _row_and_column(reference)
         value, formula = _VALUE.search(content), _FORMULA.search(content)
         if b't="e"' in attributes:
-            found[place] = value[1].decode("utf-8", "replace") if value else "an error"
+            faults[place] = value[1].decode("utf-8", "replace") if value else "an error"
         elif formula and not value and b't="str"' not in attributes:  # an empty text is a result too
-            found[place] = "=" + html.unescape(formula[1].decode("utf-8", "replace"))
-    return found
+            faults[place] = "=" + html.unescape(formula[1].decode("utf-8", "replace"))
+    return faults
 
 
-def _place(reference: re.Match[bytes]) -> tuple[int, int]:
-    """Row and column, both from 0.
+def _row_and_column(reference: re.Match[bytes]) -> tuple[int, int]:
+    """Return row and column, both from 0.
 
-    >>> _place(_REFERENCE.search(b'<c r="AB7">'))
+    >>> _row_and_column(_REFERENCE.search(b'<c r="AB7">'))
     (6, 27)
     """
     return int(reference[2]) - 1, column_index(reference[1].decode())

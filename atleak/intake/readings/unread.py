@@ -5,6 +5,7 @@ It looks at every cell of the visible sheets once more, whatever the headings we
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -158,7 +159,8 @@ class Account:
     def _is_quantity(self, rows: Rows, index: int) -> bool:
         """Whether a column holds another quantity; not one in millimetres that has the size of the diameters."""
         table = rows.table
-        if _role(table, index) != "quantity" or (_units(table, index) and self._is_diameter(rows, index)):
+        other = _role(table, index) == "quantity" or _in_another_unit(table, index)
+        if not other or (_units(table, index) and self._is_diameter(rows, index)):
             return False
         self._leave_column(table, index, self._sizes_under(table, index), "quantity")
         return True
@@ -311,6 +313,12 @@ def _says_other(table: Table, index: int) -> bool:
     words = letters(split_unit(table.heading(index))[0])
     others = [word for word in words if len(word) > 2 and word not in _DIMENSION]
     return bool(others) and not any(word in _MEASURED for word in words)
+
+
+def _in_another_unit(table: Table, index: int) -> bool:
+    """Whether a heading states a unit that is none of length: "RH [%]", "Mass [g]"."""
+    heading = table.heading(index)
+    return re.search(r"\[[^\]\d]+\]", heading) is not None and split_unit(heading)[1] is None
 
 
 def _name(table: Table, index: int) -> str:

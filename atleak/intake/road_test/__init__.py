@@ -1,4 +1,4 @@
-"""Road-test logs of any logger → `atleak.road_test.RoadTest`.
+"""Reads road-test logs of any logger into an `atleak.road_test.RoadTest`.
 
 ``understand`` says what a file holds even while questions are open, ``read_road_test`` gives the road test or says what
 it needs, ``describe`` is the JSON form, ``tidy_csv`` a plain table.
@@ -30,7 +30,7 @@ def read_road_test(
     constants: Mapping[str, float] | None = None,
     remembered: Path | None = None,
 ) -> RoadTest:
-    """Reads a road-test log as the logger wrote it.
+    """Read a road-test log as the logger wrote it.
 
     Parameters
     ----------
@@ -44,12 +44,12 @@ def read_road_test(
     constants
         Quantity → value in SI [°C for temperatures] for a channel the log does not hold.
     remembered
-        A file of mappings settled earlier (see `remember` and `default_path`); None: none are consulted.
+        A file of mappings chosen earlier (see `remember` and `default_path`); None: none are consulted.
 
     Raises
     ------
     RoadTestError
-        when the file is no log, or its time cannot be told; says what is needed.
+        when the file is no log, or its time cannot be read; says what is needed.
     """
     understood = understand(source, name=name, mapping=mapping, units=units, constants=constants, remembered=remembered)
     if understood.road_test is None:

@@ -1,4 +1,4 @@
-"""What was understood of a log, for programs (JSON) and as a tidy table in workshop units."""
+"""Writes what is understood of a log as JSON for programs, and a road test as a table in workshop units."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DELIMITERS = {"\t": "\\t", " ": "whitespace"}
 
 
 def workshop_unit(quantity: str, channel: Channel | None = None) -> Unit | None:
-    """The unit in which people are shown a quantity; None for plain numbers."""
+    """Return the unit in which people see a quantity; None for plain numbers."""
     info = QUANTITIES[quantity]
     if info.unit_kind is not None:
         return unit(info.workshop_unit, info.unit_kind)
@@ -34,11 +34,11 @@ def _number(value: float) -> float | None:
 
 
 def _column(channel: Channel) -> dict[str, Any]:
-    shown = workshop_unit(channel.quantity, channel)
+    shown_unit = workshop_unit(channel.quantity, channel)
     good = channel.good
     good = good[np.isfinite(good)]
     ends = (float(good.min()), float(good.max())) if len(good) else (np.nan, np.nan)
-    low, high = (shown.from_si(end) for end in ends) if shown else ends
+    low, high = (shown_unit.from_si(end) for end in ends) if shown_unit else ends
     return {
         "quantity": channel.quantity,
         "column": channel.column or None,
@@ -51,13 +51,13 @@ def _column(channel: Channel) -> dict[str, Any]:
         "independent_samples": channel.independent,
         "min": _number(round(low, 9)),
         "max": _number(round(high, 9)),
-        "value_unit": shown.name if shown else None,
+        "value_unit": shown_unit.name if shown_unit else None,
         "sampling_hz": _number(channel.sampling_hz),
     }
 
 
 def describe(understood: Understood) -> dict[str, Any]:
-    """The ``import-log --json`` form: values in rpm, °C, kPa, km/h and s; ``unit`` is the file's own.
+    """Return the ``import-log --json`` form: values in rpm, °C, kPa, km/h and s; ``unit`` is the file's own.
 
     While the log lacks an answer, ``rows`` and ``duration_s`` are None and ``needs`` says what is missing.
     """
@@ -75,17 +75,17 @@ def describe(understood: Understood) -> dict[str, Any]:
         "segments": [],
         "columns": [],
         "ambiguous": [
-            {"quantity": one.quantity, "candidates": list(one.candidates), "why": one.why}
-            for one in understood.ambiguous
+            {"quantity": question.quantity, "candidates": list(question.candidates), "why": question.why}
+            for question in understood.ambiguous
         ],
         "unused": list(understood.unused),
         "needs": str(understood.problem) if understood.problem else None,
-        "messages": [{"level": one.level, "code": one.code, "text": one.text} for one in understood.messages],
+        "messages": [{"level": each.level, "code": each.code, "text": each.text} for each in understood.messages],
     }
     if test is not None:
         result["segments"] = [
-            {"start_row": one.start_row, "rows": one.rows, "start_s": one.start, "duration_s": one.duration}
-            for one in understood.segments
+            {"start_row": each.start_row, "rows": each.rows, "start_s": each.start, "duration_s": each.duration}
+            for each in understood.segments
         ]
         result["columns"] = [_time_column(understood, test), *map(_column, test.channels.values())]
     return result
@@ -112,14 +112,17 @@ def _time_column(understood: Understood, test: RoadTest) -> dict[str, Any]:
 
 
 def tidy_csv(test: RoadTest) -> str:
-    """A road test as a plain table: one row a stamp, workshop units in the names, blank where there is no sample."""
+    """Return a road test as a plain table: one row a stamp, workshop units in the names, blank without sample."""
     columns: list[tuple[str, np.ndarray]] = [("time [s]", test.time)]
     for quantity, channel in test.channels.items():
-        shown = workshop_unit(quantity, channel)
+        shown_unit = workshop_unit(quantity, channel)
         values = test.values(quantity)
         assert values is not None
         columns.append(
-            (f"{quantity} [{shown.name}]" if shown else quantity, shown.from_si(values) if shown else values)
+            (
+                f"{quantity} [{shown_unit.name}]" if shown_unit else quantity,
+                shown_unit.from_si(values) if shown_unit else values,
+            )
         )
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")

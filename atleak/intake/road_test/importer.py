@@ -1,4 +1,4 @@
-"""A log's file → what is understood of it, even where something must be asked."""
+"""Understands a log's file as far as it can, even where the user must still answer a question."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,8 @@ from atleak.intake.road_test.outcome import Understood, finish, labels_of
 
 @dataclass
 class _Job:
+    """One log to understand, and what its caller states about it."""
+
     source: LogFile
     mapping: Mapping[str, str]
     units: Mapping[str, str]
@@ -42,7 +45,7 @@ def understand(
     constants: Mapping[str, float] | None = None,
     remembered: Path | None = None,
 ) -> Understood:
-    """Reads a road-test log of any logger and says what it understood.
+    """Read a road-test log of any logger and return what is understood of it.
 
     Parameters are those of `atleak.intake.road_test.read_road_test`.
 
@@ -65,7 +68,7 @@ def understand(
         ) from error  # fmt: skip
     finally:
         opened.close()
-    # the sum is computed beside all this; only now is it waited for
+    # the SHA-256 is computed beside all this; only here is it waited for
     digest = opened.sha256
     test = understood.road_test
     return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
@@ -122,13 +125,13 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     mapping, units = dict(job.mapping), dict(job.units)
     if job.memory is None:
         return mapping, units, []
-    settled = memory.recall(job.memory, signature)
-    if settled is None:
+    remembered = memory.recall(job.memory, signature)
+    if remembered is None:
         return mapping, units, []
     note = Message("info", "remembered", "columns are taken as settled earlier for logs with this header")
-    taken = {words(column) for column in mapping.values()}
-    earlier = {quantity: column for quantity, column in settled.mapping.items() if words(column) not in taken}
-    return {**earlier, **mapping}, {**settled.units, **units}, [note]
+    mapped = {words(column) for column in mapping.values()}
+    earlier = {quantity: column for quantity, column in remembered.mapping.items() if words(column) not in mapped}
+    return {**earlier, **mapping}, {**remembered.units, **units}, [note]
 
 
 # --- workbooks ----------------------------------------------------------------------------------------------
@@ -145,71 +148,81 @@ def _workbook(job: _Job) -> Understood:
     if len(sheets) == 1:
         return _one_table(sheets[0], _blank(job, sheets[0], labels_of(sheets[0].headings)), job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
-    tries = [(sheet, _try(sheet, job)) for sheet in titled]
-    good = [(sheet, assigner, reading) for sheet, (assigner, reading) in tries if reading is not None]
+    good = [reading for sheet in titled if (reading := _read_sheet(sheet, job)) is not None]
     if not good:
         first = max(sheets, key=lambda sheet: len(sheet.rows))
         return _one_table(first, _blank(job, first, labels_of(first.headings)), job)
-    whole = [one for one in good if len(one[1].signals) >= 2]
-    if whole or len(good) == 1:
-        best = max(whole or good, key=lambda one: (len(one[1].signals), one[2].rows))
-        others = [sheet.name for sheet in sheets if sheet.name != best[0].name]
-        understood = _one_table(best[0], _blank(job, best[0], labels_of(best[0].headings)), job)
-        note = Message("info", "sheet_chosen", f"sheet {best[0].name!r} is read; also there: {', '.join(others)}")
+    with_several_signals = [reading for reading in good if len(reading.assigner.signals) >= 2]
+    if with_several_signals or len(good) == 1:
+        best = max(
+            with_several_signals or good, key=lambda reading: (len(reading.assigner.signals), reading.result.rows)
+        )
+        others = [sheet.name for sheet in sheets if sheet.name != best.sheet.name]
+        understood = _one_table(best.sheet, _blank(job, best.sheet, labels_of(best.sheet.headings)), job)
+        note = Message("info", "sheet_chosen", f"sheet {best.sheet.name!r} is read; also there: {', '.join(others)}")
         return replace(understood, messages=(*understood.messages, note))
     return _sheet_per_signal(job, good)
 
 
 def _blank(job: _Job, sheet: LogSheet, labels: list[str]) -> Understood:
+    """Return what is known of a sheet before its columns are read."""
     return Understood(
         job.source.file, "", "workbook", None, None, None, sheet.headings,
         tuple(tuple(row) for row in sheet.sample[:8]), memory.signature(labels),
     )  # fmt: skip
 
 
-def _try(sheet: LogSheet, job: _Job) -> tuple[Assigner, TableResult | None]:
+class _SheetReading(NamedTuple):
+    """A sheet read as a log of its own."""
+
+    sheet: LogSheet
+    assigner: Assigner
+    result: TableResult
+
+
+def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
+    """Read one sheet of several; None where it is no log."""
     assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings))
     labels = {heading.label for heading in sheet.headings}
     mapping = {quantity: column for quantity, column in job.mapping.items() if column in labels}
     try:
-        return assigner, read_table(sheet, assigner, mapping)
+        return _SheetReading(sheet, assigner, read_table(sheet, assigner, mapping))
     except RoadTestError:
-        return assigner, None
+        return None
 
 
-def _sheet_per_signal(job: _Job, good: list[tuple[LogSheet, Assigner, TableResult]]) -> Understood:
-    """One signal a sheet, each with its own time: put on one axis."""
-    labels = [heading.label for sheet, _, _ in good for heading in sheet.headings]
-    blank = _blank(job, good[0][0], labels)
+def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
+    """Put sheets that hold one signal each, with a time of its own, on one time axis."""
+    headings = tuple(heading for reading in good for heading in reading.sheet.headings)
+    blank = replace(_blank(job, good[0].sheet, labels_of(headings)), headings=headings)
     main = Assigner(job.source.file, job.units, ())
-    offered: dict[str, list[tuple[LogSheet, Assigner, TableResult]]] = {}
-    for sheet, assigner, reading in good:
-        main.messages += assigner.messages
-        main.ambiguous += assigner.ambiguous
-        for quantity in assigner.signals:
-            offered.setdefault(quantity, []).append((sheet, assigner, reading))
+    offered: dict[str, list[_SheetReading]] = {}
+    for reading in good:
+        main.messages += reading.assigner.messages
+        main.ambiguous += reading.assigner.ambiguous
+        for quantity in reading.assigner.signals:
+            offered.setdefault(quantity, []).append(reading)
     stamps = []
-    for quantity, found in offered.items():
-        if len(found) > 1:
-            names = tuple(f"{sheet.name}: {one.signals[quantity].candidate.label}" for sheet, one, _ in found)
+    for quantity, sources in offered.items():
+        if len(sources) > 1:
+            names = tuple(
+                f"{sheet.name}: {assigner.signals[quantity].candidate.label}" for sheet, assigner, _ in sources
+            )
             main.ambiguous.append(Ambiguous(quantity, names, "several sheets hold it"))
             continue
-        _, assigner, reading = found[0]
-        signal = assigner.signals[quantity]
+        source = sources[0]
+        signal = source.assigner.signals[quantity]
         time = signal.time
         if time is None:
-            values, timeline = signal.values, reading.timeline
+            values, timeline = signal.values, source.result.timeline
             values = values if timeline.order is None else values[timeline.order]
             kept = np.isfinite(values)
             time = timeline.time[kept]
             signal = replace(signal, values=values[kept], time=time)
         main.signals[quantity] = signal
         stamps.append(time)
-    longest = max(good, key=lambda one: one[2].rows)[2]
+    longest = max((reading.result for reading in good), key=lambda result: result.rows)
     base = build_timeline(np.unique(np.concatenate(stamps))) if stamps else longest.timeline
-    merged = TableResult(
-        longest.rows, Timeline(base.time, None, base.segments, base.duration), longest.time_label, longest.clock
-    )
-    return finish(
-        replace(blank, headings=tuple(h for s, _, _ in good for h in s.headings)), main, merged, job.constants
-    )
+    timeline = Timeline(base.time, None, base.segments, base.duration)
+    merged = TableResult(longest.rows, timeline, longest.time_label, longest.clock)
+    return finish(blank, main, merged, job.constants)

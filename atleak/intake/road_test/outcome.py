@@ -1,4 +1,4 @@
-"""What was understood of a log, and how its assigned columns become a road test."""
+"""Holds what is understood of a log and makes a road test of its assigned columns."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from atleak.road_test import RoadTest, Segment
 
 @dataclass(frozen=True)
 class Understood:
-    """What was understood of a log; there even when questions are open.
+    """What is understood of a log, even while questions are open.
 
     ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
     rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
@@ -43,24 +43,24 @@ class Understood:
 
     @property
     def rows(self) -> int:
-        """Data rows of the file, 0 while it is not read."""
+        """Return the number of data rows of the file, 0 while it is not read."""
         return self.road_test.rows if self.road_test else 0
 
 
 def labels_of(headings: Sequence[Heading]) -> list[str]:
-    """The names of the columns."""
+    """Return the names of the columns."""
     return [heading.label for heading in headings]
 
 
 def finish(blank: Understood, assigner: Assigner, reading: TableResult, constants: Mapping[str, float]) -> Understood:
-    """Signals and clock → the road test and everything to be said about it."""
+    """Make the road test of signals and clock, with every message about it."""
     timeline = reading.timeline
     build.time_messages(assigner, timeline)
     channels = build.channels(assigner, timeline, constants)
     used = {signal.candidate.label for signal in assigner.signals.values()} | {reading.time_label}
-    asked = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
+    offered = {label for ambiguous in assigner.ambiguous for label in ambiguous.candidates}
     labels = list(reading.used) if reading.long else labels_of(blank.headings)
-    unused = tuple(dict.fromkeys(label for label in labels if label not in used | asked))
+    unused = tuple(dict.fromkeys(label for label in labels if label not in used | offered))
     if not assigner.signals and not assigner.ambiguous:
         text = "none of the columns is a known quantity: name them, such as engine_speed or main_pressure"
         assigner.say("no_quantity", text, "warning")

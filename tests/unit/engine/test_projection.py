@@ -26,11 +26,11 @@ def test_nothing_stated_is_the_first_operating_point(four_speed: Controller) -> 
 
 def test_what_is_stated_takes_the_place_of_the_first_operating_point_s(four_speed: Controller) -> None:
     first = four_speed.operating_points[0]
-    found = stated_condition(four_speed, temperature=95.0, engine_speed=20.0, gear=3)
-    assert (found.name, found.temperature, found.engine_speed, found.gear) == ("stated", 95.0, 20.0, 3)
-    assert (found.main_pressure, found.converter_pressure) == (first.main_pressure, first.converter_pressure)
-    assert found.label == "gear 3, 95 °C, 1200 rpm"
-    assert first.label in found.source
+    condition = stated_condition(four_speed, temperature=95.0, engine_speed=20.0, gear=3)
+    assert (condition.name, condition.temperature, condition.engine_speed, condition.gear) == ("stated", 95.0, 20.0, 3)
+    assert (condition.main_pressure, condition.converter_pressure) == (first.main_pressure, first.converter_pressure)
+    assert condition.label == "gear 3, 95 °C, 1200 rpm"
+    assert first.label in condition.source
     warmer = stated_condition(four_speed, temperature=95.0)
     assert (warmer.engine_speed, warmer.gear) == (first.engine_speed, first.gear)
 
@@ -82,10 +82,10 @@ def test_at_the_minimum_speed_the_pump_just_covers_the_leakage(sample: Diagnosis
 
 def test_a_pump_that_delivers_nothing_has_no_share_to_give(four_speed: Controller, hipol: Fluid) -> None:
     model = LeakageModel(four_speed, clearances(None, four_speed), hipol, WORKSHOP)
-    found = project(model, stated_condition(four_speed, engine_speed=0.1))
-    assert found.pump_capacity == 0.0
-    assert found.share == math.inf
-    assert found.share_of(0.0) == 0.0
+    projection = project(model, stated_condition(four_speed, engine_speed=0.1))
+    assert projection.pump_capacity == 0.0
+    assert projection.share == math.inf
+    assert projection.share_of(0.0) == 0.0
 
 
 def test_outside_the_fluid_there_is_no_projection(four_speed: Controller, hipol: Fluid) -> None:
@@ -97,9 +97,9 @@ def test_outside_the_fluid_there_is_no_projection(four_speed: Controller, hipol:
 def test_a_reversed_drop_is_said(four_speed: Controller, hipol: Fluid) -> None:
     model = LeakageModel(four_speed, clearances(None, four_speed), hipol, WORKSHOP)
     point = replace(four_speed.operating_points[0], main_pressure=60e5)  # p_s is limited to 500 kPa, 0.1 p_g is not
-    found = project(model, point)
-    assert "reversed_pressure_drop" in {message.code for message in found.messages}
-    below = [gap for gap in found.gaps if gap.pressure_drop < 0.0]
+    projection = project(model, point)
+    assert "reversed_pressure_drop" in {message.code for message in projection.messages}
+    below = [gap for gap in projection.gaps if gap.pressure_drop < 0.0]
     assert below
     assert all(gap.leakage == 0.0 for gap in below)
 
@@ -114,8 +114,8 @@ def test_control_pressure_above_main_pressure_is_said(
     ):
         model = LeakageModel(controller, clearances(None, controller), hipol, WORKSHOP)
         point = replace(controller.operating_points[0], main_pressure=main_pressure)
-        found = {message.code for message in project(model, point).messages}
-        assert found & {"pressure_relation"} == codes
+        codes_given = {message.code for message in project(model, point).messages}
+        assert codes_given & {"pressure_relation"} == codes
 
 
 # --- other wear

@@ -44,20 +44,20 @@ def full() -> dict[str, object]:
     }
 
 
-def codes(found: RoadLeakage) -> list[str]:
-    return [message.code for message in found.messages]
+def codes(road: RoadLeakage) -> list[str]:
+    return [message.code for message in road.messages]
 
 
 def test_a_complete_log_has_nothing_to_say(
     model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
 ) -> None:
-    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
-    assert codes(found) == []
-    assert found.gears == (2,)
-    assert found.leakage.shape == TIME.shape
-    np.testing.assert_allclose(sum(found.sections.values()), found.leakage, rtol=1e-12)
-    assert found.share is not None
-    np.testing.assert_allclose(found.share, found.leakage / found.pump_capacity, rtol=1e-15)
+    road = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert codes(road) == []
+    assert road.gears == (2,)
+    assert road.leakage.shape == TIME.shape
+    np.testing.assert_allclose(sum(road.sections.values()), road.leakage, rtol=1e-12)
+    assert road.share is not None
+    np.testing.assert_allclose(road.share, road.leakage / road.pump_capacity, rtol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -78,24 +78,24 @@ def test_a_channel_the_log_does_not_hold_is_assumed_and_said(
     log_of: LogOf,
 ) -> None:
     without = {name: channel for name, channel in full.items() if name != quantity}
-    found = evaluate_road_test(model, log_of(TIME, **without), assumed)
-    assert codes(found) == [f"assumed_{quantity}"]
-    assert found.messages[0].level == "warning"
-    assert words in found.messages[0].text
-    assert assumed.label in found.messages[0].text
+    road = evaluate_road_test(model, log_of(TIME, **without), assumed)
+    assert codes(road) == [f"assumed_{quantity}"]
+    assert road.messages[0].level == "warning"
+    assert words in road.messages[0].text
+    assert assumed.label in road.messages[0].text
     given = evaluate_road_test(model, log_of(TIME, **{**full, quantity: value}), assumed)
-    np.testing.assert_array_equal(found.leakage, given.leakage)
+    np.testing.assert_array_equal(road.leakage, given.leakage)
 
 
 def test_without_engine_speed_there_is_no_share(
     model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
 ) -> None:
     full.pop("engine_speed")
-    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
-    assert codes(found) == ["no_engine_speed"]
-    assert found.pump_capacity is found.share is found.max_share is None
-    assert found.max_leakage is not None
-    assert (found.max_leakage.pump_capacity, found.max_leakage.share) == (None, None)
+    road = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert codes(road) == ["no_engine_speed"]
+    assert road.pump_capacity is road.share is road.max_share is None
+    assert road.max_leakage is not None
+    assert (road.max_leakage.pump_capacity, road.max_leakage.share) == (None, None)
 
 
 @pytest.mark.parametrize(("pressure", "words"), [(None, "no main pressure"), (NAN, "no usable sample of main")])
@@ -137,26 +137,26 @@ def test_samples_that_cannot_be_used_are_counted_and_left_out(
     pressure = np.array(full["main_pressure"])
     pressure[5] = NAN
     log = log_of(TIME, **{**full, "gear": gear, "atf_temperature": temperature, "main_pressure": pressure})
-    found = evaluate_road_test(model, log, assumed)
-    assert np.isnan(found.leakage).tolist() == [True] * 6 + [False] * 4
-    assert codes(found) == ["other_gear", "outside_fluid", "samples_left_out"]
-    other_gear, outside, left_out = (message.text for message in found.messages)
+    road = evaluate_road_test(model, log, assumed)
+    assert np.isnan(road.leakage).tolist() == [True] * 6 + [False] * 4
+    assert codes(road) == ["other_gear", "outside_fluid", "samples_left_out"]
+    other_gear, outside, left_out = (message.text for message in road.messages)
     assert other_gear.startswith("2 of 10 samples")
     assert outside.startswith("2 of 10 samples")
     assert "-20 to 150 °C" in outside
     assert left_out.startswith("2 of 10 samples")
-    assert found.gears == (2,)
-    assert sum(share for share in found.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12, abs=0.0)
+    assert road.gears == (2,)
+    assert sum(share for share in road.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12, abs=0.0)
 
 
 def test_a_pump_at_rest_has_no_share(
     model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
 ) -> None:
     full["engine_speed"] = np.concatenate([np.zeros(3), np.full(len(TIME) - 3, 30.0)])
-    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
-    assert found.share is not None
-    assert np.isnan(found.share).tolist() == [True] * 3 + [False] * 7
-    said = {message.code: message.text for message in found.messages}["pump_delivers_nothing"]
+    road = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert road.share is not None
+    assert np.isnan(road.share).tolist() == [True] * 3 + [False] * 7
+    said = {message.code: message.text for message in road.messages}["pump_delivers_nothing"]
     assert said.startswith("In 3 of 10 samples")
     full["engine_speed"] = 0.0
     standing = evaluate_road_test(model, log_of(TIME, **full), assumed)
@@ -168,20 +168,20 @@ def test_a_pump_at_rest_has_no_share(
 def test_instants_are_where_the_series_say(
     model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
 ) -> None:
-    found = evaluate_road_test(model, log_of(TIME, **full), assumed)
-    assert found.share is not None
+    road = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    assert road.share is not None
     for instant, series, choose in (
-        (found.max_leakage, found.leakage, np.argmax),
-        (found.min_leakage, found.leakage, np.argmin),
-        (found.max_share, found.share, np.argmax),
+        (road.max_leakage, road.leakage, np.argmax),
+        (road.min_leakage, road.leakage, np.argmin),
+        (road.max_share, road.share, np.argmax),
     ):
         at = int(choose(series))
         assert instant is not None
-        assert found.pump_capacity is not None
-        assert (instant.time, instant.leakage) == (TIME[at], found.leakage[at])
-        assert instant.share == pytest.approx(found.leakage[at] / found.pump_capacity[at], rel=1e-15, abs=0.0)
-    assert found.max_leakage.time == TIME[-1]  # at the highest pressure
-    assert found.max_share.time < found.max_leakage.time  # where the pump turns slowest
+        assert road.pump_capacity is not None
+        assert (instant.time, instant.leakage) == (TIME[at], road.leakage[at])
+        assert instant.share == pytest.approx(road.leakage[at] / road.pump_capacity[at], rel=1e-15, abs=0.0)
+    assert road.max_leakage.time == TIME[-1]  # at the highest pressure
+    assert road.max_share.time < road.max_leakage.time  # where the pump turns slowest
 
 
 def test_a_reversed_drop_is_counted_by_section(
@@ -189,9 +189,9 @@ def test_a_reversed_drop_is_counted_by_section(
 ) -> None:
     pressure = np.full(len(TIME), 800e3)
     pressure[2:6] = 60e5  # 0.1 p_g above the limit of p_s
-    found = evaluate_road_test(model, log_of(TIME, **{**full, "main_pressure": pressure}), assumed)
-    assert codes(found) == ["reversed_pressure_drop"]
-    assert found.messages[0].text.startswith("In 4 of 10 samples a pressure drop of section p_s is negative")
+    road = evaluate_road_test(model, log_of(TIME, **{**full, "main_pressure": pressure}), assumed)
+    assert codes(road) == ["reversed_pressure_drop"]
+    assert road.messages[0].text.startswith("In 4 of 10 samples a pressure drop of section p_s is negative")
 
 
 def test_section_shares_are_of_the_volume_so_a_dense_stretch_weighs_no_more(
@@ -222,12 +222,12 @@ def test_a_pause_of_the_logger_counts_as_one_step(model: LeakageModel, assumed: 
 
 def test_a_log_of_one_sample(model: LeakageModel, assumed: OperatingPoint, log_of: LogOf) -> None:
     log = log_of([7.0], main_pressure=800e3, converter_pressure=400e3, atf_temperature=80.0, gear=2.0, engine_speed=25)
-    found = evaluate_road_test(model, log, assumed)
+    road = evaluate_road_test(model, log, assumed)
     at_once = model.gaps(assumed)
     expected = math.fsum(gap.leakage for gap in at_once if gap.drawn_from_pump)
-    assert found.leakage[0] == pytest.approx(expected, rel=1e-12, abs=0.0)
-    assert found.max_leakage == found.min_leakage == found.max_share
-    assert sum(share for share in found.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12, abs=0.0)
+    assert road.leakage[0] == pytest.approx(expected, rel=1e-12, abs=0.0)
+    assert road.max_leakage == road.min_leakage == road.max_share
+    assert sum(share for share in road.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12, abs=0.0)
 
 
 def test_control_pressure_above_main_pressure_is_said(
@@ -237,8 +237,8 @@ def test_control_pressure_above_main_pressure_is_said(
     pressure = np.full(len(TIME), 800e3)
     pressure[:4] = (-500.0, 0.0, 234e3, 235e3)
     pressure[4] = NAN
-    found = evaluate_road_test(model, log_of(TIME, **{**full, "main_pressure": pressure}), assumed)
-    said = [message.text for message in found.messages if message.code == "pressure_relation"]
+    road = evaluate_road_test(model, log_of(TIME, **{**full, "main_pressure": pressure}), assumed)
+    said = [message.text for message in road.messages if message.code == "pressure_relation"]
     assert len(said) == 1
     assert said[0].startswith("In 3 of 10 samples p_s would be above main pressure")
 
@@ -247,6 +247,6 @@ def test_without_pressure_no_gap_of_that_pressure_leaks(
     model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
 ) -> None:
     still = {**full, "main_pressure": 0.0, "converter_pressure": 0.0}
-    found = evaluate_road_test(model, log_of(TIME, **still), assumed)
+    road = evaluate_road_test(model, log_of(TIME, **still), assumed)
     for section in ("p_g", "p_m", "p_k"):
-        assert found.sections[section].tolist() == [0.0] * len(TIME)
+        assert road.sections[section].tolist() == [0.0] * len(TIME)

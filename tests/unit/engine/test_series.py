@@ -68,7 +68,7 @@ def slow_loop(model: LeakageModel, log: dict[str, np.ndarray]) -> tuple[np.ndarr
             fluid.kinematic_viscosity(temperature, profile.viscosity),
             fluid.density(temperature, profile.viscosity),
         )
-        found = dict.fromkeys(sections, 0.0)
+        flows = dict.fromkeys(sections, 0.0)
         for gap in controller.gaps:
             if gear not in gap.gears or (profile.pump_draw == "into_sump" and not gap.into_sump):
                 continue
@@ -94,9 +94,9 @@ def slow_loop(model: LeakageModel, log: dict[str, np.ndarray]) -> tuple[np.ndarr
                 flow = gap_equations.annular_flow(
                     drop, diameter, clearance, nu, rho, length, profile.eccentricity * clearance
                 )
-            found[gap.section] += flow
-        total[i] = sum(found.values())
-        for name, flow in found.items():
+            flows[gap.section] += flow
+        total[i] = sum(flows.values())
+        for name, flow in flows.items():
             sections[name][i] = flow if not np.isnan(total[i]) else np.nan
     return total, sections
 

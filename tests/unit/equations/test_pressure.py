@@ -44,8 +44,8 @@ def test_balance_is_the_sum_of_its_forces(p_s: float, p_g: float, f_sp: float, f
 
 
 def test_root_of_the_balance_is_the_solved_pressure() -> None:
-    found = brentq(lambda p: referees.spool_balance(p, 800e3, 19.53125, *AREAS), 0.0, 2e6, xtol=1e-9, rtol=1e-14)
-    assert pressure.control_pressure(800e3, 19.53125, *AREAS) == pytest.approx(found, rel=1e-12, abs=0.0)
+    root = brentq(lambda p: referees.spool_balance(p, 800e3, 19.53125, *AREAS), 0.0, 2e6, xtol=1e-9, rtol=1e-14)
+    assert pressure.control_pressure(800e3, 19.53125, *AREAS) == pytest.approx(root, rel=1e-12, abs=0.0)
 
 
 @given(st.floats(0.0, 2e6), st.floats(0.0, 2e6))

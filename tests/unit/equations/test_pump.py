@@ -34,8 +34,8 @@ def test_minimum_speed_is_where_delivery_meets_demand(
         return q_p * n * referees.wilson_efficiency(c_s, p, mu, n) - leakage
 
     slowest = pump.minimum_speed(leakage, pump.slip_flow(q_p, c_s, p, mu), q_p)
-    found = brentq(surplus, slowest / 10, slowest * 10, rtol=1e-14)
-    assert slowest == pytest.approx(found, rel=1e-9, abs=0.0)
+    root = brentq(surplus, slowest / 10, slowest * 10, rtol=1e-14)
+    assert slowest == pytest.approx(root, rel=1e-9, abs=0.0)
 
 
 def test_efficiency_is_not_clipped() -> None:

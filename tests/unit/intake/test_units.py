@@ -44,9 +44,9 @@ def registry() -> pint.UnitRegistry:
 def test_agrees_with_pint(registry: pint.UnitRegistry, kind: str, name: str, other: str, value: float) -> None:
     value += 300.0 * (other == "kelvin")  # nothing is colder than zero kelvin
     expected = registry.Quantity(value, other).to(REFEREE[kind][0]).magnitude
-    found = unit(name, kind)
-    assert found.to_si(value) == pytest.approx(expected, rel=1e-12, abs=1e-9)
-    assert found.from_si(found.to_si(value)) == pytest.approx(value, abs=1e-9)
+    tested_unit = unit(name, kind)
+    assert tested_unit.to_si(value) == pytest.approx(expected, rel=1e-12, abs=1e-9)
+    assert tested_unit.from_si(tested_unit.to_si(value)) == pytest.approx(value, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -79,13 +79,13 @@ def content(diagnosis) -> bytes:
 
 def test_another_atleak_comes_to_the_same_verdict(diagnosis, content, tmp_path):
     (tmp_path / "job.zip").write_bytes(content)
-    found = read_job_file(tmp_path / "job.zip")
-    again = diagnosis_record(found.diagnose())
+    job_file = read_job_file(tmp_path / "job.zip")
+    again = diagnosis_record(job_file.diagnose())
     assert again == diagnosis_record(diagnosis)
-    assert found.result == json.loads(json.dumps(again))
+    assert job_file.result == json.loads(json.dumps(again))
     assert again["verdict"] in ("replace", "critical")
-    assert found.job.number == "7"
-    assert found.job.pictures == {"a/b.png": b"picture"}
+    assert job_file.job.number == "7"
+    assert job_file.job.pictures == {"a/b.png": b"picture"}
 
 
 def test_same_job_same_bytes(diagnosis, content):
@@ -94,9 +94,9 @@ def test_same_job_same_bytes(diagnosis, content):
 
 
 def test_a_unit_nobody_measured_needs_no_files(unmeasured):
-    found = read_job_file(write_job_file(unmeasured))
-    assert diagnosis_record(found.diagnose()) == diagnosis_record(unmeasured)
-    assert found.case.readings is None
+    job_file = read_job_file(write_job_file(unmeasured))
+    assert diagnosis_record(job_file.diagnose()) == diagnosis_record(unmeasured)
+    assert job_file.case.readings is None
 
 
 def test_files_that_are_not_those_of_the_diagnosis_are_refused(diagnosis):
@@ -121,14 +121,14 @@ def test_a_catalogue_file_that_has_gone_or_changed_is_refused(unmeasured, tmp_pa
 
 def changed(content: bytes, **entries: bytes | None) -> bytes:
     """The zip with entries replaced, added (``a__b`` for a/b) or, where None, left out."""
-    target, named = io.BytesIO(), {name.replace("__", "/"): found for name, found in entries.items()}
+    target, named = io.BytesIO(), {name.replace("__", "/"): entry for name, entry in entries.items()}
     with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as new:
         for name in old.namelist():
             if name not in named:
                 new.writestr(name, old.read(name))
-        for name, found in named.items():
-            if found is not None:
-                new.writestr(name, found)
+        for name, entry in named.items():
+            if entry is not None:
+                new.writestr(name, entry)
     return target.getvalue()
 
 
@@ -194,10 +194,10 @@ def test_a_record_from_elsewhere_is_checked(content):
         read_job_file(with_choices(content, format=FORMAT + 1))
     with pytest.raises(InputError, match="unknown key"):
         read_job_file(with_choices(content, formulas="x"))
-    found = read_job_file(
+    job_file = read_job_file(
         with_choices(content, files={**json.loads(_record(content))["files"], "readings": "../../x.csv"})
     )
-    assert found.case.readings.name == "x.csv"
+    assert job_file.case.readings.name == "x.csv"
     with pytest.raises(InputError, match="no such profile"):
         read_job_file(with_choices(content, profile="mine")).diagnose()
 

@@ -59,7 +59,7 @@ def a_sheet(
 ) -> Readings:
     """Every land at one radial clearance (else its mounting clearance), read as asked."""
     rng = np.random.default_rng(seed)
-    found = []
+    readings = []
     for land in controller.lands:
         if land.key in leave_out:
             continue
@@ -75,7 +75,7 @@ def a_sheet(
                         read = diameter + form + rng.normal(0.0, noise)
                         read = round(read / step) * step if step else read
                         ends = (0.02, 0.02 + read) if repeat % 2 == 0 else (0.02 + read, 0.02)
-                        found.append(
+                        readings.append(
                             Reading(
                                 land.component,
                                 part,
@@ -86,7 +86,7 @@ def a_sheet(
                                 coordinates=ends if mirrored else None,
                             )
                         )
-    return Readings("sheet.csv", "", None, "mm", False, "tidy", tuple(found))
+    return Readings("sheet.csv", "", None, "mm", False, "tidy", tuple(readings))
 
 
 @dataclass(frozen=True)

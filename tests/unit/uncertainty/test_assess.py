@@ -42,13 +42,15 @@ def test_twenty_lands_with_a_common_error(
     draws = 40_000
     case = judge(a_sheet(twenty_lands), controller=twenty_lands, profile=CUBE, instruments=tools, draws=draws)
     total = case.unit.totals[0]
-    found = 100.0 * total.u_leakage / total.leakage
+    drawn_percent = 100.0 * total.u_leakage / total.leakage
     u = 0.0283 * hot
     own = referees.cube_variance(hot, u)
     shared = referees.cube_covariance(hot, u, hot, u, common_part)
     exact = 100.0 * math.sqrt(20 * own + 380 * shared) / (20 * hot**3)
     assert exact == pytest.approx(percent, abs=0.005)
-    assert abs(found - exact) < 3.0 * exact * math.sqrt(0.6 / draws)  # standard error, a little more than normal
+    assert abs(drawn_percent - exact) < 3.0 * exact * math.sqrt(
+        0.6 / draws
+    )  # standard error, a little more than normal
 
 
 def test_flow_is_three_times_as_uncertain_as_the_clearance(judge: Callable, twenty_lands: Controller) -> None:
@@ -244,8 +246,8 @@ def test_nothing_measured_says_nothing(four_speed: Controller, hipol: Fluid, lim
 def test_the_sources_of_a_budget_add_up_to_the_whole(judge: Callable, four_speed: Controller) -> None:
     case = judge(a_sheet(four_speed, clearance=30 * UM), assumptions=DEFAULTS, draws=500)
     budget = budget_rows(case.unit.lands[0])
-    assert sum(found["of_clearance_percent"] for found in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
-    assert sum(found["of_share_percent"] for found in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
+    assert sum(each["of_clearance_percent"] for each in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
+    assert sum(each["of_share_percent"] for each in budget) == pytest.approx(100.0, rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize(

@@ -69,9 +69,9 @@ def test_without_a_finite_uncertainty_only_the_draws_decide() -> None:
 
 def test_a_rule_is_about_the_limit_it_reached() -> None:
     steps = Steps(((Verdict.WATCH, 10.0), (Verdict.REPLACE, 50.0)), LimitOrigin.PUBLISHED, "")
-    found = decide_rule(Rule(RuleKind.WEAR, None, 49.0, steps), (2.0, 3.0), (1.0, 0.37), 1.645, skewed=False)
-    assert (found.rule.verdict, found.about, found.limit, found.decision) == ("watch", "watch", 10.0, "fail")
-    above = found.at_next_level
+    decided = decide_rule(Rule(RuleKind.WEAR, None, 49.0, steps), (2.0, 3.0), (1.0, 0.37), 1.645, skewed=False)
+    assert (decided.rule.verdict, decided.about, decided.limit, decided.decision) == ("watch", "watch", 10.0, "fail")
+    above = decided.at_next_level
     assert above is not None
     assert (above.about, above.decision, above.probability_over_limit) == ("replace", "conditional_pass", 0.37)
     assert above.standard_uncertainty == 3.0

@@ -75,7 +75,7 @@ def test_repeats_are_pooled_over_the_unit_and_freed_of_rounding(four_speed: Cont
     sheet = a_sheet(four_speed, repeats=5, noise=0.9 * UM, step=step)
     land, spreads = _found(four_speed, sheet, tools)
     degrees = spreads["sleeve"].degrees_of_freedom
-    assert degrees == 2 * 4 * sum(len(found.planes) for found in four_speed.lands)
+    assert degrees == 2 * 4 * sum(len(each.planes) for each in four_speed.lands)
     error = 4.0 / math.sqrt(2.0 * degrees)  # four standard errors of a standard deviation
     assert spreads["sleeve"].standard_deviation == pytest.approx(0.9 * UM, rel=error, abs=0.0)
     plan = land.plans["sleeve"]

@@ -50,7 +50,7 @@ def over_temperature(four_speed: Controller, road_test: RoadTest, results) -> Ch
 
 
 def line(chart: Chart, name: str):
-    return next(found for found in chart.lines if found.name.split(":")[0] == name)
+    return next(curve for curve in chart.lines if curve.name.split(":")[0] == name)
 
 
 # --- Figure 13
@@ -109,7 +109,7 @@ def test_variants_differ_without_colour(over_time: Chart) -> None:
 
 def test_share_is_marked_largest_at_idle(share: Chart) -> None:
     for name in NAMES:
-        drawn, worst, most = (line(share, found) for found in (name, f"{name} largest share", f"{name} most leakage"))
+        drawn, worst, most = (line(share, label) for label in (name, f"{name} largest share", f"{name} most leakage"))
         assert worst.y[0] == pytest.approx(drawn.y.max(), rel=1e-9, abs=0.0)
         assert worst.x[0] < 0.1
         assert most.x[0] == pytest.approx(2.1, abs=0.05)
@@ -121,7 +121,7 @@ def test_share_needs_engine_speed(four_speed: Controller, road_test: RoadTest) -
     from dataclasses import replace
     from types import MappingProxyType
 
-    channels = {name: found for name, found in road_test.channels.items() if name != "engine_speed"}
+    channels = {name: channel for name, channel in road_test.channels.items() if name != "engine_speed"}
     results = run_variants(four_speed, replace(road_test, channels=MappingProxyType(channels), _held={}))
     with pytest.raises(ValueError, match="engine speed"):
         share_chart(results)
@@ -159,10 +159,10 @@ def test_figure_draws_every_line_and_leaves_the_theme_alone(which: str, request:
     chart = request.getfixturevalue(which)
     drawn = figure(chart)
     traces = {trace.name: trace for trace in drawn.data}
-    for found in chart.lines:
-        trace = traces[found.name]
-        assert np.array_equal(np.asarray(trace.x, float), found.x, equal_nan=True)
-        assert np.array_equal(np.asarray(trace.y, float), found.y, equal_nan=True)
+    for curve in chart.lines:
+        trace = traces[curve.name]
+        assert np.array_equal(np.asarray(trace.x, float), curve.x, equal_nan=True)
+        assert np.array_equal(np.asarray(trace.y, float), curve.y, equal_nan=True)
         assert len(trace.x) <= 4000
         assert trace.connectgaps is False
     for mark in chart.marks:

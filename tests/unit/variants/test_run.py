@@ -78,14 +78,14 @@ def test_a_sample_equals_the_sum_of_its_gaps_one_by_one(
             ends[0] - ends[1], land.nominal_diameter, hot, variant.viscosity_of_results, variant.density,
             land.contact_length,
         )  # fmt: skip
-    result = next(found for found in results if found.variant is variant)
+    result = next(each for each in results if each.variant is variant)
     assert result.computed.leakage[index] == pytest.approx(total, rel=1e-12, abs=0.0)
 
 
 def test_the_logs_own_temperature_is_not_used(four_speed: Controller, road_test: RoadTest, results) -> None:
     colder = run_variants(four_speed, variant_road_test(road_test, -10.0))
-    for found, before in zip(colder, results, strict=True):
-        assert np.array_equal(found.computed.leakage, before.computed.leakage)
+    for again, before in zip(colder, results, strict=True):
+        assert np.array_equal(again.computed.leakage, before.computed.leakage)
 
 
 def test_a_variant_gives_the_road_test_one_temperature(road_test: RoadTest) -> None:
@@ -111,7 +111,7 @@ def test_fluid_of_a_variant(variant) -> None:
 
 
 def test_used_oil_leaks_in_inverse_proportion_to_viscosity(results) -> None:
-    w3 = next(found for found in results if found.variant.name == "W3")
+    w3 = next(each for each in results if each.variant.name == "W3")
     ratio = w3.as_tabulated.leakage / w3.computed.leakage
     assert ratio == pytest.approx(8.40 / 10.93, rel=1e-9, abs=0.0)
 
@@ -126,9 +126,9 @@ def test_reaches_digits() -> None:
 
 
 def test_a_workshops_own_controller_runs_through_the_same_variants(minimal: Controller, road_test: RoadTest) -> None:
-    found = run_variants(minimal, road_test)
-    assert [result.variant.name for result in found] == [variant.name for variant in VARIANTS]
-    leakage = [result.computed.max_leakage.leakage for result in found]
+    computed_variants = run_variants(minimal, road_test)
+    assert [result.variant.name for result in computed_variants] == [variant.name for variant in VARIANTS]
+    leakage = [result.computed.max_leakage.leakage for result in computed_variants]
     assert leakage[1] / leakage[0] == pytest.approx(10.93 / 8.40, rel=1e-9, abs=0.0)
     assert leakage[3] > leakage[2] > leakage[1]
 
@@ -144,21 +144,23 @@ def test_measured_clearances_can_count_as_no_wear(four_speed: Controller, road_t
 
 
 def test_log_without_engine_speed_has_no_share(four_speed: Controller, road_test: RoadTest, results) -> None:
-    found = run_variants(four_speed, without(road_test, "engine_speed"))
-    assert found[0].computed.share is None
-    assert found[0].computed.max_share is None
-    assert found[0].computed.max_leakage.leakage == results[0].computed.max_leakage.leakage
-    record = variants_record(found, four_speed, road_test)["variants"][0]["computed"]
+    computed_variants = run_variants(four_speed, without(road_test, "engine_speed"))
+    assert computed_variants[0].computed.share is None
+    assert computed_variants[0].computed.max_share is None
+    assert computed_variants[0].computed.max_leakage.leakage == results[0].computed.max_leakage.leakage
+    record = variants_record(computed_variants, four_speed, road_test)["variants"][0]["computed"]
     assert record["share_at_max_leakage_percent"] is None
     assert record["max_share_percent"] is None
-    assert "no_engine_speed" in {message.code for message in found[0].messages}
-    assert {point.point.variant for point in compare_points(found)} == {"W4", "W8"}
+    assert "no_engine_speed" in {message.code for message in computed_variants[0].messages}
+    assert {point.point.variant for point in compare_points(computed_variants)} == {"W4", "W8"}
 
 
 def test_log_without_gear_takes_the_first_operating_points(four_speed: Controller, road_test: RoadTest) -> None:
-    found = run_variants(four_speed, without(road_test, "gear", "converter_pressure"))
-    assert {"assumed_gear", "assumed_converter_pressure"} <= {message.code for message in found[0].messages}
-    assert {gear_at_most_leakage(result.computed) for result in found} == {four_speed.operating_points[0].gear}
+    computed_variants = run_variants(four_speed, without(road_test, "gear", "converter_pressure"))
+    assert {"assumed_gear", "assumed_converter_pressure"} <= {message.code for message in computed_variants[0].messages}
+    assert {gear_at_most_leakage(result.computed) for result in computed_variants} == {
+        four_speed.operating_points[0].gear
+    }
 
 
 def test_log_without_main_pressure_is_refused(four_speed: Controller, road_test: RoadTest) -> None:

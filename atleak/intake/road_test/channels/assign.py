@@ -1,6 +1,6 @@
-"""Columns → quantities: what the names offer is checked against units, values and each other.
+"""Assigns columns to quantities: what a name suggests is checked against unit, values and the other columns.
 
-A doubt is shown, not settled.
+Where doubt remains the user is asked; nothing is guessed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """The column's name in the file."""
+        """Return the column's name in the file."""
         return self.heading.label
 
 
@@ -54,32 +54,32 @@ class Ambiguous:
 
 
 def match_heading(heading: Heading) -> Match | None:
-    """The quantity a heading stands for: the first of its names that is known."""
-    found: Match | None = None
+    """Return the quantity a heading stands for: the first of its names that is known."""
+    best: Match | None = None
     for name in heading.names:
         match = match_name(name)
-        if match and (found is None or match.tier < found.tier):
-            found = match
-    return found
+        if match and (best is None or match.tier < best.tier):
+            best = match
+    return best
 
 
-def candidates(headings: Sequence[Heading]) -> list[Candidate]:
-    """Every heading that may be a quantity, in file order."""
-    found = []
+def find_candidates(headings: Sequence[Heading]) -> list[Candidate]:
+    """Return every heading that may be a quantity, in file order."""
+    result = []
     for heading in headings:
         match = match_heading(heading)
         if match:
-            found.append(Candidate(heading, match.quantity, match.tier, match.kind, heading.unit or match.unit))
-    return found
+            result.append(Candidate(heading, match.quantity, match.tier, match.kind, heading.unit or match.unit))
+    return result
 
 
 def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading:
-    """The column a user names: by its full header, its name without unit, or ``column 3``.
+    """Return the column that the user names: by its full header, its name without unit, or ``column 3``.
 
     Raises
     ------
     RoadTestError
-        naming the nearest column when there is none, or saying that several bear that name.
+        naming the nearest column when there is none, or saying that several have that name.
     """
     tests = (
         lambda heading: heading.label == wanted.strip(),
@@ -89,46 +89,50 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
         lambda heading: words(wanted) == f"column {heading.index + 1}" or wanted.strip() == str(heading.index + 1),
     )
     for test in tests:
-        hits = [heading for heading in headings if test(heading)]
-        if len(hits) > 1:
+        matching = [heading for heading in headings if test(heading)]
+        if len(matching) > 1:
             raise RoadTestError(
                 "several columns bear this name",
                 place=Place(file=file),
                 value=wanted,
-                expected="one of " + ", ".join(f"'column {hit.index + 1}'" for hit in hits),
+                expected="one of " + ", ".join(f"'column {heading.index + 1}'" for heading in matching),
             )
-        if hits:
-            return hits[0]
+        if matching:
+            return matching[0]
     labels = [heading.label for heading in headings]
     raise unknown("no column bears this name", wanted, labels, kind=RoadTestError, place=Place(file=file))
 
 
 def map_columns(
-    found: list[Candidate], headings: Sequence[Heading], mapping: Mapping[str, str], file: str
+    candidates: list[Candidate], headings: Sequence[Heading], mapping: Mapping[str, str], file: str
 ) -> list[Candidate]:
-    """The candidates after the user has named columns: a named column replaces whatever names suggested.
+    """Return the candidates after the user has named columns: a named column replaces what the names suggest.
 
     Raises
     ------
     RoadTestError
         for an unknown quantity or column.
     """
-    for quantity, wanted in mapping.items():
+    for quantity, column in mapping.items():
         if quantity not in QUANTITIES:
             raise unknown("unknown quantity", quantity, QUANTITIES, kind=RoadTestError, place=Place(file=file))
-        heading = find_heading(headings, wanted, file)
+        heading = find_heading(headings, column, file)
         kind = name_kind(heading.label) if QUANTITIES[quantity].unit_kind == "pressure" else "unknown"
         match = match_heading(heading)
         stated = heading.unit or (match.unit if match and match.quantity == quantity else None)
         if match and match.quantity == quantity:
             kind = match.kind
-        found = [one for one in found if one.quantity != quantity and one.heading.index != heading.index]
-        found.append(Candidate(heading, quantity, 0, kind, stated, mapped=True))
-    return found
+        candidates = [
+            candidate
+            for candidate in candidates
+            if candidate.quantity != quantity and candidate.heading.index != heading.index
+        ]
+        candidates.append(Candidate(heading, quantity, 0, kind, stated, mapped=True))
+    return candidates
 
 
 class Assigner:
-    """Collects the decisions about one file: signals taken, doubts, messages."""
+    """Collects the decisions about one file: chosen signals, open questions, messages."""
 
     def __init__(self, file: str, units: Mapping[str, str], neighbours: Iterable[str]) -> None:
         self.file, self.units, self.neighbours = file, units, tuple(neighbours)
@@ -138,12 +142,12 @@ class Assigner:
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
 
     def say(self, code: str, text: str, level: MessageLevel = "info", column: str | None = None) -> None:
-        """Adds a message."""
+        """Add a message."""
         place = Place(file=self.file, column=column)
         self.messages.append(Message(level, code, text, place))
 
     def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
-        """Takes one of the candidates for a quantity, or lists them as ambiguous.
+        """Choose one of the candidates for a quantity, or list them as ambiguous.
 
         Each candidate comes with its numbers and its own stamps (None: the rows').
         """
@@ -157,29 +161,31 @@ class Assigner:
         for signal in misfits:
             text = f"{signal.candidate.label!r} is not taken for {quantity}: {signal.fit.problem}"
             self.say("column_misfit", text, "warning", signal.candidate.label)
-        taken = self._choose(quantity, fitting)
-        if taken is None:
-            if not fitting and (asked := [s for s in misfits if s.candidate.tier < 2 and not s.fit.foreign]):
-                labels = tuple(signal.candidate.label for signal in asked)
-                self.ambiguous.append(Ambiguous(quantity, labels, asked[0].fit.problem or ""))
+        chosen = self._choose(quantity, fitting)
+        if chosen is None:
+            if not fitting and (
+                doubtful := [signal for signal in misfits if signal.candidate.tier < 2 and not signal.fit.foreign]
+            ):
+                labels = tuple(signal.candidate.label for signal in doubtful)
+                self.ambiguous.append(Ambiguous(quantity, labels, doubtful[0].fit.problem or ""))
             return
-        self.signals[quantity] = taken
-        self._comment(taken)
+        self.signals[quantity] = chosen
+        self._comment(chosen)
 
     def _fit(self, candidate: Candidate, values: np.ndarray, time: np.ndarray | None) -> Signal | None:
         kind = QUANTITIES[candidate.quantity].unit_kind
-        part = values[:: max(1, len(values) // 10_000)]
-        if not np.isfinite(part).any() and not np.isfinite(values).any():
+        sample = values[:: max(1, len(values) // 10_000)]
+        if not np.isfinite(sample).any() and not np.isfinite(values).any():
             self.say("column_empty", f"{candidate.label!r} holds no values", "info", candidate.label)
             return None
-        if not candidate.mapped and (dead := _dead_value(kind, part)) is not None and _only(values, dead):
-            text = f"{candidate.label!r} is {dead:g} throughout: the car or logger does not deliver it"
+        if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and _only(values, dead_value):
+            text = f"{candidate.label!r} is {dead_value:g} throughout: the car or logger does not deliver it"
             self.say("column_empty", text, "warning", candidate.label)
             return None
         if candidate.quantity in self.units:
             return Signal(candidate, values, given(candidate.quantity, self.units[candidate.quantity]), time)
-        found = fit(candidate.quantity, candidate.unit, values, self.neighbours)
-        return Signal(candidate, values, found, time)
+        column_fit = fit(candidate.quantity, candidate.unit, values, self.neighbours)
+        return Signal(candidate, values, column_fit, time)
 
     def _choose(self, quantity: str, fitting: list[Signal]) -> Signal | None:
         if not fitting:
@@ -213,7 +219,7 @@ class Assigner:
         return None
 
     def _same(self, tied: list[Signal]) -> Signal | None:
-        """One of several columns that hold the same thing, perhaps in other units."""
+        """Return the first of several columns if all hold the same values, perhaps in other units; else None."""
         first = tied[0]
         base = first.fit.to_si(first.values)
         for other in tied[1:]:
@@ -233,15 +239,15 @@ class Assigner:
         return first
 
     def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
-        """The same channel in two groups with clocks of their own: it must run alike."""
+        """Return whether a channel of another group, with its own clock, is the same: name and course must agree."""
         own = self.base if first.time is None else first.time
         base, values, time = first.fit.to_si(first.values), other.fit.to_si(other.values), other.time
         if first.candidate.label != other.candidate.label or own is None or time is None or len(own) != len(base):
             return False
         if len(base) < 3 or len(values) < 3 or not np.all(np.diff(time) >= 0):
             return False
-        apart = np.abs(np.interp(own, time, values) - base)
-        if np.nanmedian(apart) > 0.03 * max(float(np.nanmax(base) - np.nanmin(base)), 1e-9):
+        difference = np.abs(np.interp(own, time, values) - base)
+        if np.nanmedian(difference) > 0.03 * max(float(np.nanmax(base) - np.nanmin(base)), 1e-9):
             return False
         self.say(
             "same_twice", f"{first.candidate.label!r} stands twice; the first is used", "info", first.candidate.label
@@ -249,11 +255,11 @@ class Assigner:
         return True
 
     def _comment(self, signal: Signal) -> None:
-        candidate, found = signal.candidate, signal.fit
+        candidate, column_fit = signal.candidate, signal.fit
         quantity, label = candidate.quantity, candidate.label
-        if found.assumed and found.unit:
-            text = f"{label!r} states no unit; {found.unit.name} is assumed for {quantity}"
-            text += f" ({found.doubt})" if found.doubt else ""
+        if column_fit.assumed and column_fit.unit:
+            text = f"{label!r} states no unit; {column_fit.unit.name} is assumed for {quantity}"
+            text += f" ({column_fit.doubt})" if column_fit.doubt else ""
             self.say("unit_assumed", f"{text}: confirm or name the unit", "warning", label)
         if candidate.tier == 1:
             self.say("second_choice", f"{quantity} is taken from {label!r}, for want of a better", "warning", label)
@@ -264,16 +270,16 @@ class Assigner:
             elif candidate.kind == "unknown":
                 text = f"{label!r}: nothing says whether this pressure is measured or commanded"
                 self.say("pressure_unknown", text, "warning", label)
-            if found.absolute:
+            if column_fit.absolute:
                 self.say("pressure_absolute", f"{label!r} is absolute; 101.325 kPa are taken off", "info", label)
             else:
                 self.say("pressure_gauge", f"{label!r} is taken as gauge pressure", "info", label)
 
 
-def _dead_value(kind: str | None, part: np.ndarray) -> float | None:
-    """The value a sample of the column holds throughout, if it is one that stands for *no sensor*."""
-    dead = {"temperature": (0.0, -40.0, 215.0, 255.0), "pressure": (0.0,)}.get(kind or "", ())
-    return next((value for value in dead if _only(part, value)), None)
+def _dead_value(kind: str | None, sample: np.ndarray) -> float | None:
+    """Return the one value that fills a sample of the column, if that value means *no sensor*; else None."""
+    dead_values = {"temperature": (0.0, -40.0, 215.0, 255.0), "pressure": (0.0,)}.get(kind or "", ())
+    return next((value for value in dead_values if _only(sample, value)), None)
 
 
 def _only(values: np.ndarray, value: float) -> bool:
@@ -281,10 +287,10 @@ def _only(values: np.ndarray, value: float) -> bool:
 
 
 def stated_units(headings: Sequence[Heading]) -> list[str]:
-    """Every unit the headings state."""
+    """Return every unit that the headings state."""
     return [heading.unit for heading in headings if heading.unit]
 
 
 def plain_name(label: str) -> str:
-    """A column's name without unit, for comparing repeated headers."""
+    """Return a column's name without its unit, to compare repeated headers."""
     return words(split_unit(label).text)

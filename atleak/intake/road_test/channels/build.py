@@ -1,4 +1,4 @@
-"""Signals and stamps → a `RoadTest`: units to SI, suspect samples, true rates, constants."""
+"""Makes the channels of a `RoadTest` from signals and stamps: SI units, suspect samples, true rates, constants."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from atleak.errors import RoadTestError
+from atleak.errors import RoadTestError, unknown
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.channels.assign import Assigner, Signal
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -19,41 +19,42 @@ from atleak.road_test import QUANTITIES, Channel, Segment
 
 
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
-    """The channels of a road test, in the order of `QUANTITIES`."""
-    made: dict[str, Channel] = {}
+    """Return the channels of a road test, in the order of `QUANTITIES`."""
+    built: dict[str, Channel] = {}
     speed = assigner.signals.get("engine_speed") or assigner.signals.get("vehicle_speed")
     logged = {name: signal for name, signal in assigner.signals.items() if name != "time"}
 
     def check(signal: Signal) -> _Checked:
         return _checked(signal, timeline, speed if signal is not speed else None)
 
-    if len(timeline.time) > _LONG:  # numpy leaves the other cores free for the next channel
+    if len(timeline.time) > _MANY_SAMPLES:  # numpy leaves the other cores free for the next channel
         with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
             checked = dict(zip(logged, pool.map(check, logged.values()), strict=True))
     else:
         checked = {name: check(signal) for name, signal in logged.items()}
     for quantity in QUANTITIES:
         if quantity in logged:
-            made[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
+            built[quantity] = _channel(assigner, logged[quantity], checked[quantity], timeline)
         elif quantity in constants:
-            made[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
-    unknown = [name for name in constants if name not in QUANTITIES or name == "time"]
-    if unknown:
-        raise RoadTestError(
-            "unknown quantity for a constant", value=unknown[0], expected="one of " + ", ".join(QUANTITIES)
-        )
-    return MappingProxyType(made)
+            built[quantity] = _constant(assigner, quantity, constants[quantity], timeline)
+    possible = [name for name in QUANTITIES if name != "time"]
+    for name in constants:
+        if name not in possible:
+            raise unknown("unknown quantity for a constant", name, possible, kind=RoadTestError)
+    return MappingProxyType(built)
 
 
-_LONG = 200_000
+_MANY_SAMPLES = 200_000
 
 
 @dataclass(frozen=True)
 class _Checked:
+    """A signal's samples as logged and in SI, its stamps [s], and for each check the samples it doubts."""
+
     raw: np.ndarray
     si: np.ndarray
     time: np.ndarray
-    found: dict[str, np.ndarray]
+    suspect_masks: dict[str, np.ndarray]
 
 
 def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Checked:
@@ -63,8 +64,8 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Check
         if timeline.order is not None:
             raw = raw[timeline.order]
         if np.isnan(raw.sum()):
-            there = ~np.isnan(raw)
-            raw, time = raw[there], time[there]
+            present = ~np.isnan(raw)
+            raw, time = raw[present], time[present]
     si = signal.fit.to_si(raw)
 
     def moving() -> np.ndarray | None:
@@ -77,10 +78,10 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Check
 
 
 def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:
-    candidate, raw, si, time, found = signal.candidate, checked.raw, checked.si, checked.time, checked.found
-    doubt = np.zeros(len(raw), bool)
-    for name, mask in found.items():
-        doubt |= mask
+    candidate, raw, time = signal.candidate, checked.raw, checked.time
+    suspect = np.zeros(len(raw), bool)
+    for name, mask in checked.suspect_masks.items():
+        suspect |= mask
         count = int(mask.sum())
         text = f"{candidate.label!r}: {count} of {len(raw)} samples are suspect ({name}) and left out"
         assigner.say("suspect_samples", text, "warning", candidate.label)
@@ -92,8 +93,8 @@ def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Ti
     return Channel(
         candidate.quantity,
         time,
-        si.astype(float, copy=False),
-        doubt,
+        checked.si.astype(float, copy=False),
+        suspect,
         candidate.label,
         signal.fit.unit.name if signal.fit.unit else "",
         signal.fit.assumed,
@@ -114,7 +115,7 @@ def _independent(quantity: str, values: np.ndarray, commanded: bool) -> tuple[in
 
 
 def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
-    """Time a channel's samples cover, gaps not counted."""
+    """Return the time [s] that a channel's samples cover, without the gaps."""
     if not len(time):
         return 0.0
     breaks = sum(
@@ -138,7 +139,7 @@ def _constant(assigner: Assigner, quantity: str, value: float, timeline: Timelin
 
 
 def time_messages(assigner: Assigner, timeline: Timeline) -> None:
-    """What is to be said about the clock."""
+    """Report what is unusual about the clock."""
     if timeline.restarts:
         count = timeline.restarts
         text = f"the clock jumps back {count} time(s): the log consists of {count + 1} recordings, kept apart"

@@ -1,4 +1,4 @@
-"""Which lines are rows, and the numbers of a column; what cannot be read is refused, never guessed."""
+"""Decides which lines are rows and reads a column's numbers; a column that cannot be read is refused, never guessed."""
 
 from __future__ import annotations
 
@@ -19,38 +19,40 @@ from atleak.road_test import QUANTITIES
 def without_other_lines(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
 ) -> tuple[pd.DataFrame, int]:
-    """Takes out comments, markers, repeated headers and blank lines; a different header refuses the file."""
-    stored = {index: words_of(frame, index, table.decimal) for index in frame.attrs.get("words", {})}
-    if frame.empty or (all(dtype.kind in "fiub" for dtype in frame.dtypes) and not any(map(len, stored.values()))):
+    """Remove comments, markers, repeated headers and blank lines; refuse a file in which another header begins."""
+    words_in_columns = {index: words_of(frame, index, table.decimal) for index in frame.attrs.get("words", {})}
+    if frame.empty or (
+        all(dtype.kind in "fiub" for dtype in frame.dtypes) and not any(map(len, words_in_columns.values()))
+    ):
         return _without_blank_rows(frame)
-    telling = np.zeros(len(frame), bool)
-    wordy = np.zeros(len(frame), bool)
-    worded = []
+    has_number = np.zeros(len(frame), bool)
+    has_word = np.zeros(len(frame), bool)
+    text_columns = []
     for index in frame.columns:
         if frame[index].dtype.kind in "fiub":
-            telling |= frame[index].notna().to_numpy()
-            if index in stored:
-                wordy[stored[index].index] = True
+            has_number |= frame[index].notna().to_numpy()
+            if index in words_in_columns:
+                has_word[words_in_columns[index].index] = True
         else:
-            worded.append(index)
+            text_columns.append(index)
     # only rows without a single number so far need a closer look
-    unclear = np.flatnonzero(~telling)
-    clocks_at = {one.heading.index for one in times if holds_clocks(table, one.heading)}
-    for index in worded if len(unclear) else ():
-        column = frame[index].iloc[unclear]
+    without_number = np.flatnonzero(~has_number)
+    clocks_at = {candidate.heading.index for candidate in times if holds_clocks(table, candidate.heading)}
+    for index in text_columns if len(without_number) else ():
+        column = frame[index].iloc[without_number]
         text = column.astype("str").str.strip()
         plain = text.str.replace(",", ".", regex=False) if table.decimal == "," else text
         readable = pd.to_numeric(plain, errors="coerce").notna()
         if index in clocks_at:
             readable |= text.str.contains(r"\d:\d", regex=True, na=False)
-        known = column.notna().to_numpy()
-        number = readable.to_numpy(dtype=bool) & known
-        telling[unclear] |= number
-        wordy[unclear] |= ~number & known
-    text_only = (wordy & ~telling) | _words_for_time(frame, times, table)
+        filled = column.notna().to_numpy()
+        number = readable.to_numpy(dtype=bool) & filled
+        has_number[without_number] |= number
+        has_word[without_number] |= ~number & filled
+    text_only = (has_word & ~has_number) | _words_for_time(frame, times, table)
     if text_only.any():
         lines = frame[text_only].astype(object)
-        for index, cells in stored.items():
+        for index, cells in words_in_columns.items():
             lines[index] = lines[index].where(lines[index].notna(), cells.reindex(lines.index))
         _refuse_another_header(lines, times + channels, assigner)
         # rows that hold nothing but words where the table has numbers are markers
@@ -62,11 +64,11 @@ def without_other_lines(
 
 
 def _without_blank_rows(frame: pd.DataFrame) -> tuple[pd.DataFrame, int]:
-    """Without the rows in which nothing at all was read, where the table ends with such."""
+    """Remove the empty rows at the end of a table; return it with its number of rows."""
     if frame.empty or not frame.iloc[-1].isna().all():
         return frame, len(frame)
     filled = frame.notna().any(axis=1).to_numpy()
-    if not filled.any():  # the columns read are blank throughout, the rows are there all the same
+    if not filled.any():  # the columns are blank throughout, but the rows exist
         return frame, len(frame)
     end = len(filled) - int(np.argmax(filled[::-1]))
     attributes = frame.attrs
@@ -76,25 +78,26 @@ def _without_blank_rows(frame: pd.DataFrame) -> tuple[pd.DataFrame, int]:
 
 
 def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable) -> np.ndarray:
-    """Lines that have a word where the time should be: keys and values of a header in the middle, remarks."""
+    """Mark lines with a word in place of the time: remarks, or a header in the middle of the log."""
     result = np.zeros(len(frame), bool)
-    for one in times[:1]:
-        column = frame[one.heading.index]
-        if column.dtype.kind == "M" or column.dtype == object or holds_clocks(table, one.heading):
+    for candidate in times[:1]:
+        column = frame[candidate.heading.index]
+        if column.dtype.kind == "M" or column.dtype == object or holds_clocks(table, candidate.heading):
             continue
-        strange = words_of(frame, one.heading.index, table.decimal)
-        if len(strange) and len(strange) < 0.3 * len(column):
-            result[strange.index] = True
+        unreadable = words_of(frame, candidate.heading.index, table.decimal)
+        if len(unreadable) and len(unreadable) < 0.3 * len(column):
+            result[unreadable.index] = True
     return result
 
 
 def holds_clocks(table: LogTable, heading: Heading) -> bool:
+    """Return whether most cells of a column are clock readings."""
     cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
     return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)
 
 
 def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
-    headings = {one.heading.index: one.heading for one in used}
+    headings = {candidate.heading.index: candidate.heading for candidate in used}
     indices = lines.columns.tolist()
     for row, cells in zip(lines.index.tolist(), lines.itertuples(index=False, name=None), strict=True):
         other = []
@@ -115,44 +118,50 @@ def _refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner:
             )
 
 
-def column_numbers(one: Candidate, frame: pd.DataFrame, decimal: Decimal, assigner: Assigner) -> np.ndarray:
-    column = frame[one.heading.index]
-    values, strange = numbers(frame, one.heading.index, decimal)
-    if not len(strange):
-        return _without_thousands(one, values, assigner)
-    if one.quantity in ("gear", "selector", "lock_up"):
-        if one.quantity == "gear" and np.isnan(values).all() and words_as_numbers.only_positions(strange):
-            assigner.say("gear_is_selector", f"{one.label!r} holds selector positions, no gears", "info", one.label)
+def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, assigner: Assigner) -> np.ndarray:
+    """Return a column's numbers, NaN where there is none; a column that cannot be read is NaN throughout."""
+    column = frame[candidate.heading.index]
+    values, unreadable = numbers(frame, candidate.heading.index, decimal)
+    if not len(unreadable):
+        return _without_thousands(candidate, values, assigner)
+    if candidate.quantity in ("gear", "selector", "lock_up"):
+        if candidate.quantity == "gear" and np.isnan(values).all() and words_as_numbers.only_positions(unreadable):
+            assigner.say(
+                "gear_is_selector", f"{candidate.label!r} holds selector positions, no gears", "info", candidate.label
+            )
             return np.full(len(values), np.nan)
         values = values.copy()
-        values[column.index.get_indexer(strange.index)] = words_as_numbers.as_numbers(one.quantity, strange)
+        values[column.index.get_indexer(unreadable.index)] = words_as_numbers.as_numbers(candidate.quantity, unreadable)
         return values
-    destroyed = next((text for text in strange.head(50) if is_destroyed(text)), None)
-    if destroyed is not None or len(strange) > 0.02 * len(values):
-        shown = destroyed or strange.iloc[0]
+    destroyed = next((text for text in unreadable.head(50) if is_destroyed(text)), None)
+    if destroyed is not None or len(unreadable) > 0.02 * len(values):
+        shown = destroyed or unreadable.iloc[0]
         what = "numbers a spreadsheet has destroyed" if destroyed else "text instead of numbers"
-        assigner.say("column_refused", f"{one.label!r} holds {what} ({shown}): it is not used", "warning", one.label)
+        assigner.say(
+            "column_refused", f"{candidate.label!r} holds {what} ({shown}): it is not used", "warning", candidate.label
+        )
         return np.full(len(values), np.nan)
     assigner.say(
         "cells_unreadable",
-        f"{one.label!r}: {len(strange)} cell(s) are no numbers ({strange.iloc[0]}) and left out",
+        f"{candidate.label!r}: {len(unreadable)} cell(s) are no numbers ({unreadable.iloc[0]}) and left out",
         "warning",
-        one.label,
+        candidate.label,
     )
     return values
 
 
-def _without_thousands(one: Candidate, values: np.ndarray, assigner: Assigner) -> np.ndarray:
-    """Refuses a column in which 1.250 stands for 1250: whole numbers beside small ones with three decimals."""
-    if QUANTITIES[one.quantity].unit_kind != "rotational_speed" or not len(values):
+def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assigner) -> np.ndarray:
+    """Refuse a column in which 1.250 means 1250: whole numbers beside small ones with three decimals."""
+    if QUANTITIES[candidate.quantity].unit_kind != "rotational_speed" or not len(values):
         return values
-    part = values[:: max(1, len(values) // 50_000)]
-    small = part[(part >= 1) & (part < 16) & (part != np.round(part))]
-    whole = part[part == np.round(part)]
+    sample = values[:: max(1, len(values) // 50_000)]
+    small = sample[(sample >= 1) & (sample < 16) & (sample != np.round(sample))]
+    whole = sample[sample == np.round(sample)]
     if len(small) < 3 or np.abs(small * 1000 - np.round(small * 1000)).max() > 1e-6:
         return values
-    if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(part).sum() == len(part):
-        text = f"{one.label!r} mixes numbers such as {small[0]:.3f} and {whole[0]:.0f}: the sign in it parts thousands"
-        assigner.say("column_refused", text + "; it is not used", "warning", one.label)
+    if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(sample).sum() == len(sample):
+        text = f"{candidate.label!r} mixes numbers such as {small[0]:.3f} and {whole[0]:.0f}"
+        text += ": the sign in it parts thousands; it is not used"
+        assigner.say("column_refused", text, "warning", candidate.label)
         return np.full(len(values), np.nan)
     return values

@@ -1,4 +1,4 @@
-"""The long format: a row is a time, a name, a value and perhaps a unit."""
+"""Reads the long format, in which a row is a time, a name, a value and perhaps a unit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.channels.assign import Assigner, Candidate, candidates, map_columns
+from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
 from atleak.intake.road_test.clock.timeline import Timeline
@@ -55,29 +55,37 @@ _UNIT_HEADERS = {"unit", "units", "einheit", "jednostka", "unite", "unidade", "Ð
 
 
 @dataclass(frozen=True)
-class _Long:
+class _LongColumns:
+    """The columns of a long table."""
+
     time: Candidate
     name: Heading
     value: Heading
     unit: Heading | None
 
 
-def long_shape(table: LogTable, found: list[Candidate], mapping: Mapping[str, str]) -> _Long | None:
+def long_shape(table: LogTable, candidates: list[Candidate], mapping: Mapping[str, str]) -> _LongColumns | None:
+    """Return the columns of a long table, or None where the table is no such."""
     headings = [heading for heading in table.headings if heading.index < table.width]
     if not 3 <= len(headings) <= 8 or not table.sample:
         return None
-    times = [one for one in found if one.quantity == "time"]
+    times = [candidate for candidate in candidates if candidate.quantity == "time"]
     if not times:
         return None
-    plain = {heading.index: words(heading.names[0]) if heading.names else "" for heading in headings}
-    name = next((h for h in headings if plain[h.index] in _NAME_HEADERS and _wordy(table, h)), None)
-    value = next((h for h in headings if plain[h.index] in _VALUE_HEADERS), None)
+    plain_names = {heading.index: words(heading.names[0]) if heading.names else "" for heading in headings}
+    name = next(
+        (heading for heading in headings if plain_names[heading.index] in _NAME_HEADERS and _wordy(table, heading)),
+        None,
+    )
+    value = next((heading for heading in headings if plain_names[heading.index] in _VALUE_HEADERS), None)
     if name is None and value is not None:
-        name = next((h for h in headings if h is not value and _names_quantities(table, h)), None)
+        name = next(
+            (heading for heading in headings if heading is not value and _names_quantities(table, heading)), None
+        )
     if name is None or value is None or (any(quantity != "time" for quantity in mapping) and _names_in(table, mapping)):
         return None
-    unit = next((h for h in headings if plain[h.index] in _UNIT_HEADERS), None)
-    return _Long(times[0], name, value, unit)
+    unit = next((heading for heading in headings if plain_names[heading.index] in _UNIT_HEADERS), None)
+    return _LongColumns(times[0], name, value, unit)
 
 
 def _names_in(table: LogTable, mapping: Mapping[str, str]) -> bool:
@@ -98,7 +106,14 @@ def _names_quantities(table: LogTable, heading: Heading) -> bool:
     return _wordy(table, heading) and any(match_name(split_unit(cell).text) for cell in set(_cells(table, heading)))
 
 
-def read_long(table: LogTable, shape: _Long, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
+def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
+    """Read a long table: its signals go to the assigner.
+
+    Raises
+    ------
+    RoadTestError
+        when its time cannot be read or the user names a column that it lacks.
+    """
     columns = [shape.time.heading.index, shape.name.index, shape.value.index]
     if shape.unit:
         columns.append(shape.unit.index)
@@ -113,8 +128,8 @@ def read_long(table: LogTable, shape: _Long, assigner: Assigner, mapping: Mappin
         text = f"{shape.time.label!r} states no unit; {clock.unit} is assumed for time"
         assigner.say("unit_assumed", f"{text}: confirm or name the unit", "warning", shape.time.label)
     whole = build_timeline(clock.seconds)
-    ascending = np.full(len(frame), np.nan)
-    ascending[whole.order if whole.order is not None else slice(None)] = whole.time
+    row_times = np.full(len(frame), np.nan)
+    row_times[whole.order if whole.order is not None else slice(None)] = whole.time
     values, _ = numbers(frame, shape.value.index, table.decimal)
     texts = frame[shape.value.index]
     codes, uniques = pd.factorize(names)
@@ -123,39 +138,40 @@ def read_long(table: LogTable, shape: _Long, assigner: Assigner, mapping: Mappin
         split = split_unit(str(name))
         unit = split.unit
         if unit is None and shape.unit is not None:
-            stated = frame[shape.unit.index].to_numpy(dtype=object)[codes == index]
-            unit = next((str(cell) for cell in stated if isinstance(cell, str) and cell.strip()), None)
+            unit_cells = frame[shape.unit.index].to_numpy(dtype=object)[codes == index]
+            unit = next((str(cell) for cell in unit_cells if isinstance(cell, str) and cell.strip()), None)
         headings.append(Heading(index, str(name), (split.text,), unit))
-    found = candidates(headings)
+    candidates = find_candidates(headings)
     own_mapping = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
-    found = map_columns(found, headings, own_mapping, assigner.file)
+    candidates = map_columns(candidates, headings, own_mapping, assigner.file)
     assigner.neighbours = tuple(heading.unit for heading in headings if heading.unit)
     stamps: list[np.ndarray] = []
     for quantity in QUANTITIES:
         offered = []
-        for one in found:
-            if one.quantity != quantity or quantity == "time":
+        for candidate in candidates:
+            if candidate.quantity != quantity or quantity == "time":
                 continue
-            rows = codes == one.heading.index
-            own = values[rows]
-            if quantity in ("gear", "selector", "lock_up") and np.isnan(own).all():
-                own = words_as_numbers.as_numbers(quantity, texts[rows])
-            good = np.isfinite(own) & np.isfinite(ascending[rows])
-            time = ascending[rows][good]
-            turn = np.argsort(time, kind="stable")
-            offered.append((one, own[good][turn], time[turn]))
+            rows = codes == candidate.heading.index
+            channel_values = values[rows]
+            if quantity in ("gear", "selector", "lock_up") and np.isnan(channel_values).all():
+                channel_values = words_as_numbers.as_numbers(quantity, texts[rows])
+            good = np.isfinite(channel_values) & np.isfinite(row_times[rows])
+            time = row_times[rows][good]
+            by_time = np.argsort(time, kind="stable")
+            offered.append((candidate, channel_values[good][by_time], time[by_time]))
         if offered:
             assigner.decide(quantity, offered)
-            taken = assigner.signals.get(quantity)
-            if taken is not None and taken.time is not None:
-                stamps.append(taken.time)
+            signal = assigner.signals.get(quantity)
+            if signal is not None and signal.time is not None:
+                stamps.append(signal.time)
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
     timeline = _on_base(base, whole)
-    names_there = frozenset(map(str, uniques))
-    return TableResult(len(frame), timeline, shape.time.label, clock, True, names_there, whole.segments)
+    column_names = frozenset(map(str, uniques))
+    return TableResult(len(frame), timeline, shape.time.label, clock, True, column_names, whole.segments)
 
 
 def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:
+    """Return the file's timeline with its segments counted on another time base."""
     segments = []
     for segment in whole.segments:
         low = int(np.searchsorted(base, segment.start, side="left"))

@@ -1,4 +1,4 @@
-"""What a format hands over: a table, and what came of reading it."""
+"""Declares what a file format provides: a table to read, and the result of reading it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from atleak.road_test import Segment
 
 
 class LogTable(Protocol):
-    """What a format gives: headings, a few rows to look at, and columns on request."""
+    """A table of any file format: headings, some rows as a sample, and columns on request."""
 
     @property
     def headings(self) -> tuple[Heading, ...]: ...
@@ -35,7 +35,7 @@ class LogTable(Protocol):
 
 @dataclass(frozen=True)
 class TableResult:
-    """What came of a table: rows counted and the time base; the signals are with the assigner."""
+    """The result of reading a table: number of rows and time base; the assigner holds the signals."""
 
     rows: int
     timeline: Timeline
@@ -47,5 +47,5 @@ class TableResult:
 
 
 def reach(sample: Sequence[Row]) -> int:
-    """Cells of the widest row."""
+    """Return the number of cells in the widest row."""
     return max((len(row) for row in sample), default=0)

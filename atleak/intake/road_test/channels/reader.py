@@ -1,4 +1,4 @@
-"""A table with a time column (or one per channel, or long: time, name, value) → signals and a time base."""
+"""Reads a table with a time column (or one for each channel, or long: time, name, value) into signals and time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from atleak.errors import Place, RoadTestError
 from atleak.intake.road_test.channels.assign import (
     Assigner,
     Candidate,
-    candidates,
+    find_candidates,
     map_columns,
 )
 from atleak.intake.road_test.channels.column_values import column_numbers, without_other_lines
@@ -28,7 +28,7 @@ from atleak.road_test import QUANTITIES
 
 
 def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
-    """Reads a table's time and quantities.
+    """Read a table's time and quantities.
 
     Raises
     ------
@@ -44,47 +44,53 @@ def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) 
             value="; ".join(table.sample[0][:8]) if table.sample else None,
             expected="names for the columns, such as time = 'column 1' and engine_speed = 'column 2'",
         )
-    found = map_columns(candidates(headings), headings, mapping, assigner.file)
-    if (shape := long_shape(table, found, mapping)) is not None:
+    candidates = map_columns(find_candidates(headings), headings, mapping, assigner.file)
+    if (shape := long_shape(table, candidates, mapping)) is not None:
         return read_long(table, shape, assigner, mapping)
-    return _read_wide(table, found, assigner)
+    return _read_wide(table, candidates, assigner)
 
 
 # --- wide ---------------------------------------------------------------------------------------------------
 
 
-def _read_wide(table: LogTable, found: list[Candidate], assigner: Assigner) -> TableResult:
-    found = [one for one in found if one.heading.index < table.width]
+def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner) -> TableResult:
+    candidates = [candidate for candidate in candidates if candidate.heading.index < table.width]
     _refuse_split_decimals(table, assigner)
-    times = _time_candidates(table, found)
-    channels = [one for one in found if one.quantity != "time"]
-    chosen = [one.heading.index for one in (*times, *channels)]
+    times = _time_candidates(table, candidates)
+    channels = [candidate for candidate in candidates if candidate.quantity != "time"]
+    chosen = [candidate.heading.index for candidate in (*times, *channels)]
     frame = table.read(sorted(set(chosen)) or [0])
     frame, rows = without_other_lines(frame, times, channels, table, assigner)
-    columns = {one.heading.index: column_numbers(one, frame, table.decimal, assigner) for one in channels}
+    columns = {
+        candidate.heading.index: column_numbers(candidate, frame, table.decimal, assigner) for candidate in channels
+    }
     motions = motions_beside(channels, columns)
-    own = _own_times(table.headings, times, channels)
-    if own is not None:
-        return _read_own_times(own, frame, rows, columns, table, assigner, motions)
+    own_times = _own_times(table.headings, times, channels)
+    if own_times is not None:
+        return _read_own_times(own_times, frame, rows, columns, table, assigner, motions)
     label, clock = best_clock(times, frame, table, assigner, motions, rows)
     timeline = build_timeline(clock.seconds)
     if not len(timeline.time):
         raise no_time(table, assigner)
     for quantity in QUANTITIES:
-        offered = [(one, columns[one.heading.index], None) for one in channels if one.quantity == quantity]
+        offered = [
+            (candidate, columns[candidate.heading.index], None)
+            for candidate in channels
+            if candidate.quantity == quantity
+        ]
         if offered:
             assigner.decide(quantity, offered)
     return TableResult(rows, timeline, label, clock, used=frozenset([label]))
 
 
-def _may_be_time(one: Candidate) -> bool:
-    """Whether the unit does not forbid it: a column T in °C is no time."""
-    kinds = kinds_of(clean_unit(one.unit or ""))
+def _may_be_time(candidate: Candidate) -> bool:
+    """Return whether the unit allows a time: a column T in °C is none."""
+    kinds = kinds_of(clean_unit(candidate.unit or ""))
     return not kinds or "time" in kinds or kinds == ["ratio"]
 
 
 def _refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
-    """Refuses rows in which a decimal comma has become a delimiter: nearly two cells for every name."""
+    """Refuse rows in which a decimal comma has become a delimiter: nearly two cells for every name."""
     named = reach([[heading.label for heading in table.headings if heading.names]])
     filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
     if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
@@ -96,11 +102,15 @@ def _refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
         )
 
 
-def _time_candidates(table: LogTable, found: list[Candidate]) -> list[Candidate]:
-    times = [one for one in found if one.quantity == "time" and (one.mapped or _may_be_time(one))]
-    if not any(one.mapped for one in times):
+def _time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
+    times = [
+        candidate
+        for candidate in candidates
+        if candidate.quantity == "time" and (candidate.mapped or _may_be_time(candidate))
+    ]
+    if not any(candidate.mapped for candidate in times):
         for heading in table.headings[: table.width]:
-            if named_by_a_date(heading) and not any(one.heading is heading for one in times):
+            if named_by_a_date(heading) and not any(candidate.heading is heading for candidate in times):
                 times.append(Candidate(heading, "time", 0, "unknown", None))
     if not times and table.headings and table.sample:
         # a column without a telling name that holds clock readings
@@ -108,7 +118,7 @@ def _time_candidates(table: LogTable, found: list[Candidate]) -> list[Candidate]
             cells = [row[heading.index] for row in table.sample if heading.index < len(row)]
             if cells and sum(is_clock(cell) for cell in cells) > 0.8 * len(cells):
                 times.append(Candidate(heading, "time", 0, "unknown", None))
-    return sorted(times, key=lambda one: (not one.mapped, one.tier))
+    return sorted(times, key=lambda candidate: (not candidate.mapped, candidate.tier))
 
 
 # --- a time column before each channel ----------------------------------------------------------------------
@@ -117,19 +127,19 @@ def _time_candidates(table: LogTable, found: list[Candidate]) -> list[Candidate]
 def _own_times(
     headings: Sequence[Heading], times: list[Candidate], channels: list[Candidate]
 ) -> dict[int, Candidate] | None:
-    """Channel index → its time column, where a time column of one name stands before each channel or group."""
-    if any(one.mapped for one in times) and len(times) == 1:
+    """Return each channel's own time column, by channel index, where one stands before each channel or group."""
+    if any(candidate.mapped for candidate in times) and len(times) == 1:
         return None
     alike: dict[str, list[Candidate]] = {}
-    for one in times:
-        alike.setdefault(words(one.heading.names[0] if one.heading.names else ""), []).append(one)
+    for candidate in times:
+        alike.setdefault(words(candidate.heading.names[0] if candidate.heading.names else ""), []).append(candidate)
     group = max(alike.values(), key=len, default=[])
     if len(group) < 2:
         return None
-    group = sorted(group, key=lambda one: one.heading.index)
+    group = sorted(group, key=lambda candidate: candidate.heading.index)
     result = {}
     for channel in channels:
-        before = [one for one in group if one.heading.index < channel.heading.index]
+        before = [candidate for candidate in group if candidate.heading.index < channel.heading.index]
         if not before:
             return None
         result[channel.heading.index] = before[-1]
@@ -137,36 +147,44 @@ def _own_times(
 
 
 def _read_own_times(
-    own: dict[int, Candidate], frame: pd.DataFrame, rows: int, columns: dict[int, np.ndarray],
+    own_times: dict[int, Candidate], frame: pd.DataFrame, rows: int, columns: dict[int, np.ndarray],
     table: LogTable, assigner: Assigner, motions: Sequence[Motion],
 ) -> TableResult:  # fmt: skip
-    clocks_of: dict[int, Clock] = {}
-    stamps = sorted({one.heading.index: one for one in own.values()}.items())
-    for index, one in stamps:
-        clock = clock_of(one, frame, table, assigner, motions)
+    clocks_by_column: dict[int, Clock] = {}
+    time_columns = sorted({candidate.heading.index: candidate for candidate in own_times.values()}.items())
+    for index, candidate in time_columns:
+        clock = clock_of(candidate, frame, table, assigner, motions)
         if clock is not None and runs(clock.seconds):
-            clocks_of[index] = clock
-    if not clocks_of:
+            clocks_by_column[index] = clock
+    if not clocks_by_column:
         raise no_time(table, assigner)
-    first = min(clocks_of)
-    base = build_timeline(clocks_of[first].seconds)
+    first = min(clocks_by_column)
+    base = build_timeline(clocks_by_column[first].seconds)
     assigner.base = base.time if base.order is None else None
-    found = [one for one in candidates(table.headings) if one.heading.index in columns and one.quantity != "time"]
+    candidates = [
+        candidate
+        for candidate in find_candidates(table.headings)
+        if candidate.heading.index in columns and candidate.quantity != "time"
+    ]
     for quantity in QUANTITIES:
         offered = []
-        for one in found:
-            stamp = own.get(one.heading.index)
-            if one.quantity != quantity or stamp is None or stamp.heading.index not in clocks_of:
+        for candidate in candidates:
+            time_column = own_times.get(candidate.heading.index)
+            if (
+                candidate.quantity != quantity
+                or time_column is None
+                or time_column.heading.index not in clocks_by_column
+            ):
                 continue
-            values = columns[one.heading.index]
-            if stamp.heading.index == first:
-                offered.append((one, values, None))
+            values = columns[candidate.heading.index]
+            if time_column.heading.index == first:
+                offered.append((candidate, values, None))
                 continue
-            timeline = build_timeline(clocks_of[stamp.heading.index].seconds)
+            timeline = build_timeline(clocks_by_column[time_column.heading.index].seconds)
             values = values if timeline.order is None else values[timeline.order]
             good = np.isfinite(values)
-            offered.append((one, values[good], timeline.time[good]))
+            offered.append((candidate, values[good], timeline.time[good]))
         if offered:
             assigner.decide(quantity, offered)
-    label = dict(stamps)[first].label
-    return TableResult(rows, base, label, clocks_of[first], used=frozenset([label]))
+    label = dict(time_columns)[first].label
+    return TableResult(rows, base, label, clocks_by_column[first], used=frozenset([label]))

@@ -1,11 +1,11 @@
 """Checks of one channel: each takes a Series and gives a boolean Series in which True means *suspect*.
 
-Nothing is removed: what is doubted stays in the channel and is counted.
+Nothing is removed: a suspect sample stays in the channel and is counted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
@@ -42,7 +42,7 @@ _FROZEN_SECONDS = {"rotational_speed": 15.0, "temperature": 3600.0, "pressure": 
 
 
 def _ends(values: np.ndarray) -> tuple[float, float]:
-    """Least and greatest value, NaN left out."""
+    """Return the least and the greatest value, NaN left out."""
     if not len(values):
         return np.inf, -np.inf
     least, most = float(values.min()), float(values.max())
@@ -52,7 +52,7 @@ def _ends(values: np.ndarray) -> tuple[float, float]:
 
 
 def sentinel(series: pd.Series) -> pd.Series:
-    """Error codes in the file's own unit: 65535, −2147483617 and the like.
+    """Mark error codes in the file's own unit: 65535, −2147483617 and the like.
 
     >>> sentinel(pd.Series([800.0, 65535.0])).tolist()
     [False, True]
@@ -68,7 +68,7 @@ def sentinel(series: pd.Series) -> pd.Series:
 
 
 def out_of_range(series: pd.Series, low: float, high: float) -> pd.Series:
-    """Values outside what the quantity can be."""
+    """Mark values outside the range that the quantity can have."""
     values = series.to_numpy()
     least, most = _ends(values)
     if least >= low and most <= high:
@@ -77,7 +77,7 @@ def out_of_range(series: pd.Series, low: float, high: float) -> pd.Series:
 
 
 def start_up(series: pd.Series, step: float, rows: int = 10) -> pd.Series:
-    """Rubbish before a channel settles, and after it ends: everything within ``rows`` of an end and beyond a step.
+    """Mark wrong values at the start and end of a channel: all beyond a step within ``rows`` of an end.
 
     For slow channels such as a temperature: 236, 125, 118, 118 … is suspect up to the 125.
     """
@@ -96,7 +96,7 @@ def start_up(series: pd.Series, step: float, rows: int = 10) -> pd.Series:
 
 
 def spikes(series: pd.Series, step: float) -> pd.Series:
-    """Single samples that leave their neighbours by more than ``step`` and come straight back."""
+    """Mark single samples that leave their neighbours by more than ``step`` and come straight back."""
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
     least, most = _ends(values)
@@ -112,7 +112,7 @@ def spikes(series: pd.Series, step: float) -> pd.Series:
 
 
 def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | None] | None = None) -> pd.Series:
-    """A channel that repeats one value other than zero for longer than ``seconds`` (index: stamps in s).
+    """Mark where a channel repeats one value other than zero for longer than ``seconds`` (index: stamps in s).
 
     ``moving`` gives the samples at which the car's other channels change; a run counts only where they do.
     """
@@ -120,7 +120,7 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
     result = np.zeros(len(values), bool)
     if len(values) < 20:
         return pd.Series(result, series.index)
-    # a long run shows in a few probes already: cheap for the usual, lively channel
+    # a few probes already show a long run: that is cheap for the usual channel, which changes often
     usual = len(values) * seconds / max(float(time[-1] - time[0]), seconds)
     stride = int(np.clip(usual / 8, 10, 1000))
     probes = values[::stride]
@@ -141,7 +141,7 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
 
 
 def failed_sensor(series: pd.Series) -> pd.Series:
-    """Temperatures in °C that are the end of a sensor's scale, −40 or 215, beside ordinary ones."""
+    """Mark temperatures [°C] at the end of a sensor's scale, −40 or 215, where others are ordinary."""
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
     least, most = _ends(values)
@@ -160,33 +160,32 @@ def suspect(
     time: np.ndarray,
     moving: Callable[[], np.ndarray | None] | None = None,
 ) -> dict[str, np.ndarray]:
-    """Every check of a quantity: name of the check → boolean array, only those that found something.
+    """Return, by name of the check, which samples each check of a quantity doubts; checks without doubt are left out.
 
     ``raw`` are the file's numbers, ``si`` the same in SI, ``time`` the channel's stamps.
     """
-    info = QUANTITIES[quantity]
-    found: Mapping[str, pd.Series] = {}
+    limits = QUANTITIES[quantity]
     series = pd.Series(si, time, copy=False)
-    found = {"sentinel": sentinel(series if raw is si else pd.Series(raw, time, copy=False))}
-    found["out of range"] = out_of_range(series, info.low, info.high)
-    doubted = found["sentinel"].to_numpy() | found["out of range"].to_numpy()
-    clean = pd.Series(np.where(doubted, np.nan, si), time) if doubted.any() else series
-    kind = info.unit_kind
+    masks = {"sentinel": sentinel(series if raw is si else pd.Series(raw, time, copy=False))}
+    masks["out of range"] = out_of_range(series, limits.low, limits.high)
+    suspect_so_far = masks["sentinel"].to_numpy() | masks["out of range"].to_numpy()
+    clean = pd.Series(np.where(suspect_so_far, np.nan, si), time) if suspect_so_far.any() else series
+    kind = limits.unit_kind
     if kind == "temperature":
-        found["failed sensor"] = failed_sensor(clean)
-        if found["failed sensor"].to_numpy().any():
-            clean = clean.mask(found["failed sensor"])
-        found["start-up"] = start_up(clean, 8.0)
+        masks["failed sensor"] = failed_sensor(clean)
+        if masks["failed sensor"].to_numpy().any():
+            clean = clean.mask(masks["failed sensor"])
+        masks["start-up"] = start_up(clean, 8.0)
     if kind in _STEP:
-        found["spike"] = spikes(clean, _STEP[kind])
+        masks["spike"] = spikes(clean, _STEP[kind])
     if kind in _FROZEN_SECONDS:
-        found["frozen"] = frozen(clean, _FROZEN_SECONDS[kind], moving)
-    arrays = {name: mask.to_numpy() for name, mask in found.items()}
+        masks["frozen"] = frozen(clean, _FROZEN_SECONDS[kind], moving)
+    arrays = {name: mask.to_numpy() for name, mask in masks.items()}
     return {name: mask for name, mask in arrays.items() if mask.any()}
 
 
 def repeats(values: np.ndarray) -> np.ndarray:
-    """Where a sample is the same as the one before it.
+    """Return where a sample equals the one before it.
 
     >>> repeats(np.array([1.0, 1.0, 2.0])).tolist()
     [False, True, False]
@@ -195,7 +194,7 @@ def repeats(values: np.ndarray) -> np.ndarray:
 
 
 def is_sample_and_hold(values: np.ndarray) -> bool:
-    """Whether a logger repeats a channel's last answer between true ones.
+    """Return whether a logger repeats a channel's last answer between true ones.
 
     A true signal creeps by its resolution; one that stands still and then leaps, again and again, is held.
     """

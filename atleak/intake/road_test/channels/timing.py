@@ -1,4 +1,4 @@
-"""Chooses and reads a table's clock."""
+"""Chooses a table's time column and reads it."""
 
 from __future__ import annotations
 
@@ -21,15 +21,21 @@ from atleak.intake.road_test.names.unit_choice import given
 
 
 def motions_beside(channels: list[Candidate], columns: Mapping[int, np.ndarray]) -> list[Motion]:
+    """Return the speeds in the log, whose changes show whether a unit of time is possible."""
     limits = {"engine_speed": 12000.0, "vehicle_speed": 60.0}
-    return [Motion(columns[one.heading.index], limits[one.quantity]) for one in channels if one.quantity in limits]
+    return [
+        Motion(columns[candidate.heading.index], limits[candidate.quantity])
+        for candidate in channels
+        if candidate.quantity in limits
+    ]
 
 
 def clock_of(
-    one: Candidate, frame: pd.DataFrame, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
+    candidate: Candidate, frame: pd.DataFrame, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
 ) -> Clock | None:
-    column = frame[one.heading.index]
-    unit = assigner.units.get("time", one.unit)
+    """Read a time column; None where it cannot be read, which a message explains where a spreadsheet has spoilt it."""
+    column = frame[candidate.heading.index]
+    unit = assigner.units.get("time", candidate.unit)
     if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
         unit = stated.name
     if column.dtype.kind == "M" or _typed(column):
@@ -43,21 +49,21 @@ def clock_of(
         if destroyed:
             assigner.say(
                 "column_refused",
-                f"{one.label!r}: a spreadsheet has destroyed its numbers ({destroyed})",
+                f"{candidate.label!r}: a spreadsheet has destroyed its numbers ({destroyed})",
                 "warning",
-                one.label,
+                candidate.label,
             )
             return None
-    values, strange = numbers(frame, one.heading.index, table.decimal)
+    values, unreadable = numbers(frame, candidate.heading.index, table.decimal)
     whole = bool(np.isfinite(values.sum()))
-    if len(strange) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
+    if len(unreadable) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
         return None
-    if _cut_short(one, table):
+    if _cut_short(candidate, table):
         assigner.say(
             "column_refused",
-            f"{one.label!r}: a spreadsheet has cut its numbers short ({_cell(table, one)})",
+            f"{candidate.label!r}: a spreadsheet has cut its numbers short ({_destroyed_cell(table, candidate)})",
             "warning",
-            one.label,
+            candidate.label,
         )
         return None
     return clocks.numeric_clock(values, unit, motions if whole else [])
@@ -70,14 +76,14 @@ def _typed(column: pd.Series) -> bool:
     return isinstance(first, dt.datetime | dt.time | dt.timedelta)
 
 
-def _cell(table: LogTable, one: Candidate) -> str:
-    index = one.heading.index
+def _destroyed_cell(table: LogTable, candidate: Candidate) -> str:
+    index = candidate.heading.index
     return next((row[index] for row in table.sample if index < len(row) and is_destroyed(row[index])), "")
 
 
-def _cut_short(one: Candidate, table: LogTable) -> bool:
-    """1,51E+12 in row after row: three digits are left of a long number."""
-    index = one.heading.index
+def _cut_short(candidate: Candidate, table: LogTable) -> bool:
+    """Return whether many cells keep only three digits of a long number, such as 1,51E+12."""
+    index = candidate.heading.index
     cells = [row[index] for row in table.sample if index < len(row) and row[index]]
     return bool(cells) and sum(is_destroyed(cell) for cell in cells) > 0.3 * len(cells)
 
@@ -90,26 +96,33 @@ def best_clock(
     motions: Sequence[Motion],
     rows: int,
 ) -> tuple[str, Clock]:
-    read: list[tuple[Candidate, Clock]] = []
-    for one in times:
-        clock = clock_of(one, frame, table, assigner, motions)
+    """Return the name and the clock of the time column that serves best, or a clock counted from the interval.
+
+    Raises
+    ------
+    RoadTestError
+        when no time column can be read and the lines above the table state no interval.
+    """
+    readable: list[tuple[Candidate, Clock]] = []
+    for candidate in times:
+        clock = clock_of(candidate, frame, table, assigner, motions)
         if clock is not None and runs(clock.seconds):
-            read.append((one, clock))
-            if one.mapped:
+            readable.append((candidate, clock))
+            if candidate.mapped:
                 break
-    if not read:
-        counted = _clock_from_preamble(table, rows)
-        if counted is None:
+    if not readable:
+        interval = _interval_in_preamble(table)
+        if interval is None:
             raise no_time(table, assigner)
         assigner.say(
-            "time_counted", f"no time column: time is counted from the interval in the file's head ({counted[1]:g} s)"
+            "time_counted", f"no time column: time is counted from the interval in the file's head ({interval:g} s)"
         )
-        return "", Clock(np.arange(rows) * counted[1], "s", False, "counted")
-    best = read[0]
-    if len(read) > 1:
-        best = max(read, key=lambda pair: (pair[0].mapped, -pair[0].tier, _stamps(pair[1].seconds)))
-    if len(read) > 1:
-        _compare_clocks(best, read, assigner)
+        return "", Clock(np.arange(rows) * interval, "s", False, "counted")
+    best = readable[0]
+    if len(readable) > 1:
+        best = max(readable, key=lambda pair: (pair[0].mapped, -pair[0].tier, _stamps(pair[1].seconds)))
+    if len(readable) > 1:
+        _compare_clocks(best, readable, assigner)
     for note in best[1].notes:
         assigner.say("clock", note, "warning", best[0].label)
     if best[1].unit_assumed:
@@ -119,10 +132,10 @@ def best_clock(
 
 
 def runs(seconds: np.ndarray) -> bool:
-    """Whether a clock runs on: it gets anywhere, and seldom falls back."""
+    """Return whether a clock runs on: its time passes, and seldom steps back."""
     if len(seconds) < 2:
         return bool(np.isfinite(seconds).all()) and len(seconds) == 1
-    onward = bool(seconds[-1] > seconds[0])  # spares the look at every stamp in the usual case
+    onward = bool(seconds[-1] > seconds[0])  # usually saves comparing all stamps
     if not onward and not np.fmax.reduce(seconds) > np.fmin.reduce(seconds):
         return False
     steps = np.diff(seconds[:200_000])
@@ -133,15 +146,15 @@ def _stamps(seconds: np.ndarray) -> int:
     return int((np.diff(seconds[np.isfinite(seconds)]) > 0).sum())
 
 
-def _compare_clocks(best: tuple[Candidate, Clock], read: list[tuple[Candidate, Clock]], assigner: Assigner) -> None:
+def _compare_clocks(best: tuple[Candidate, Clock], readable: list[tuple[Candidate, Clock]], assigner: Assigner) -> None:
     span = np.ptp(best[1].seconds[np.isfinite(best[1].seconds)])
-    for one, clock in read:
-        if one is best[0]:
+    for candidate, clock in readable:
+        if candidate is best[0]:
             continue
         other = np.ptp(clock.seconds[np.isfinite(clock.seconds)])
         if abs(other - span) > max(2.0, 0.02 * span):
             text = (
-                f"the clocks {best[0].label!r} and {one.label!r} disagree ({span:.1f} s and {other:.1f} s): "
+                f"the clocks {best[0].label!r} and {candidate.label!r} disagree ({span:.1f} s and {other:.1f} s): "
                 "the first is used"
             )
             assigner.say("clocks_disagree", text, "warning", best[0].label)
@@ -159,7 +172,8 @@ _RATE = re.compile(
 )
 
 
-def _clock_from_preamble(table: LogTable, rows: int) -> tuple[str, float] | None:
+def _interval_in_preamble(table: LogTable) -> float | None:
+    """Return the sampling interval [s] that the lines above the table state, or None."""
     for row in table.preamble:
         cells = [*re.split(r"[:=]", row[0], maxsplit=1), *row[1:]] if row else []
         cells = [cell.strip() for cell in cells if cell.strip()]
@@ -171,13 +185,14 @@ def _clock_from_preamble(table: LogTable, rows: int) -> tuple[str, float] | None
         name = split_unit(cells[0])
         unit = name.unit or (cells[1].split()[1] if len(cells[1].split()) > 1 else "")
         if _INTERVAL.match(name.text):
-            return name.text, number * (1e-3 if unit.lower() in ("ms", "msec") else 1.0)
+            return number * (1e-3 if unit.lower() in ("ms", "msec") else 1.0)
         if _RATE.match(name.text):
-            return name.text, 1.0 / (number * (1e3 if unit.lower() == "khz" else 1.0))
+            return 1.0 / (number * (1e3 if unit.lower() == "khz" else 1.0))
     return None
 
 
 def no_time(table: LogTable, assigner: Assigner) -> RoadTestError:
+    """Return the error that says why the table has no time."""
     refused = [message.text for message in assigner.messages if message.code == "column_refused"]
     return RoadTestError(
         "no time column" + (": " + "; ".join(refused) if refused else ""),

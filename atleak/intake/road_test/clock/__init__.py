@@ -1,1 +1,1 @@
-"""A column of stamps becomes time in seconds."""
+"""Converts a column of time stamps to seconds."""

@@ -1,4 +1,4 @@
-"""Time columns → seconds: numbers in any unit, epochs, Excel days, and clock strings as loggers write them."""
+"""Converts time columns to seconds: numbers in any unit, epochs, Excel days, clock strings as loggers write them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DAY = 86400.0
 
 @dataclass(frozen=True)
 class Clock:
-    """A time column read: seconds (NaN where unreadable) and how they were understood."""
+    """A time column in seconds (NaN where unreadable), with the unit and form it was read in."""
 
     seconds: np.ndarray
     unit: str
@@ -30,13 +30,13 @@ class Clock:
 
 @dataclass(frozen=True)
 class Motion:
-    """A channel beside the clock that cannot change faster than ``limit`` per second: tells ms from s."""
+    """A channel that cannot change faster than ``limit`` per second: it shows whether stamps are s or ms."""
 
     values: np.ndarray
     limit: float
 
     def possible(self, seconds: np.ndarray) -> bool:
-        """Whether the channel's changes are possible in that time."""
+        """Return whether the channel's changes are possible in that time."""
         step, change = np.diff(seconds), np.abs(np.diff(self.values))
         use = (step > 0) & (change > 0)
         if use.sum() < 5:
@@ -45,7 +45,7 @@ class Motion:
 
 
 def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion] = ()) -> Clock:
-    """Numbers → seconds.
+    """Convert numbers to seconds.
 
     With a unit, that unit. Without: epochs in s, ms, µs or ns and Excel days by their size; otherwise s, or ms
     where whole numbers step by 5 and more and the channels beside it could not move that fast in seconds.
@@ -131,7 +131,9 @@ _SHORT = re.compile(r"(?<![\d.,:])(\d{1,3}):(\d{2})(?:[.,](\d{1,6}))?(?![\d:])")
 
 
 @dataclass
-class _Read:
+class _ClockParts:
+    """The numbers of a column of clock strings, row by row."""
+
     major: np.ndarray  # hours, or minutes of a two-part clock
     minor: np.ndarray
     seconds: np.ndarray
@@ -142,9 +144,9 @@ class _Read:
 
 
 def text_clock(column: pd.Series) -> Clock | None:
-    """Clock strings → seconds from the first one, or None when they cannot be read.
+    """Convert clock strings to seconds from the first one; None when they cannot be read.
 
-    Reads dates and times of day of every usual form, with months and weekdays in seven languages, half days
+    Dates and times of day of every usual form are read, with months and weekdays in seven languages, half days
     (AM, PM), ``hours : total minutes : seconds``, and minutes and seconds whose hour a spreadsheet has cut off: those
     give relative time only.
     """
@@ -166,7 +168,7 @@ def text_clock(column: pd.Series) -> Clock | None:
 
 
 def _three_parts(
-    read: _Read, good: np.ndarray, days: list[int | None] | None, halves: list[str | None]
+    read: _ClockParts, good: np.ndarray, days: list[int | None] | None, halves: list[str | None]
 ) -> Clock | None:
     minor_max = read.minor[good].max()
     if (read.seconds[good] >= 61).any():
@@ -182,27 +184,29 @@ def _three_parts(
     return Clock(_relative(_unwrap(seconds, DAY)), "clock", False, "time of day")
 
 
-def _two_parts(read: _Read, good: np.ndarray, days: list[int | None] | None, halves: list[str | None]) -> Clock | None:
+def _two_parts(
+    read: _ClockParts, good: np.ndarray, days: list[int | None] | None, halves: list[str | None]
+) -> Clock | None:
     if days is not None:
         hours = _with_half_days(read, halves)
         seconds = np.where(good, hours * 3600.0 + read.minor * 60.0, np.nan) + _days_of(read, days)
         note = "the clock's seconds are lost (a spreadsheet shows hours and minutes only): stamps are 60 s apart"
         return Clock(_relative(seconds), "clock", False, "date and time", (note,), True)
     if not read.fraction[good].mean() > 0.5 or (read.seconds[good] > 59.9999999).any():
-        return None  # hh:mm or mm:ss: cannot be told
+        return None  # hh:mm and mm:ss look the same
     seconds = np.where(good, read.major * 60.0 + read.seconds, np.nan)
     note = "a spreadsheet has cut the hours off the clock: time runs from the first row, the time of day is not known"
     return Clock(_relative(_unwrap(seconds, 3600.0)), "clock", False, "minutes and seconds", (note,))
 
 
-def _with_half_days(read: _Read, halves: list[str | None]) -> np.ndarray:
+def _with_half_days(read: _ClockParts, halves: list[str | None]) -> np.ndarray:
     if not any(halves):
         return read.major
     noon = np.array([{"am": 0.0, "pm": 12.0}.get(half or "", -1.0) for half in halves])[read.dates]
     return np.where(noon >= 0, read.major % 12 + np.maximum(noon, 0), read.major)
 
 
-def _days_of(read: _Read, days: list[int | None]) -> np.ndarray:
+def _days_of(read: _ClockParts, days: list[int | None]) -> np.ndarray:
     numbers = np.array([np.nan if day is None else float(day) for day in days])
     first = np.nanmin(numbers)
     return (numbers - first)[read.dates] * DAY
@@ -214,7 +218,7 @@ def _relative(seconds: np.ndarray) -> np.ndarray:
 
 
 def _unwrap(seconds: np.ndarray, period: float) -> np.ndarray:
-    """A clock that starts again at its period: each fall by more than half of it adds one."""
+    """Continue a clock that starts again after each period: a fall by more than half a period adds one."""
     good = np.isfinite(seconds)
     values = seconds[good]
     falls = np.concatenate([[0], np.cumsum(np.diff(values) < -period / 2)])
@@ -223,9 +227,9 @@ def _unwrap(seconds: np.ndarray, period: float) -> np.ndarray:
     return result
 
 
-def _read(column: pd.Series) -> _Read:
+def _read(column: pd.Series) -> _ClockParts:
     size = len(column)
-    read = _Read(
+    read = _ClockParts(
         major=np.zeros(size),
         minor=np.zeros(size),
         seconds=np.zeros(size),
@@ -249,7 +253,7 @@ def _read(column: pd.Series) -> _Read:
 
 
 def _packed(column: pd.Series) -> np.ndarray:
-    """The strings as a fixed-width array of bytes, one byte a character."""
+    """Return the strings as a fixed-width array of bytes, one byte for each character."""
     try:
         import pyarrow as pa
 
@@ -276,8 +280,8 @@ def _packed(column: pd.Series) -> np.ndarray:
         return np.array([str(cell).encode("ascii", "replace") for cell in raw], dtype="S")
 
 
-def _read_alike(read: _Read, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
-    """Reads those of the rows that look like the first one, returns the others."""
+def _read_alike(read: _ClockParts, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
+    """Read the rows whose string has the form of the first one's; return the other rows."""
     line = table[rows[0], :length].tobytes().decode("ascii")
     match, parts = _TIME_OF_DAY.search(line), 3
     if match is None:
@@ -293,15 +297,15 @@ def _read_alike(read: _Read, table: np.ndarray, rows: np.ndarray, length: int, r
     span = np.zeros(length, bool)
     span[match.start() : match.end()] = True
     first = block[:, 0]
-    like = np.ones(len(rows), bool)
+    alike = np.ones(len(rows), bool)
     for position in np.flatnonzero(span):
         cell = block[position]
-        like &= (cell - 48 < 10) if digits[position] else (cell == first[position])
+        alike &= (cell - 48 < 10) if digits[position] else (cell == first[position])
     for edge in (match.start() - 1, match.end()):
         if 0 <= edge < length:
-            like &= ~(block[edge] - 48 < 10)
-    if not like.all():
-        block, chosen, rest = block[:, like], rows[like], rows[~like]
+            alike &= ~(block[edge] - 48 < 10)
+    if not alike.all():
+        block, chosen, rest = block[:, alike], rows[alike], rows[~alike]
     else:
         chosen, rest = rows, rows[:0]
 
@@ -347,7 +351,7 @@ def _date_text(text: str) -> str:
 
 
 def from_datetimes(values: Sequence[object]) -> np.ndarray:
-    """Spreadsheet date, time and duration cells → seconds from the first."""
+    """Convert date, time and duration cells of a spreadsheet to seconds from the first."""
     seconds = np.full(len(values), np.nan)
     for index, value in enumerate(values):
         if isinstance(value, dt.datetime):

@@ -1,4 +1,4 @@
-"""The date beside a time of day, in the languages loggers write."""
+"""Reads the date beside a time of day, in the languages that loggers write."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _HALF = re.compile(r"(?<![a-z])([ap])\.?\s?m\b\.?", re.IGNORECASE)
 
 
 def half_day(text: str) -> str | None:
-    """``am`` or ``pm`` where the text says so.
+    """Return ``am`` or ``pm`` where the text says so, else None.
 
     >>> half_day("05/05/2023  PM"), half_day("28.01.2016 ")
     ('pm', None)
@@ -42,7 +42,7 @@ def half_day(text: str) -> str | None:
 
 @lru_cache(maxsize=2048)
 def month(name: str) -> int | None:
-    """A month's number from its name, full or short, with or without a dot.
+    """Return a month's number from its name, full or short, with or without a dot.
 
     >>> month("oct."), month("März"), month("Tue")
     (10, 3, None)
@@ -64,7 +64,7 @@ def _numbers(text: str) -> list[str]:
 
 
 def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> Order:
-    """Whether slashed dates put the day or the month first: by a number over 12, else by AM and PM."""
+    """Decide whether slashed dates put the day or the month first: by a number over 12, else by AM and PM."""
     for text in dates:
         match = re.search(r"(?<!\d)(\d{1,2})[/.\-](\d{1,2})[/.\-]\d{2,4}", text)
         if match:
@@ -77,7 +77,7 @@ def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> Order:
 
 @lru_cache(maxsize=4096)
 def day_number(text: str, order: Order = "dmy") -> int | None:
-    """The day's ordinal, or None where the text holds no date.
+    """Return the day's ordinal, or None where the text holds no date.
 
     >>> day_number("27-Sep-2014") - day_number("2014-09-26"), day_number("28-oct.-2021") - day_number("20211027")
     (1, 1)
@@ -101,13 +101,13 @@ def _day(text: str, order: Order) -> int | None:
         year += 2000 if year < 100 else 0
         day, number = (first, second) if order == "dmy" else (second, first)
         return dt.date(year, number, day).toordinal()
-    names = [found for found in map(month, re.findall(r"[^\W\d_]{3,}\.?", text)) if found]
+    months = [each for each in map(month, re.findall(r"[^\W\d_]{3,}\.?", text)) if each]
     digits = _numbers(text)
     years = [int(piece) for piece in digits if len(piece) == 4]
     days = [int(piece) for piece in digits if len(piece) <= 2]
-    if not names or not days:
+    if not months or not days:
         return None
     if not years and len(days) >= 2:
         years, days = [2000 + days[-1]], days[:-1]
     # the last month name counts: a weekday ("Mar" in French, Tuesday) stands before it
-    return dt.date(years[0] if years else 2000, names[-1], days[0]).toordinal()
+    return dt.date(years[0] if years else 2000, months[-1], days[0]).toordinal()

@@ -1,4 +1,4 @@
-"""The log's clock → an ascending time base with segments; nothing is invented between stamps."""
+"""Makes an ascending time base with segments of a log's clock; nothing is invented between stamps."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from atleak.road_test import Segment
 
 @dataclass(frozen=True)
 class Timeline:
-    """``order`` picks the usable rows in ascending time (None: all rows as they stand); ``time`` are their stamps."""
+    """A log's time base.
+
+    ``order`` picks the usable rows in ascending time (None: all rows as they stand); ``time`` are their stamps [s].
+    """
 
     time: np.ndarray
     order: np.ndarray | None
@@ -26,7 +29,7 @@ class Timeline:
 
 
 def gap_limit(steps: np.ndarray) -> float:
-    """The step [s] from which on time has a gap, from the usual steps of the log.
+    """Return the step [s] from which on time has a gap, derived from the usual steps of the log.
 
     An evenly sampled log breaks at 3.5 usual steps, an irregular one (answers in turn) at 10 medians or 5 times the
     step that 19 of 20 stay under.
@@ -44,10 +47,10 @@ def gap_limit(steps: np.ndarray) -> float:
 
 
 def build(seconds: np.ndarray) -> Timeline:
-    """Stamps in file order → time base and segments.
+    """Build time base and segments from stamps in file order.
 
-    Unreadable stamps and a stale or stray single stamp are left out; stamps slightly out of turn are put in
-    order; after a backward jump the clock has been restarted: the later stretch is placed behind the earlier.
+    Unreadable stamps and a single stale or stray stamp are left out; stamps slightly out of order are sorted;
+    a backward jump means that the clock was restarted: the later stretch is placed behind the earlier one.
     """
     steps = np.diff(seconds)
     if len(steps) and np.isfinite(seconds[0]) and bool((steps >= 0).all()):

@@ -1,1 +1,1 @@
-"""A logger's bytes become a table of cells."""
+"""Makes a table of cells of a logger's bytes."""

@@ -1,4 +1,4 @@
-"""What a single cell is: a number, a clock's reading, missing, or text."""
+"""Decides what a single cell is: a number, a clock's reading, missing, or text."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _DESTROYED = re.compile(r"[+-]?\d{1,3}(?:[.,']\d{3}){2,}\Z|[+-]?\d[.,]\d{1,2}E\+
 
 @lru_cache(maxsize=65536)
 def kind_of(cell: str, decimal: Decimal) -> CellKind:
-    """What a cell is, its decimal sign given.
+    """Return what a cell is, given the decimal sign.
 
     >>> kind_of("-0,5", ","), kind_of("13:40:39.474", "."), kind_of("Not Running", "."), kind_of("EGR A:0/0/0 %", ".")
     ('number', 'clock', 'missing', 'text')
@@ -54,7 +54,7 @@ def kind_of(cell: str, decimal: Decimal) -> CellKind:
 
 
 def is_clock(text: str) -> bool:
-    """Whether a text reads like a date, a time of day, or both."""
+    """Return whether a text reads like a date, a time of day, or both."""
     text = text.strip()
     if not any(character.isdigit() for character in text) or len(text) > 48 or is_destroyed(text):
         return False
@@ -64,7 +64,7 @@ def is_clock(text: str) -> bool:
 
 
 def is_destroyed(text: str) -> bool:
-    """Whether a spreadsheet has made this number unreadable.
+    """Return whether a spreadsheet has made this number unreadable.
 
     >>> is_destroyed("-583.206.639"), is_destroyed("1,51E+12"), is_destroyed("1,000000E-5")
     (True, True, False)
@@ -73,7 +73,7 @@ def is_destroyed(text: str) -> bool:
 
 
 def to_float(cell: str, decimal: Decimal) -> float:
-    """A number, or NaN for anything else."""
+    """Return a number, or NaN for anything else."""
     text = cell.strip()
     if not _NUMBER[decimal].match(text):
         return float("nan")

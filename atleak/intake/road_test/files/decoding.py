@@ -1,4 +1,4 @@
-"""From bytes to text: encodings with and without a byte-order mark, embedded NULs, line ends."""
+"""Decodes bytes to text: encodings with and without a byte-order mark, embedded NULs."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class LogText:
     codec: str
 
     def decode(self, piece: bytes) -> str:
-        """A piece of the text; what the encoding cannot hold becomes a replacement sign."""
+        """Decode a piece of the text; what the encoding cannot hold becomes a replacement sign."""
         return piece.decode(self.codec, errors="replace")
 
 
 def to_text(data: bytes) -> LogText:
-    """Finds the encoding. Single-byte text stays as it is: numbers are plain ASCII in every such encoding."""
+    """Determine the encoding. Single-byte text stays as it is: numbers are plain ASCII in every such encoding."""
     if data.startswith(b"\xef\xbb\xbf"):
         return LogText(_without_nul(data[3:]), "utf-8-sig", "utf-8")
     wide = _utf16(data)

@@ -1,4 +1,4 @@
-"""Reads columns of delimited text fast, and row by row what the fast way cannot."""
+"""Reads columns of delimited text fast, and cell by cell those that the fast way cannot read."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _Numeric = dict[int, Literal["float64"]]  # column → how it is read
 
 _LONG_HEAD = 1 << 18
 LOOK = 150
-"""Lines among which the table's beginning is sought first."""
+"""Number of lines in which the table's beginning is sought first."""
 
 
 @dataclass(frozen=True)
 class Delimited:
-    """Delimited text whose table is found but not read yet.
+    """Delimited text whose table is located but not read yet.
 
     ``text`` is the whole text, or None where the fast reader may take the file at ``source.path`` as it is.
     """
@@ -45,26 +45,26 @@ class Delimited:
 
     @property
     def headings(self) -> tuple[Heading, ...]:
-        """The columns' headings."""
+        """Return the columns' headings."""
         return self.layout.headings
 
     @property
     def has_header(self) -> bool:
-        """Whether any row names the columns."""
+        """Return whether any row names the columns."""
         return self.layout.has_header
 
     @property
     def width(self) -> int:
-        """Cells of a data row."""
+        """Return the number of cells in a data row."""
         return self.layout.width
 
     @property
     def preamble(self) -> tuple[Row, ...]:
-        """The rows above the header."""
+        """Return the rows above the header."""
         return self.layout.preamble
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
-        """These columns of every line from the first data row on: numbers as floats, anything else as text."""
+        """Read these columns from the first data row on: numbers as floats, anything else as text."""
         clean, dirty = self._expected(columns)
         rest = [index for index in columns if index not in dirty]
         frame = self._read_numbers(rest, clean) if rest else pd.DataFrame()
@@ -77,7 +77,7 @@ class Delimited:
         return frame.drop(columns=odd, errors="ignore").join(pieces, how="right") if rest else pieces
 
     def _expected(self, columns: Sequence[int]) -> tuple[set[int], set[int]]:
-        """Columns that hold only numbers and blanks as far as the sample shows, and those with words for *missing*."""
+        """Return the columns that hold only numbers in the sample, and those that also hold words for *missing*."""
         clean, dirty = set(), set()
         for index in columns:
             cells = [row[index] for row in self.sample if index < len(row) and row[index]]
@@ -99,9 +99,9 @@ class Delimited:
             return None
 
     def _in_pieces(self, columns: Sequence[int], numeric: set[int]) -> pd.DataFrame:
-        """The columns cell by cell: numbers as floats, and in ``attrs["words"]`` what stood between them.
+        """Read the columns cell by cell: numbers as floats, other cells in ``attrs["words"]``.
 
-        In pieces, because the reader makes an object of every cell before it packs them.
+        It reads in pieces, because pandas makes an object of every cell before it packs them.
         """
         text = self.text or prepared(self.source)
         stream = io.BytesIO(text.data)
@@ -122,9 +122,9 @@ class Delimited:
                 for piece in reader:
                     for index in columns:
                         if index in numeric:
-                            values, strange = split_words(piece[index], self.decimal)
+                            values, unreadable = split_words(piece[index], self.decimal)
                             parts[index].append(values)
-                            words[index].append(strange)
+                            words[index].append(unreadable)
                         else:
                             parts[index].append(piece[index])
         frame = pd.DataFrame(
@@ -138,7 +138,7 @@ class Delimited:
         return frame
 
     def _read_file(self, columns: Sequence[int], numeric: _Numeric) -> pd.DataFrame | None:
-        """Lets pandas read the file itself, on several cores where it can; None where the text needs mending."""
+        """Let pandas read the file itself, on several cores where it can; None where the text must be mended first."""
         whole = 2 * len(columns) >= self.layout.width
         try:
             with warnings.catch_warnings():
@@ -195,7 +195,7 @@ def _lines(data: bytes) -> list[bytes]:
 
 
 def prepared(source: LogFile) -> LogText:
-    """The whole text of a log, mended: no zero bytes, line feeds at the ends of lines, no half-written cell."""
+    """Return the whole text of a log, mended: no zero bytes, line feeds at line ends, no half-written cell."""
     text = to_text(source.data)
     if b"\n" not in text.data[:HEAD] and b"\r" in text.data[:HEAD]:
         text = LogText(text.data.replace(b"\r", b"\n"), text.encoding, text.codec)
@@ -203,7 +203,7 @@ def prepared(source: LogFile) -> LogText:
 
 
 def _plain_head(source: LogFile) -> LogText | None:
-    """The head of a large file that the fast reader can take as it is, else None."""
+    """Return the head of a large file if the fast reader can take the file as it is, else None."""
     if source.in_memory or source.size <= LARGE:
         return None
     head = to_text(source.head)
@@ -216,7 +216,7 @@ def _plain_head(source: LogFile) -> LogText | None:
 
 
 def open_delimited(source: LogFile) -> Delimited | None:
-    """Finds the table in a delimited text, or None when there is none."""
+    """Locate the table in a delimited text; None when there is none."""
     if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
         return None  # one endless line
     plain = _plain_head(source)
@@ -259,7 +259,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
 
 
 def _sample_lines(source: LogFile, text: LogText, head: list[bytes], plain: bool) -> list[str]:
-    """Lines from the head's end and from four places further on in the file."""
+    """Return lines from the end of the head and from four places further on in the file."""
     chosen = head[-80:]
     size = source.size if plain else len(text.data)
     if size > _LONG_HEAD:
@@ -271,7 +271,7 @@ def _sample_lines(source: LogFile, text: LogText, head: list[bytes], plain: bool
 
 
 def without_cut_cell(text: LogText) -> LogText:
-    """A log whose last line breaks off: the last, perhaps cut, cell is taken away, the row stays."""
+    """Remove the last cell, perhaps half-written, of a log whose last line breaks off; the row stays."""
     data = text.data
     if data.endswith((b"\n", b"\r")) or b"\n" not in data[-HEAD:]:
         return text
@@ -287,7 +287,7 @@ def without_cut_cell(text: LogText) -> LogText:
 
 
 def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
-    """A column as floats, and those of its cells that are neither a number nor a word for *missing*."""
+    """Return a column as floats, and those of its cells that are neither a number nor a word for *missing*."""
     if column.dtype.kind in "fiub":
         values = column.to_numpy(dtype=float)
         if column.dtype.kind == "f" and not np.isfinite(values.sum()) and np.isinf(values).any():
@@ -305,7 +305,7 @@ def split_words(column: pd.Series, decimal: Decimal) -> tuple[np.ndarray, pd.Ser
 
 
 def words_of(frame: pd.DataFrame, index: int, decimal: Decimal) -> pd.Series:
-    """The cells of a column that are no numbers, by row label."""
+    """Return the cells of a column that are no numbers, by row label."""
     stored = frame.attrs.get("words", {}).get(index)
     if stored is not None:
         return stored[stored.index.isin(frame.index)] if len(stored) else stored
@@ -313,6 +313,6 @@ def words_of(frame: pd.DataFrame, index: int, decimal: Decimal) -> pd.Series:
 
 
 def numbers(frame: pd.DataFrame, index: int, decimal: Decimal) -> tuple[np.ndarray, pd.Series]:
-    """A column as floats and its cells that are no numbers."""
+    """Return a column as floats and its cells that are no numbers."""
     values, rest = split_words(frame[index], decimal)
     return values, words_of(frame, index, decimal) if index in frame.attrs.get("words", {}) else rest

@@ -1,4 +1,4 @@
-"""Finds the table in a log: delimiter and decimal sign together, where the data begin, which rows above name them."""
+"""Locates the table in a log: delimiter and decimal sign, the first data row, the rows above that name columns."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the table stands: ``start`` is the index of the first data row among the rows looked at."""
+    """The place of the table: ``start`` is the index of the first data row among the rows looked at."""
 
     start: int
     width: int
@@ -42,7 +42,7 @@ class Layout:
 
 
 def split_line(line: str, delimiter: str) -> Row:
-    """The cells of one line, blanks round them and quotes taken off."""
+    """Return the cells of one line without the blanks and quotes around them."""
     if delimiter == WHITESPACE:
         return line.split()
     if '"' in line:
@@ -62,32 +62,33 @@ class Dialect:
 
 
 def find_dialect(lines: Sequence[str]) -> Dialect | None:
-    """Delimiter and decimal sign, decided together by which makes most sense of these lines, or None.
+    """Return the delimiter and decimal sign that together make most sense of these lines, or None.
 
-    The last lines are looked at by themselves too: in a short log the lines above the table may be more than its rows.
+    The last lines are also tried by themselves: a short log may have more lines above the table than rows.
 
     >>> find_dialect(["0;1,5;700", "0;1,75;800"])
     Dialect(delimiter=';', decimal=',', width=3)
     """
     lines = [line for line in lines if line.strip()]
-    tries = [_dialect(lines)]
+    tries = [_scored_dialect(lines)]
     if len(lines) > 12:
-        tries += [_dialect(lines[-count:]) for count in (60, 12) if count < len(lines)]
-    found = [one for one in tries if one is not None]
-    best = max(found, key=lambda one: one[0], default=None)
+        tries += [_scored_dialect(lines[-count:]) for count in (60, 12) if count < len(lines)]
+    dialects = [scored for scored in tries if scored is not None]
+    best = max(dialects, key=lambda scored: scored[0], default=None)
     return best[1] if best is not None and best[0] >= 0.25 else None
 
 
-def _dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
-    best: tuple[float, int] = (0.0, 0)
-    found: Dialect | None = None
+def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
+    """Return the dialect that makes most sense of these lines with its score, 0 to 1, or None."""
+    best_score: tuple[float, int] = (0.0, 0)
+    best_dialect: Dialect | None = None
     for delimiter in (",", ";", "\t", "|", WHITESPACE):
         rows = [split_line(line, delimiter) for line in lines]
         widths = Counter(len(row) for row in rows if len(row) > 1)
         if not widths:
             continue
-        width = max(widths, key=lambda w: (widths[w] * min(w, 8), w))
-        steady = sum(count for w, count in widths.items() if abs(w - width) <= 1) / len(rows)
+        width = max(widths, key=lambda cells: (widths[cells] * min(cells, 8), cells))
+        steady = sum(count for cells, count in widths.items() if abs(cells - width) <= 1) / len(rows)
         body = [row for row in rows if abs(len(row) - width) <= 1]
         for decimal in (".", ","):
             kinds = Counter(kind_of(cell, decimal) for row in body for cell in row)
@@ -96,21 +97,21 @@ def _dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
             if not telling:
                 continue
             text = kinds["text"] / max(filled, 1)
-            # a blank parts a date from its time of day as well: it must be clearly better than the others
+            # a blank also stands between a date and its time of day: it must be clearly better than the others
             worth = 0.85 if delimiter == WHITESPACE else 1.0
             score = (round(worth * steady * (1 - text), 3), width)
-            if score > best:
-                best, found = score, Dialect(delimiter, decimal, width)
-    return (best[0], found) if found is not None else None
+            if score > best_score:
+                best_score, best_dialect = score, Dialect(delimiter, decimal, width)
+    return (best_score[0], best_dialect) if best_dialect is not None else None
 
 
 def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) -> Layout | None:
-    """The table among rows of cells: the longest block of data rows with the rows that name its columns."""
-    widths = Counter(len(row) for row in rows if _telling(row, decimal) and len(row) > 1)
+    """Return the table among rows of cells: the longest block of data rows with the rows that name its columns."""
+    widths = Counter(len(row) for row in rows if _has_number(row, decimal) and len(row) > 1)
     if not widths:
         return None
     if width is None or width not in widths:
-        width = max(widths, key=lambda w: (widths[w] * min(w, 8), w))
+        width = max(widths, key=lambda cells: (widths[cells] * min(cells, 8), cells))
     expected = _expected_kinds([row for row in rows if len(row) == width], width, decimal)
     flags = [_is_data(row, expected, width, decimal) for row in rows]
     start = _longest_block(rows, flags, width, decimal)
@@ -136,7 +137,7 @@ _TYPE_UNITS = {
 
 
 def defined_channels(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
-    """Channels defined in blocks ``Channel : …``, ``ID : …``, ``Type : …`` above the data, which have no names row.
+    """Return the channels defined in blocks ``Channel : …``, ``ID : …``, ``Type : …`` above data without names.
 
     The first column of the data is the clock, the others follow the order of the blocks.
     """
@@ -157,7 +158,7 @@ def defined_channels(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | N
     return tuple(headings)
 
 
-def _telling(row: Row, decimal: Decimal) -> bool:
+def _has_number(row: Row, decimal: Decimal) -> bool:
     return any(kind_of(cell, decimal) in ("number", "clock") for cell in row)
 
 
@@ -174,20 +175,20 @@ def _expected_kinds(rows: Sequence[Row], width: int, decimal: Decimal) -> list[C
 def _is_data(row: Row, expected: list[CellKind], width: int, decimal: Decimal) -> bool:
     if len(row) < 2 or len(row) < width // 2:
         return False
-    good = bad = telling = 0
-    for cell, wanted in zip(row, expected, strict=False):
+    good = bad = readable = 0
+    for cell, expected_kind in zip(row, expected, strict=False):
         kind = kind_of(cell, decimal)
-        telling += kind in ("number", "clock")
-        if wanted in ("number", "clock"):
-            if kind == "text" or (kind == "clock" and wanted == "number"):
+        readable += kind in ("number", "clock")
+        if expected_kind in ("number", "clock"):
+            if kind == "text" or (kind == "clock" and expected_kind == "number"):
                 bad += 1
             else:
                 good += 1
-    return telling > 0 and good > bad
+    return readable > 0 and good > bad
 
 
 def is_name_row(row: Row, width: int, decimal: Decimal) -> bool:
-    """Whether a row can name columns (or their units): mostly text, wide enough."""
+    """Return whether a row can name columns (or their units): mostly text, wide enough."""
     filled = [cell for cell in row if cell]
     if len(row) < 2 or (width > 3 and len(row) < width / 2) or not filled:
         return False
@@ -197,13 +198,13 @@ def is_name_row(row: Row, width: int, decimal: Decimal) -> bool:
 
 
 def is_comment(row: Row) -> bool:
-    """A blank line, a marker or a comment between data rows."""
+    """Return whether a row is a blank line, a marker or a comment between data rows."""
     filled = [cell for cell in row if cell]
     return len(filled) <= 1 or row[0].startswith(_COMMENTS)
 
 
 def _longest_block(rows: Sequence[Row], flags: list[bool], width: int, decimal: Decimal) -> int | None:
-    """First row of the block with most data rows; comments and repeats of its own header do not end a block."""
+    """Return the first row of the block with most data rows; comments and its own header repeated do not end it."""
     best, best_count = None, 0
     start, count, header, pending = None, 0, None, None
     for index, row in enumerate(rows):
@@ -225,18 +226,18 @@ def _longest_block(rows: Sequence[Row], flags: list[bool], width: int, decimal: 
 
 
 def _rows_above(rows: Sequence[Row], start: int, width: int, decimal: Decimal) -> tuple[list[Row], int]:
-    found: list[Row] = []
+    header_rows: list[Row] = []
     index, skipped = start - 1, 0
-    while index >= 0 and len(found) < 4:
+    while index >= 0 and len(header_rows) < 4:
         row = rows[index]
         if is_name_row(row, width, decimal):
-            found.insert(0, _uncommented(row))
-        elif found or skipped >= 3 or len([cell for cell in row if cell]) > 1:
+            header_rows.insert(0, _uncommented(row))
+        elif header_rows or skipped >= 3 or len([cell for cell in row if cell]) > 1:
             break
         else:
             skipped += 1
         index -= 1
-    return found, index + 1
+    return header_rows, index + 1
 
 
 def _uncommented(row: Row) -> Row:
@@ -253,7 +254,7 @@ def _units_share(row: Row) -> float:
     return sum(is_unit(cell) for cell in filled) / len(filled)
 
 
-def _known(row: Row) -> int:
+def _known_names(row: Row) -> int:
     return sum(match_name(split_unit(cell).text) is not None for cell in row if cell)
 
 
@@ -264,13 +265,13 @@ def _headings(header: list[Row], width: int) -> tuple[Heading, ...]:
         shares = [(_units_share(row), index) for index, row in enumerate(header)]
         share, place = max(shares)
         others = [row for index, row in enumerate(header) if index != place]
-        if share >= 0.5 and (place > 0 or max(map(_known, others)) >= _known(header[0])):
+        if share >= 0.5 and (place > 0 or max(map(_known_names, others)) >= _known_names(header[0])):
             units, names = header[place], others
     # a row of descriptions shifted against the data says nothing about columns
-    straight = [row for row in names if abs(_reach(row) - width) <= 1]
+    straight = [row for row in names if abs(_filled_width(row) - width) <= 1]
     names = straight or names
-    names = sorted(names, key=_known, reverse=True)
-    columns = max([width, *(_reach(row) for row in names)])
+    names = sorted(names, key=_known_names, reverse=True)
+    columns = max([width, *(_filled_width(row) for row in names)])
     headings = []
     for index in range(columns):
         written = [row[index] for row in names if index < len(row) and row[index]]
@@ -284,11 +285,11 @@ def _headings(header: list[Row], width: int) -> tuple[Heading, ...]:
     return tuple(headings)
 
 
-def _reach(row: Row) -> int:
-    """Cells up to the last one that is not blank."""
+def _filled_width(row: Row) -> int:
+    """Return the number of cells up to the last one that is not blank."""
     return max((index + 1 for index, cell in enumerate(row) if cell), default=0)
 
 
 def named_by_a_date(heading: Heading) -> bool:
-    """Whether a column's header is itself a date, as one app writes above its clock."""
+    """Return whether a column's header is itself a date, which one app writes above its clock."""
     return bool(heading.names) and is_clock(heading.names[0])

@@ -1,4 +1,4 @@
-"""From a path or bytes to a log's bytes, with a word about what it is; refuses what is no log before reading it all."""
+"""Opens a log from a path or bytes and says what kind of file it is; refuses what is no log before reading it all."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typing import Literal
 from atleak.errors import Place, RoadTestError
 
 HEAD = 1 << 16
-"""Bytes looked at to find out what a file is."""
+"""Bytes that show what a file is."""
 LARGE = 1 << 18
 """Text files beyond this size are not read into memory as a whole unless they must be."""
 SPARE = 120 << 20
@@ -52,7 +52,7 @@ _PICTURES = {
 
 
 class Digest:
-    """SHA-256 of a file, computed beside the reading."""
+    """The SHA-256 of a file, computed in a thread while the file is read."""
 
     def __init__(self, source: bytes | Path) -> None:
         self._hash, self._source = hashlib.sha256(), source
@@ -62,7 +62,7 @@ class Digest:
         self._started = False
 
     def start(self) -> None:
-        """Begins, if it has not begun yet: beside work that leaves a core free."""
+        """Start computing, if not started yet; best beside work that leaves a core free."""
         if not self._started:
             self._started = True
             self._thread.start()
@@ -93,7 +93,7 @@ class Digest:
 
     @property
     def has_nul(self) -> bool:
-        """Whether the file on disk holds zero bytes; looked for only when asked."""
+        """Return whether the file on disk holds zero bytes; it is searched at each call."""
         if isinstance(self._source, bytes):
             return self.has_nul_unpacked
         with self._source.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as mapped:
@@ -102,10 +102,11 @@ class Digest:
 
 @dataclass(frozen=True)
 class LogFile:
-    """A log before anything is understood.
+    """The bytes of a log, before anything in them is understood.
 
     ``head`` are its first bytes, ``data`` all of them (unpacked when it came packed), read from ``path`` only when
-    asked for: a large clean file is read by the fast reader itself. What came packed lies in ``room`` until then.
+    asked for: a large clean file is read by the fast reader itself. A packed log lies unpacked in
+    ``folder`` until `close`.
     """
 
     file: str
@@ -116,11 +117,11 @@ class LogFile:
     path: Path | None = None
     packed: bool = False
     content: bytes | None = field(default=None, repr=False)
-    room: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)
+    folder: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)
 
     @cached_property
     def data(self) -> bytes:
-        """All bytes of the log."""
+        """Return all bytes of the log."""
         if self.content is not None:
             return self.content
         assert self.path is not None
@@ -128,21 +129,21 @@ class LogFile:
 
     @property
     def in_memory(self) -> bool:
-        """Whether the bytes have been read already."""
+        """Return whether the bytes have been read already."""
         return self.content is not None
 
     @property
     def sha256(self) -> str:
-        """SHA-256 of the file as it was given."""
+        """Return the SHA-256 of the file as it was given."""
         return str(self.digest)
 
     def close(self) -> None:
-        """Takes away what was unpacked to disk."""
-        if self.room is not None:
-            self.room.cleanup()
+        """Delete what was unpacked to disk."""
+        if self.folder is not None:
+            self.folder.cleanup()
 
     def part(self, start: int, stop: int) -> bytes:
-        """Some bytes of the log."""
+        """Return the log's bytes from ``start`` to ``stop``."""
         if self.content is not None or self.path is None:
             return self.data[start:stop]
         with self.path.open("rb") as stream:
@@ -151,12 +152,12 @@ class LogFile:
 
 
 def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
-    """Reads a log's bytes.
+    """Open a log: read it whole, but only the first bytes of a large text file.
 
     Raises
     ------
     RoadTestError
-        when the file is missing, empty, a picture or other thing that is no log, only zeros, or packed so
+        when the file is missing, empty, a picture or another file that is no log, only zeros, or packed so
         tightly that unpacking it would fill the memory.
     """
     if isinstance(source, bytes):
@@ -181,21 +182,21 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
 def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) -> LogFile:
     if data[:2] != b"\x1f\x8b":
         return LogFile(file, digest, data[:LARGE], _form_of(data), len(data), path, False, data)
-    room = tempfile.TemporaryDirectory(prefix="atleak-")
+    folder = tempfile.TemporaryDirectory(prefix="atleak-")
     try:
-        unpacked = Path(room.name) / "log"
+        unpacked = Path(folder.name) / "log"
         digest.has_nul_unpacked = _unpack(data, file, unpacked)
         size = unpacked.stat().st_size
         with unpacked.open("rb") as stream:
             head = stream.read(LARGE)
         form = _form_of(head)
         if form == "text" and size > LARGE:
-            return LogFile(file, digest, head, form, size, unpacked, True, None, room)
+            return LogFile(file, digest, head, form, size, unpacked, True, None, folder)
         content = unpacked.read_bytes()
     except BaseException:
-        room.cleanup()
+        folder.cleanup()
         raise
-    room.cleanup()
+    folder.cleanup()
     return LogFile(file, digest, head, form, size, None, True, content)
 
 
@@ -226,7 +227,7 @@ def _refuse_what_is_no_log(head: bytes, file: str) -> None:
 
 
 def _unpack(data: bytes, file: str, target: Path) -> bool:
-    """Unpacks into a file; whether zero bytes were among what came out."""
+    """Unpack into a file; return whether zero bytes were among what came out."""
     limit, total, nul = GROWTH * len(data) + SPARE, 0, False
     place = Place(file=file)
     try:

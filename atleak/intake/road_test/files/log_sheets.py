@@ -1,4 +1,4 @@
-"""Workbooks: a log on one sheet, or one signal per sheet with its own time."""
+"""Opens workbooks: a log on one sheet, or one signal per sheet with its own time."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from atleak.intake.road_test.files.layout import Heading, Layout, Row, find_tabl
 from atleak.intake.road_test.files.log_file import LogFile
 from atleak.intake.road_test.names.matching import match_name, split_unit, words
 
-_LOOK = 2000
+_SAMPLE_ROWS = 2000
 
 
 @dataclass(frozen=True)
 class LogSheet:
-    """One sheet with its table found; a `protocol.LogTable`."""
+    """One sheet whose table is located; a `protocol.LogTable`."""
 
     name: str
     rows: list[list[object]]
@@ -33,48 +33,48 @@ class LogSheet:
 
     @cached_property
     def headings(self) -> tuple[Heading, ...]:
-        """The columns' headings; a lone signal without a telling name bears the sheet's."""
+        """Return the columns' headings; a column with a name such as *value* takes the sheet's name."""
         if not self.titled:
             return self.layout.headings
         split = split_unit(self.name)
         result = []
         for heading in self.layout.headings:
             known = any(match_name(name) for name in heading.names)
-            if not known and _plain(heading) in _GENERIC:
+            if not known and _plain(heading) in _GENERIC_NAMES:
                 heading = Heading(heading.index, self.name, (split.text,), heading.unit or split.unit)
             result.append(heading)
         return tuple(result)
 
     @property
     def has_header(self) -> bool:
-        """Whether any row names the columns."""
+        """Return whether any row names the columns."""
         return self.layout.has_header
 
     @cached_property
     def sample(self) -> tuple[Row, ...]:
-        """The first data rows as text."""
+        """Return the first data rows as text."""
         body = self.rows[self.layout.start : self.layout.start + 400]
         return tuple([_text(cell, self.decimal) for cell in row] for row in body)
 
     @property
     def width(self) -> int:
-        """Cells of a data row."""
+        """Return the number of cells in a data row."""
         return self.layout.width
 
     @property
     def preamble(self) -> tuple[Row, ...]:
-        """The rows above the header."""
+        """Return the rows above the header."""
         return self.layout.preamble
 
     def read(self, columns: Sequence[int]) -> pd.DataFrame:
-        """These columns from the first data row on, as `delimited.Delimited.read` gives them."""
+        """Read these columns from the first data row on, as `delimited.Delimited.read` does."""
         body = self.rows[self.layout.start :]
         return pd.DataFrame(
             {index: _column([row[index] if index < len(row) else None for row in body]) for index in columns}
         )
 
 
-_GENERIC = {
+_GENERIC_NAMES = {
     "",
     "value",
     "values",
@@ -131,18 +131,18 @@ def _column(cells: list[object]) -> pd.Series:
 
 
 def open_sheets(source: LogFile) -> list[LogSheet]:
-    """Every sheet of a workbook that holds a table.
+    """Return every sheet of a workbook that holds a table.
 
     Raises
     ------
     RoadTestError
         when the workbook cannot be read.
     """
-    found: dict[str, list[list[object]]] = {}
+    rows_by_sheet: dict[str, list[list[object]]] = {}
     for name, block in read_apart(log_rows, source.data, source.file, RoadTestError, WORKBOOK, stray_cells):
-        found.setdefault(name, []).extend(block)
+        rows_by_sheet.setdefault(name, []).extend(block)
     sheets = []
-    for name, rows in found.items():
+    for name, rows in rows_by_sheet.items():
         while rows and all(cell is None for cell in rows[-1]):
             rows.pop()
         sheet = _sheet(name, rows)
@@ -152,17 +152,20 @@ def open_sheets(source: LogFile) -> list[LogSheet]:
 
 
 def _sheet(name: str, rows: list[list[object]]) -> LogSheet | None:
-    width = max((index + 1 for row in rows[:_LOOK] for index, cell in enumerate(row) if cell is not None), default=0)
+    """Locate the table on a sheet; None where there is none."""
+    width = max(
+        (index + 1 for row in rows[:_SAMPLE_ROWS] for index, cell in enumerate(row) if cell is not None), default=0
+    )
     if width < 2:
         return None
     for row in rows:
         del row[width:]
     for decimal in (".", ","):
-        look = [[_text(cell, decimal) for cell in row] for row in rows[:_LOOK]]
-        layout = find_table([_shorn(row) for row in look], decimal)
+        texts = [[_text(cell, decimal) for cell in row] for row in rows[:_SAMPLE_ROWS]]
+        layout = find_table([_without_blank_end(row) for row in texts], decimal)
         if layout is not None:
             best: Decimal = decimal
-            text = [cell for row in rows[layout.start : _LOOK] for cell in row if isinstance(cell, str)]
+            text = [cell for row in rows[layout.start : _SAMPLE_ROWS] for cell in row if isinstance(cell, str)]
             commas = sum("," in cell and cell.replace(",", "", 1).lstrip("-").isdigit() for cell in text)
             if decimal == "." and commas > 0.1 * max(len(text), 1):
                 continue
@@ -170,7 +173,7 @@ def _sheet(name: str, rows: list[list[object]]) -> LogSheet | None:
     return None
 
 
-def _shorn(row: Row) -> Row:
-    """A row without the blank cells at its end, but never less than two cells wide."""
+def _without_blank_end(row: Row) -> Row:
+    """Return a row without the blank cells at its end, but never less than two cells wide."""
     end = max((index + 1 for index, cell in enumerate(row) if cell), default=0)
     return row if end > len(row) // 2 else row[: max(end, 1)]

@@ -1,1 +1,1 @@
-"""A column's name and unit give the quantity that it holds."""
+"""Derives the quantity that a column holds from its name and unit."""

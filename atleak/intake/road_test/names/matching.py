@@ -1,4 +1,4 @@
-"""From what a logger calls a column to the quantity it may be.
+"""Derives the quantity that a column may hold from the name a logger gives it.
 
 The unit is taken out of the name first; the rest is compared, as a whole and longest first, with the synonyms of
 ``synonyms.toml``. Words that say nothing (*SAE*, *OBD*) are left out; a veto word (*target*, *duty*) forbids the match.
@@ -18,7 +18,7 @@ from atleak.intake.units import find_unit, kinds_of
 from atleak.road_test import QUANTITIES, ChannelKind
 
 Tier = Literal[0, 1, 2]
-"""0 the name itself, 1 a second choice (a GPS speed), 2 only offered, never taken by itself."""
+"""0: the quantity's own name; 1: a second choice (a GPS speed); 2: only offered to the user, never chosen."""
 
 # units of other things a logger records: they end a name in brackets without being part of it
 _OTHER_UNITS = frozenset(
@@ -135,7 +135,7 @@ _SEPARATORS = re.compile(r"[^0-9a-zа-яёͰ-Ͽ一-鿿]+")
 
 
 def words(name: str) -> str:
-    """A name in lower-case words parted by one blank; umlauts written out, accents dropped, Cyrillic kept.
+    """Return a name in lower-case words separated by one blank; umlauts written out, accents dropped, Cyrillic kept.
 
     >>> words("Getriebeöltemperatur"), words("VehicleSpeed"), words("P/L Solenoid_Valve-Pressure")
     ('getriebeoeltemperatur', 'vehicle speed', 'p l solenoid valve pressure')
@@ -144,7 +144,9 @@ def words(name: str) -> str:
     text = _CAMEL.sub(" ", text).lower().translate(_TRANSLATE)
     text = unicodedata.normalize("NFKD", text)
     # й and ё stay letters of their own
-    text = "".join(c for c in text if not unicodedata.combining(c) or c in "\u0306\u0308")
+    text = "".join(
+        character for character in text if not unicodedata.combining(character) or character in "\u0306\u0308"
+    )
     text = unicodedata.normalize("NFKC", text)
     return _SEPARATORS.sub(" ", text).strip()
 
@@ -159,7 +161,7 @@ class Name:
 
 @lru_cache(maxsize=4096)
 def split_unit(name: str) -> Name:
-    """Takes the unit out of a column's name.
+    """Separate the unit from a column's name.
 
     Only the last group in brackets can be the unit, and only if it is one: ``Speed (OBD)(km/h)``.
 
@@ -188,7 +190,7 @@ def split_unit(name: str) -> Name:
 
 @lru_cache(maxsize=4096)
 def is_unit(text: str) -> bool:
-    """Whether a text is a unit of anything a logger records."""
+    """Return whether a text is a unit of anything a logger records."""
     bare = clean_unit(text)
     if _ABSOLUTE.match(bare) or _ABSOLUTE.match(text.strip()):
         return True
@@ -199,7 +201,7 @@ _ABSOLUTE = re.compile(r"^(?:k?pa|m?bar|mpa|hpa|psi)\s*[ (_]?\s*(?:a|abs\.?|abso
 
 
 def clean_unit(text: str) -> str:
-    """A unit without the brackets and quotes some loggers put round it.
+    """Return a unit without the brackets and quotes some loggers put round it.
 
     >>> clean_unit(" [°C] ")
     '°C'
@@ -209,7 +211,7 @@ def clean_unit(text: str) -> str:
 
 @dataclass(frozen=True)
 class Match:
-    """What a name may be. ``unit`` is one that the name holds as its last word (``engine_speed_rpm``)."""
+    """The quantity that a name may stand for. ``unit`` is its last word if that is one (``engine_speed_rpm``)."""
 
     quantity: str
     tier: Tier
@@ -228,7 +230,7 @@ class _Table:
 
 @cache
 def synonyms() -> _Table:
-    """The table of synonyms, by squashed spelling."""
+    """Load the table of synonyms, by spelling without blanks."""
     data = tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
     exact: dict[str, tuple[str, Tier, ChannelKind]] = {}
     lists: tuple[tuple[str, Tier, ChannelKind], ...] = (
@@ -264,7 +266,7 @@ def _without(text: str, unwanted: tuple[str, ...]) -> str:
 
 
 def unit_at_the_end(name: str, kind: str | None) -> Name | None:
-    """``engine_speed_rpm``, ``Vehicle speed, km/h``: a last word that is a unit of the quantity's kind."""
+    """Separate a last word that is a unit of this kind: ``engine_speed_rpm``, ``Vehicle speed, km/h``."""
     if kind is None:
         return None
     match = re.match(r"^(.*\S)[\s_,;:.\-]+(\S+)$", name.strip())
@@ -283,7 +285,7 @@ def _two_words(head: str, tail: str) -> list[tuple[str, str]]:
 
 @lru_cache(maxsize=4096)
 def match_name(name: str) -> Match | None:
-    """The quantity a name (without its bracketed unit) stands for, or None.
+    """Return the quantity a name (without its bracketed unit) stands for, or None.
 
     >>> match_name("Engine RPM (SAE)").quantity, match_name("Line Pressure Correction")
     ('engine_speed', None)
@@ -291,13 +293,13 @@ def match_name(name: str) -> Match | None:
     table, text = synonyms(), words(name)
     if not text:
         return None
-    found = table.exact.get(_squash(text))
+    entry = table.exact.get(_squash(text))
     bare = text
-    if found is None:
+    if entry is None:
         bare = _without(text, table.neutral)
-        found = table.exact.get(_squash(bare)) if bare else None
-    if found is not None:
-        quantity, tier, kind = found
+        entry = table.exact.get(_squash(bare)) if bare else None
+    if entry is not None:
+        quantity, tier, kind = entry
         return Match(quantity, tier, _pressure_kind(quantity, text, kind), _own_unit(name, quantity))
     for known in QUANTITIES.values():
         ending = unit_at_the_end(name, known.unit_kind)
@@ -328,7 +330,7 @@ def _pressure_kind(quantity: str, text: str, kind: ChannelKind) -> ChannelKind:
 
 
 def name_kind(name: str) -> ChannelKind:
-    """Whether a pressure's name says that it is commanded or measured."""
+    """Return whether a pressure's name says that it is commanded or measured."""
     table, text = synonyms(), words(name)
     if any(_holds(text, word) for word in table.commanded):
         return "commanded"
@@ -341,7 +343,7 @@ _NOT_OFFERED = {"time", "gear", "selector", "lock_up", "coolant_temperature"}
 
 
 def _offer(text: str, bare: str) -> Match | None:
-    """A name that holds a synonym of two or more words among others: shown as a candidate, never taken."""
+    """Match a name that holds a synonym of two or more words among others: offered to the user, never chosen."""
     table = synonyms()
     if any(_holds(text, word) for word in table.veto):
         return None

@@ -1,4 +1,4 @@
-"""Remembers how a workshop settled a log's columns, by the signature of the log's header."""
+"""Remembers which columns a workshop chose for a log, by the signature of the log's header."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from atleak.errors import OutputError, Place
 from atleak.files import PRIVATE, replace_file
 from atleak.intake.road_test.names.matching import words
 
-_PATIENCE = 30  # [s] for other writers
+_PATIENCE = 30  # [s] to wait for other writers
 _POLL = 0.01  # [s]
 
 
 @dataclass(frozen=True)
-class Settled:
-    """What was settled: quantity → column, quantity → unit."""
+class RememberedColumns:
+    """The user's choices for a header: quantity → column, quantity → unit."""
 
     mapping: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
 
 
 def signature(labels: Iterable[str]) -> str:
-    """A header's signature: the same for every log with these column names in this order.
+    """Return a header's signature: the same for every log with these column names in this order.
 
     >>> signature(["Time (s)", "RPM"]) == signature(["time (s) ", "rpm"])
     True
@@ -38,7 +38,7 @@ def signature(labels: Iterable[str]) -> str:
 
 
 def default_path(environment: Mapping[str, str] | None = None, home: Path | None = None) -> Path:
-    """Where mappings are kept: under %APPDATA% on Windows, else under XDG_CONFIG_HOME or ~/.config."""
+    """Return where the choices are kept: under %APPDATA% on Windows, else under XDG_CONFIG_HOME or ~/.config."""
     environment = os.environ if environment is None else environment
     if folder := environment.get("APPDATA"):
         return Path(folder) / "atleak" / "road-test-columns.json"
@@ -47,15 +47,15 @@ def default_path(environment: Mapping[str, str] | None = None, home: Path | None
     return (home or Path.home()) / ".config" / "atleak" / "road-test-columns.json"
 
 
-def recall(path: Path, header: str) -> Settled | None:
-    """What was settled for a header's signature, or None. A damaged file counts as empty."""
+def recall(path: Path, header: str) -> RememberedColumns | None:
+    """Return the choices kept for a header's signature, or None. A damaged file counts as empty."""
     entry = _readable(path).get(header)
     if not isinstance(entry, dict):
         return None
     mapping, units = entry.get("mapping"), entry.get("units")
     if not isinstance(mapping, dict) or not isinstance(units, dict):
         return None
-    return Settled(_texts(mapping), _texts(units))
+    return RememberedColumns(_texts(mapping), _texts(units))
 
 
 def _texts(part: Mapping[Any, Any]) -> dict[str, str]:
@@ -63,24 +63,24 @@ def _texts(part: Mapping[Any, Any]) -> dict[str, str]:
 
 
 def remember(path: Path, header: str, mapping: Mapping[str, str], units: Mapping[str, str] | None = None) -> None:
-    """Keeps what was settled for a header's signature; replaces what was kept before.
+    """Keep the choices for a header's signature; they replace those kept before.
 
     Raises
     ------
     OutputError
-        where nothing can be kept there.
+        where the file cannot be written.
     """
     with _rewritten(path) as entries:
         entries[header] = {"mapping": dict(mapping), "units": dict(units or {})}
 
 
 def forget(path: Path, header: str) -> None:
-    """Drops what was kept for a header's signature.
+    """Delete the choices kept for a header's signature.
 
     Raises
     ------
     OutputError
-        where it cannot be dropped.
+        where the file cannot be written.
     """
     if header in _readable(path):
         with _rewritten(path) as entries:
@@ -89,7 +89,7 @@ def forget(path: Path, header: str) -> None:
 
 @contextmanager
 def _rewritten(path: Path) -> Iterator[dict[str, object]]:
-    """What is kept, to be changed and kept anew; no other process or thread writes it meanwhile."""
+    """Yield the entries of the file to be changed, then write them; no other process or thread writes meanwhile."""
     from filelock import FileLock, Timeout  # 40 ms, and most runs remember nothing
 
     place = Place(file=str(path))
@@ -107,7 +107,7 @@ def _rewritten(path: Path) -> Iterator[dict[str, object]]:
 
 
 def _readable(path: Path) -> dict[str, object]:
-    """What is kept; nothing where the file cannot be read."""
+    """Return the entries of the file; none where it cannot be read."""
     try:
         return _load(path)
     except OSError:
@@ -115,9 +115,9 @@ def _readable(path: Path) -> dict[str, object]:
 
 
 def _load(path: Path) -> dict[str, object]:
-    """What is kept; nothing where there is no file yet or it is damaged."""
+    """Return the entries of the file; none where it does not exist or is damaged."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        entries = json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return entries if isinstance(entries, dict) else {}

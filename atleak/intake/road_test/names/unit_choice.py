@@ -1,4 +1,4 @@
-"""Which unit a column is in: as stated, or by the range of its values; and whether the two can both be true."""
+"""Decides which unit a column is in: the stated one if the values allow it, else by the range of the values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SAYS_NOTHING = frozenset({"", "-", "none", "index", "gear", "raw", "n/a", "unit
 
 @dataclass(frozen=True)
 class Fit:
-    """A column's unit: None with a ``problem`` where the column cannot be taken.
+    """A column's unit: None with a ``problem`` where the column cannot be used.
 
     ``foreign``: the stated unit is of another kind. ``absolute`` pressures are turned into gauge pressures by `to_si`.
     """
@@ -33,7 +33,7 @@ class Fit:
     foreign: bool = False
 
     def to_si(self, values: np.ndarray) -> np.ndarray:
-        """File's numbers → SI (gauge for pressures)."""
+        """Convert the file's numbers to SI (gauge for pressures)."""
         if self.unit is None or (self.unit.factor == 1.0 and not self.unit.offset):
             result = values
         else:
@@ -42,7 +42,7 @@ class Fit:
 
 
 def split_absolute(text: str) -> tuple[str, bool]:
-    """The unit without the word that makes it absolute.
+    """Return the unit without the word that makes it absolute, and whether there was one.
 
     >>> split_absolute("kPa abs"), split_absolute("bar(a)"), split_absolute("kPa")
     (('kPa', True), ('bar', True), ('kPa', False))
@@ -52,7 +52,7 @@ def split_absolute(text: str) -> tuple[str, bool]:
 
 
 def given(quantity: str, name: str) -> Fit:
-    """The unit the user states for a quantity.
+    """Return the unit that the user states for a quantity.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def given(quantity: str, name: str) -> Fit:
 
 
 def fit(quantity: str, stated: str | None, values: np.ndarray, neighbours: Iterable[str] = ()) -> Fit:
-    """The unit of a column from what the file states, else from its values.
+    """Determine the unit of a column from what the file states, else from its values.
 
     ``neighbours`` are the units stated elsewhere in the file: a log in °F and mph is likely to be so throughout.
     """
@@ -82,19 +82,16 @@ def fit(quantity: str, stated: str | None, values: np.ndarray, neighbours: Itera
     base, absolute = split_absolute(stated or "") if kind == "pressure" else (text, False)
     if absolute:
         text = base
-    found = find_unit(text, kind) if text.lower() not in _SAYS_NOTHING else None
-    if found is None and text.lower() not in _SAYS_NOTHING:
-        what = " or ".join(name.replace("_", " ") for name in kinds_of(text)) or "something else"
+    stated_unit = find_unit(text, kind) if text.lower() not in _SAYS_NOTHING else None
+    if stated_unit is None and text.lower() not in _SAYS_NOTHING:
+        meaning = " or ".join(name.replace("_", " ") for name in kinds_of(text)) or "something else"
         if text.lower() in ("v", "mv", "volt", "volts"):
-            what = "a sensor's voltage: its characteristic curve is needed"
-        return Fit(None, problem=f"unit {text!r} is {what}, not a unit of {kind.replace('_', ' ')}", foreign=True)
-    if found is not None:
-        result = Fit(found, absolute=absolute)
-        return (
-            Fit(None, problem=_misfit(quantity, result.to_si(good), found))
-            if _misfit(quantity, result.to_si(good), found)
-            else result
-        )
+            meaning = "a sensor's voltage: its characteristic curve is needed"
+        return Fit(None, problem=f"unit {text!r} is {meaning}, not a unit of {kind.replace('_', ' ')}", foreign=True)
+    if stated_unit is not None:
+        result = Fit(stated_unit, absolute=absolute)
+        problem = _misfit(quantity, result.to_si(good), stated_unit)
+        return Fit(None, problem=problem) if problem else result
     return _guess(quantity, good, tuple(neighbours))
 
 
@@ -102,9 +99,9 @@ def _number(quantity: str, stated: str | None, good: np.ndarray) -> Fit:
     text = clean_unit(stated or "")
     if quantity == "lock_up":
         for kind in ("pressure", "ratio"):
-            found = find_unit(text, kind) if text else None
-            if found is not None:
-                return Fit(found)
+            stated_unit = find_unit(text, kind) if text else None
+            if stated_unit is not None:
+                return Fit(stated_unit)
         return Fit(None)
     if quantity == "gear" and len(good):
         inside = np.mean((good >= -3) & (good <= 12) & (good == np.round(good)))
@@ -145,7 +142,7 @@ _METRIC = {"°c", "c", "km/h", "kph", "kpa", "bar", "km", "nm", "l", "l/100km", 
 
 
 def imperial(neighbours: Iterable[str]) -> bool | None:
-    """Whether the file's other units are imperial, metric, or (None) do not say."""
+    """Return whether the file's other units are imperial, metric, or (None) do not say."""
     lowered = [clean_unit(text).lower() for text in neighbours]
     imperial_count = sum(text in _IMPERIAL for text in lowered)
     metric_count = sum(text in _METRIC for text in lowered)

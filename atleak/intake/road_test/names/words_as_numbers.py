@@ -1,4 +1,4 @@
-"""Gears and selector positions written in words → numbers."""
+"""Converts gears and selector positions written in words to numbers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SELECTOR = {"park": -2.0, "reverse": -1.0, "neutral": 0.0, "drive": 10.0}
 
 
 def gear_of(text: str) -> float:
-    """A gear's number from its word, NaN where it tells none.
+    """Return a gear's number from its word, NaN where the word names no gear.
 
     >>> gear_of("First"), gear_of("3rd gear"), gear_of("R"), gear_of("D")
     (1.0, 3.0, -1.0, nan)
@@ -40,7 +40,7 @@ def gear_of(text: str) -> float:
 
 
 def selector_of(text: str) -> float:
-    """A selector position's number (see `SELECTOR`), NaN where it tells none."""
+    """Return a selector position's number (see `SELECTOR`), NaN where the word names none."""
     plain = words(text)
     first = plain[:1]
     if plain in ("p", "park", "parking"):
@@ -56,7 +56,7 @@ def selector_of(text: str) -> float:
 
 
 def switch_of(text: str) -> float:
-    """On and off, locked and open → 1 and 0; NaN for anything else."""
+    """Return 1 for on or locked, 0 for off or open, NaN for anything else."""
     plain = words(text)
     if plain in ("on", "locked", "lock", "yes", "true", "closed", "ein", "applied", "engaged", "wlaczone", "1"):
         return 1.0
@@ -66,7 +66,7 @@ def switch_of(text: str) -> float:
 
 
 def as_numbers(quantity: str, column: pd.Series) -> np.ndarray:
-    """A column of words as the quantity's numbers."""
+    """Return a column of words as the quantity's numbers."""
     reader = {"gear": gear_of, "selector": selector_of, "lock_up": switch_of}[quantity]
     codes, uniques = pd.factorize(column.astype("str").where(column.notna()))
     table = np.array([*(reader(str(word)) for word in uniques), np.nan])
@@ -74,6 +74,6 @@ def as_numbers(quantity: str, column: pd.Series) -> np.ndarray:
 
 
 def only_positions(column: pd.Series) -> bool:
-    """Whether a column named *gear* holds selector letters only."""
-    found = {words(str(word)) for word in column.dropna().unique()}
-    return bool(found) and found <= {"p", "r", "n", "d", "s", "m", "l", "park", "reverse", "neutral", "drive", "b"}
+    """Return whether a column named *gear* holds selector letters only."""
+    cells = {words(str(word)) for word in column.dropna().unique()}
+    return bool(cells) and cells <= {"p", "r", "n", "d", "s", "m", "l", "park", "reverse", "neutral", "drive", "b"}

@@ -153,19 +153,19 @@ def test_a_child_that_has_grown_is_not_kept(readers, monkeypatch):
 
 
 def test_four_threads_read_at_once_by_no_more_children_than_there_may_be(readers):
-    found: list[tuple[int, int]] = []
+    readings: list[tuple[int, int]] = []
 
     def read(size: int) -> None:
         for _ in range(5):
-            found.extend(read_apart(readers.number_and_size, bytes(size), "some.file", ReadingsError, SMALL))
+            readings.extend(read_apart(readers.number_and_size, bytes(size), "some.file", ReadingsError, SMALL))
 
     threads = [threading.Thread(target=read, args=(size,)) for size in (1, 20, 300, 100_000)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert sorted(size for _, size in found) == [1] * 5 + [20] * 5 + [300] * 5 + [100_000] * 5
-    assert len({pid for pid, _ in found}) == process.CHILDREN
+    assert sorted(size for _, size in readings) == [1] * 5 + [20] * 5 + [300] * 5 + [100_000] * 5
+    assert len({pid for pid, _ in readings}) == process.CHILDREN
 
 
 @pytest.mark.parametrize("busy", [False, True], ids=["waiting", "reading"])

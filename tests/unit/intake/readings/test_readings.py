@@ -12,8 +12,8 @@ from atleak.readings import LandClearance, Reading, Readings, clearances, indepe
 UM = 1e-6
 
 
-def readings(*found: Reading) -> Readings:
-    return Readings("sheet.csv", "0" * 64, None, "mm", False, "tidy", found)
+def readings(*taken: Reading) -> Readings:
+    return Readings("sheet.csv", "0" * 64, None, "mm", False, "tidy", taken)
 
 
 def one(component: str, part: str, plane: str, direction: float | None, *diameters_mm: float) -> Iterable[Reading]:
@@ -21,24 +21,24 @@ def one(component: str, part: str, plane: str, direction: float | None, *diamete
         yield Reading(component, part, plane, direction, repeat, diameter * 1e-3, Place("sheet.csv", row=repeat))
 
 
-def codes(found: LandClearance) -> list[str]:
-    return [message.code for message in found.messages]
+def codes(state: LandClearance) -> list[str]:
+    return [message.code for message in state.messages]
 
 
 def test_one_land_clearance_per_land_in_order(controller):
-    assert [found.land.key for found in clearances(None, controller)] == [("6", 1), ("6", 2), ("8", 1), ("12'", 1)]
+    assert [each.land.key for each in clearances(None, controller)] == [("6", 1), ("6", 2), ("8", 1), ("12'", 1)]
 
 
 def test_without_readings_every_land_is_at_its_mounting_clearance(controller):
-    for found in clearances(None, controller):
-        assert (found.status, found.measured) == ("not_measured", False)
-        assert found.radial_clearance == found.min_clearance == found.max_clearance == found.land.mounting_clearance
-        assert found.spool_diameter == found.land.nominal_diameter
-        assert found.sleeve_diameter == pytest.approx(
-            found.land.nominal_diameter + 2 * found.land.mounting_clearance, rel=1e-9, abs=0.0
+    for each in clearances(None, controller):
+        assert (each.status, each.measured) == ("not_measured", False)
+        assert each.radial_clearance == each.min_clearance == each.max_clearance == each.land.mounting_clearance
+        assert each.spool_diameter == each.land.nominal_diameter
+        assert each.sleeve_diameter == pytest.approx(
+            each.land.nominal_diameter + 2 * each.land.mounting_clearance, rel=1e-9, abs=0.0
         )
-        assert found.stations == ()
-        assert found.messages == ()
+        assert each.stations == ()
+        assert each.messages == ()
 
 
 def test_mean_over_repeats_then_directions_then_planes(controller):
@@ -51,17 +51,17 @@ def test_mean_over_repeats_then_directions_then_planes(controller):
         *one("8", "sleeve", "1", 90.0, 10.060),
         *one("8", "sleeve", "2", 0.0, 10.070),
     )
-    found = clearances(spool, controller)[2]
-    assert found.spool_diameter == pytest.approx(9.990e-3, rel=1e-12, abs=0.0)
-    assert found.sleeve_diameter == pytest.approx((10.055e-3 + 10.070e-3) / 2, rel=1e-12, abs=0.0)
-    assert found.radial_clearance == pytest.approx((10.0625e-3 - 9.990e-3) / 2, rel=1e-9, abs=0.0)
-    assert (found.status, found.measured) == ("measured", True)
-    assert (found.spool_readings, found.sleeve_readings) == (5, 3)
-    assert (found.spool_repeats, found.sleeve_repeats) == (1, 1)
+    state = clearances(spool, controller)[2]
+    assert state.spool_diameter == pytest.approx(9.990e-3, rel=1e-12, abs=0.0)
+    assert state.sleeve_diameter == pytest.approx((10.055e-3 + 10.070e-3) / 2, rel=1e-12, abs=0.0)
+    assert state.radial_clearance == pytest.approx((10.0625e-3 - 9.990e-3) / 2, rel=1e-9, abs=0.0)
+    assert (state.status, state.measured) == ("measured", True)
+    assert (state.spool_readings, state.sleeve_readings) == (5, 3)
+    assert (state.spool_repeats, state.sleeve_repeats) == (1, 1)
 
 
 def test_ovality_taper_and_spread_of_repeats(controller):
-    found = clearances(
+    state = clearances(
         readings(
             *one("8", "spool", "1", 0.0, 9.990, 9.992),
             *one("8", "spool", "1", 90.0, 9.995, 9.996),
@@ -71,14 +71,14 @@ def test_ovality_taper_and_spread_of_repeats(controller):
         ),
         controller,
     )[2]
-    assert found.spool_ovality == pytest.approx(4.5 * UM, rel=1e-9, abs=0.0)  # plane 1: 9.9955 − 9.991
-    assert found.spool_taper == pytest.approx(9.99325e-3 - 9.98125e-3, rel=1e-9, abs=0.0)
-    assert found.spool_repeat_spread == pytest.approx(2 * UM, rel=1e-9, abs=0.0)
-    assert (found.sleeve_ovality, found.sleeve_taper, found.sleeve_repeat_spread) == (None, None, None)
+    assert state.spool_ovality == pytest.approx(4.5 * UM, rel=1e-9, abs=0.0)  # plane 1: 9.9955 − 9.991
+    assert state.spool_taper == pytest.approx(9.99325e-3 - 9.98125e-3, rel=1e-9, abs=0.0)
+    assert state.spool_repeat_spread == pytest.approx(2 * UM, rel=1e-9, abs=0.0)
+    assert (state.sleeve_ovality, state.sleeve_taper, state.sleeve_repeat_spread) == (None, None, None)
 
 
 def test_worst_direction_and_the_range_over_directions(controller):
-    found = clearances(
+    state = clearances(
         readings(
             *one("6", "spool", "1", 0.0, 9.940),
             *one("6", "spool", "1", 90.0, 9.936),
@@ -87,15 +87,15 @@ def test_worst_direction_and_the_range_over_directions(controller):
         ),
         controller,
     )[0]
-    assert found.min_clearance == pytest.approx(30 * UM, rel=1e-9, abs=0.0)
-    assert found.max_clearance == pytest.approx(47 * UM, rel=1e-9, abs=0.0)
-    assert found.radial_clearance == pytest.approx(38.5 * UM, rel=1e-9, abs=0.0)
-    assert found.worst_direction == 90.0
-    assert [(station.direction, station.plane) for station in found.stations] == [(0.0, "1"), (90.0, "1")]
+    assert state.min_clearance == pytest.approx(30 * UM, rel=1e-9, abs=0.0)
+    assert state.max_clearance == pytest.approx(47 * UM, rel=1e-9, abs=0.0)
+    assert state.radial_clearance == pytest.approx(38.5 * UM, rel=1e-9, abs=0.0)
+    assert state.worst_direction == 90.0
+    assert [(station.direction, station.plane) for station in state.stations] == [(0.0, "1"), (90.0, "1")]
 
 
 def test_a_spool_without_directions_meets_each_direction_of_the_sleeve(controller):
-    found = clearances(
+    state = clearances(
         readings(
             *one("6", "spool", "1", None, 9.940),
             *one("6", "sleeve", "1", 0.0, 10.000),
@@ -103,42 +103,42 @@ def test_a_spool_without_directions_meets_each_direction_of_the_sleeve(controlle
         ),
         controller,
     )[0]
-    assert [station.spool_diameter for station in found.stations] == [9.940e-3, 9.940e-3]
-    assert found.max_clearance == pytest.approx(40 * UM, rel=1e-9, abs=0.0)
+    assert [station.spool_diameter for station in state.stations] == [9.940e-3, 9.940e-3]
+    assert state.max_clearance == pytest.approx(40 * UM, rel=1e-9, abs=0.0)
 
 
 def test_missing_sleeve_takes_its_nominal_diameter_and_says_so(controller):
-    found = clearances(readings(*one("6", "spool", "1", 0.0, 9.935), *one("6", "spool", "1", 90.0, 9.935)), controller)[
+    state = clearances(readings(*one("6", "spool", "1", 0.0, 9.935), *one("6", "spool", "1", 90.0, 9.935)), controller)[
         0
     ]
-    assert (found.status, found.measured) == ("spool_only", True)
-    assert found.sleeve_diameter == found.land.nominal_diameter + 2 * found.land.mounting_clearance
-    assert found.radial_clearance == pytest.approx(27 * UM, rel=1e-9, abs=0.0)
-    message = next(message for message in found.messages if message.code == "sleeve_missing")
+    assert (state.status, state.measured) == ("spool_only", True)
+    assert state.sleeve_diameter == state.land.nominal_diameter + 2 * state.land.mounting_clearance
+    assert state.radial_clearance == pytest.approx(27 * UM, rel=1e-9, abs=0.0)
+    message = next(message for message in state.messages if message.code == "sleeve_missing")
     assert message.level == "warning"
     assert "9.989 mm" in message.text
     assert message.place.row == 1
 
 
 def test_missing_spool_takes_its_nominal_diameter_and_says_so(controller):
-    found = clearances(
+    state = clearances(
         readings(*one("12'", "sleeve", "1", 0.0, 14.080), *one("12'", "sleeve", "1", 90.0, 14.080)), controller
     )[3]
-    assert (found.status, found.spool_readings) == ("sleeve_only", 0)
-    assert found.spool_diameter == found.land.nominal_diameter
-    assert found.radial_clearance == pytest.approx(40 * UM, rel=1e-9, abs=0.0)
-    message = next(message for message in found.messages if message.code == "spool_missing")
+    assert (state.status, state.spool_readings) == ("sleeve_only", 0)
+    assert state.spool_diameter == state.land.nominal_diameter
+    assert state.radial_clearance == pytest.approx(40 * UM, rel=1e-9, abs=0.0)
+    message = next(message for message in state.messages if message.code == "spool_missing")
     assert "piston" in message.text
 
 
 def test_one_direction_only_is_a_lower_bound(controller):
-    found = clearances(
+    state = clearances(
         readings(
             *one("6", "spool", "1", 0.0, 9.94), *one("6", "spool", "1", 90.0, 9.94), *one("6", "sleeve", "1", 0.0, 10.0)
         ),
         controller,
     )[0]
-    messages = [message for message in found.messages if message.code == "one_direction"]
+    messages = [message for message in state.messages if message.code == "one_direction"]
     assert len(messages) == 1
     assert "sleeve" in messages[0].text
     assert "lower bound" in messages[0].text
@@ -146,10 +146,10 @@ def test_one_direction_only_is_a_lower_bound(controller):
 
 @pytest.mark.parametrize(("apart", "flagged"), [(0.005, False), (0.006, True)])
 def test_repeats_that_disagree_are_flagged_with_their_values(controller, apart, flagged):
-    found = clearances(
+    state = clearances(
         readings(*one("6", "spool", "1", 0.0, 9.940, 9.940 + apart), *one("6", "sleeve", "1", 0.0, 10.0)), controller
     )[0]
-    said = [message for message in found.messages if message.code == "repeats_disagree"]
+    said = [message for message in state.messages if message.code == "repeats_disagree"]
     assert bool(said) is flagged
     if flagged:
         assert "9.94, 9.946 mm" in said[0].text
@@ -164,22 +164,22 @@ def test_mirrored_and_copied_coordinates_are_no_independent_repeats(controller):
 
     mirrored = [coordinate(1, 0.089605, 0.079666), coordinate(2, 0.079666, 0.089605), coordinate(3, 0.089605, 0.079666)]
     assert independent_repeats(mirrored) == mirrored[:1]
-    found = clearances(readings(*mirrored), controller)[0]
-    assert (found.spool_readings, found.spool_repeats, found.spool_repeat_spread) == (3, 1, None)
-    message = next(message for message in found.messages if message.code == "mirrored_repeats")
+    state = clearances(readings(*mirrored), controller)[0]
+    assert (state.spool_readings, state.spool_repeats, state.spool_repeat_spread) == (3, 1, None)
+    message = next(message for message in state.messages if message.code == "mirrored_repeats")
     assert message.level == "info"
     assert message.place.row == 2
     assert "2 of 3" in message.text
 
     real = [coordinate(1, 0.089605, 0.079666), coordinate(2, 0.079667, 0.089605)]
-    found = clearances(readings(*real), controller)[0]
-    assert (found.spool_repeats, codes(found).count("mirrored_repeats")) == (2, 0)
-    assert found.spool_repeat_spread == pytest.approx(1 * UM, rel=1e-6, abs=0.0)
+    state = clearances(readings(*real), controller)[0]
+    assert (state.spool_repeats, codes(state).count("mirrored_repeats")) == (2, 0)
+    assert state.spool_repeat_spread == pytest.approx(1 * UM, rel=1e-6, abs=0.0)
 
 
 def test_equal_diameters_without_coordinates_are_independent(controller):
-    found = clearances(readings(*one("6", "spool", "1", 0.0, 9.94, 9.94)), controller)[0]
-    assert (found.spool_repeats, found.spool_repeat_spread) == (2, 0.0)
+    state = clearances(readings(*one("6", "spool", "1", 0.0, 9.94, 9.94)), controller)[0]
+    assert (state.spool_repeats, state.spool_repeat_spread) == (2, 0.0)
 
 
 def test_large_ovality_far_from_nominal_and_too_tight_are_flagged(controller):
@@ -195,7 +195,7 @@ def test_large_ovality_far_from_nominal_and_too_tight_are_flagged(controller):
 
 
 def test_a_direction_in_which_the_sleeve_is_smaller_is_negative_there_and_flagged(controller):
-    found = clearances(
+    state = clearances(
         readings(
             *one("6", "spool", "1", 0.0, 9.942),
             *one("6", "spool", "1", 90.0, 9.942),
@@ -204,11 +204,11 @@ def test_a_direction_in_which_the_sleeve_is_smaller_is_negative_there_and_flagge
         ),
         controller,
     )[0]
-    assert found.min_clearance == pytest.approx(-1 * UM, rel=1e-9, abs=0.0)
-    assert found.radial_clearance > 0
-    assert "tight_direction" in codes(found)
+    assert state.min_clearance == pytest.approx(-1 * UM, rel=1e-9, abs=0.0)
+    assert state.radial_clearance > 0
+    assert "tight_direction" in codes(state)
 
 
 def test_readings_of_a_plane_the_controller_lacks_are_left_out(controller):
-    found = clearances(readings(*one("6", "spool", "9", 0.0, 9.94)), controller)
-    assert all(not land.measured for land in found)
+    states = clearances(readings(*one("6", "spool", "9", 0.0, 9.94)), controller)
+    assert all(not state.measured for state in states)

@@ -86,11 +86,11 @@ HEADERLESS = "".join(f"{i / 10};{800 + 10 * i};{400 + i};{85}\n" for i in range(
 
 
 def test_headerless_needs_names_and_takes_them() -> None:
-    told = understand(HEADERLESS, name="log.txt")
-    assert told.road_test is None
-    assert told.problem is not None
-    assert "column 1" in str(told.problem)
-    assert told.preview[0] == ("0.0", "800", "400", "85")
+    understood = understand(HEADERLESS, name="log.txt")
+    assert understood.road_test is None
+    assert understood.problem is not None
+    assert "column 1" in str(understood.problem)
+    assert understood.preview[0] == ("0.0", "800", "400", "85")
     mapping = {"time": "column 1", "engine_speed": "2", "main_pressure": "column 3"}
     test = read_road_test(
         HEADERLESS, mapping=mapping, units={"time": "s", "engine_speed": "rpm", "main_pressure": "kPa"}
@@ -104,8 +104,8 @@ def test_mapping_settles_an_ambiguity() -> None:
     text = "Time (s),Front Wheel Speed (km/h),Rear Wheel Speed (km/h)\n" + "".join(
         f"{i},{i},{i * 2}\n" for i in range(20)
     )
-    told = understand(text.encode())
-    assert told.ambiguous[0].candidates == ("Front Wheel Speed (km/h)", "Rear Wheel Speed (km/h)")
+    understood = understand(text.encode())
+    assert understood.ambiguous[0].candidates == ("Front Wheel Speed (km/h)", "Rear Wheel Speed (km/h)")
     test = read_road_test(text.encode(), mapping={"vehicle_speed": "Rear Wheel Speed"})
     assert test.values("vehicle_speed")[-1] * 3.6 == pytest.approx(38.0, rel=1e-9, abs=0.0)
 
@@ -146,11 +146,11 @@ def test_mapping_is_remembered_by_the_header(tmp_path: Path) -> None:
     store = tmp_path / "deep" / "columns.json"
     text = b"Time (s);A;B\n" + b"".join(b"%d;%d;%d\n" % (i, 800 + i, 400 + i) for i in range(20))
     other = text.replace(b"19;", b"25;")
-    told = understand(text, remembered=store)
-    assert not told.road_test.channels
+    understood = understand(text, remembered=store)
+    assert not understood.road_test.channels
     remember(
         store,
-        told.signature,
+        understood.signature,
         {"engine_speed": "A", "main_pressure": "B"},
         {"engine_speed": "rpm", "main_pressure": "kPa"},
     )
@@ -160,10 +160,10 @@ def test_mapping_is_remembered_by_the_header(tmp_path: Path) -> None:
     # what the user says now counts more
     test = read_road_test(other, remembered=store, mapping={"engine_speed": "B"}, units={"main_pressure": "kPa"})
     assert test.channels["engine_speed"].column == "B"
-    forget(store, told.signature)
-    assert recall(store, told.signature) is None
+    forget(store, understood.signature)
+    assert recall(store, understood.signature) is None
     store.write_text("damaged", encoding="utf-8")
-    assert recall(store, told.signature) is None
+    assert recall(store, understood.signature) is None
 
 
 def test_where_mappings_are_kept(tmp_path: Path) -> None:
@@ -196,9 +196,9 @@ def test_workbook_with_preamble_and_gaps() -> None:
         ["Time (s)", "Engine RPM (rpm)", "Trans Temp (°F)", "Note"],
     ]
     rows += [[i * 0.5, 800 + i, 180.0 + i % 3 if i % 4 == 0 else None, "-"] for i in range(30)]
-    told = describe(understand(workbook({"Summary": [["nothing here"]], "Log": rows}), name="log.csv"))
-    assert (told["format"], told["rows"], told["duration_s"]) == ("workbook", 30, 14.5)
-    columns = {column["quantity"]: column for column in told["columns"]}
+    described = describe(understand(workbook({"Summary": [["nothing here"]], "Log": rows}), name="log.csv"))
+    assert (described["format"], described["rows"], described["duration_s"]) == ("workbook", 30, 14.5)
+    columns = {column["quantity"]: column for column in described["columns"]}
     assert columns["atf_temperature"]["unit"] == "°F"
     assert columns["atf_temperature"]["samples"] == 8
     assert columns["engine_speed"]["max"] == pytest.approx(829, rel=1e-9, abs=0.0)
@@ -305,22 +305,24 @@ def test_obd2_answers_among_frames() -> None:
         (0x7E8, [3, 0x7F, 0x01, 0x12, 0, 0, 0, 0]),  # refused
         (0x123, [4, 0x41, 0x0C, 0xFF, 0xFF, 0, 0, 0]),  # no answer
     ]
-    found = decode_obd2(
-        np.arange(7.0), np.array([one[0] for one in frames]), np.array([one[1] for one in frames], dtype=np.uint8)
+    answers = decode_obd2(
+        np.arange(7.0),
+        np.array([frame[0] for frame in frames]),
+        np.array([frame[1] for frame in frames], dtype=np.uint8),
     )
-    assert found[0x0C][1].tolist() == [1726.0]
-    assert found[0x0D][1].tolist() == [50.0]
-    assert found[0x05][1].tolist() == [83.0]
-    assert found[0xA4][1].tolist() == [3.0]
-    assert found[0x0D][0].tolist() == [2.0]
+    assert answers[0x0C][1].tolist() == [1726.0]
+    assert answers[0x0D][1].tolist() == [50.0]
+    assert answers[0x05][1].tolist() == [83.0]
+    assert answers[0xA4][1].tolist() == [3.0]
+    assert answers[0x0D][0].tolist() == [2.0]
 
 
-# --- what is told -------------------------------------------------------------------------------------------
+# --- what is described --------------------------------------------------------------------------------------
 
 
 def test_json_form_and_tidy_table_agree() -> None:
-    told = understand(FIXTURES / "workshop.csv")
-    form = describe(told)
+    understood = understand(FIXTURES / "workshop.csv")
+    form = describe(understood)
     assert json.loads(json.dumps(form)) == form
     assert set(form) >= {
         "file", "sha256", "format", "encoding", "delimiter", "decimal", "rows", "duration_s", "segments", "columns",
@@ -339,10 +341,10 @@ def test_json_form_and_tidy_table_agree() -> None:
         "sampling_hz",
     }
     assert form["unused"] == ["Lambda"]
-    again = read_road_test(tidy_csv(told.road_test).encode())
-    assert set(again.channels) == set(told.road_test.channels)
+    again = read_road_test(tidy_csv(understood.road_test).encode())
+    assert set(again.channels) == set(understood.road_test.channels)
     for quantity in again.channels:
-        assert again.values(quantity) == pytest.approx(told.road_test.values(quantity), rel=1e-9, abs=0.0)
+        assert again.values(quantity) == pytest.approx(understood.road_test.values(quantity), rel=1e-9, abs=0.0)
 
 
 def test_extension_and_name_do_not_matter(tmp_path: Path) -> None:
@@ -448,11 +450,11 @@ def test_any_dialect_gives_the_same_road_test(
 @given(st.binary(max_size=3000))
 def test_rubbish_is_refused_or_understood_but_never_crashes(data: bytes) -> None:
     try:
-        told = understand(data)
+        understood = understand(data)
     except RoadTestError:
         return
-    assert told.road_test is not None or told.problem is not None
-    describe(told)
+    assert understood.road_test is not None or understood.problem is not None
+    describe(understood)
 
 
 @given(
@@ -469,10 +471,10 @@ def test_rubbish_is_refused_or_understood_but_never_crashes(data: bytes) -> None
 def test_odd_tables_never_crash(rows: list[list[str]], delimiter: str) -> None:
     data = "\n".join(delimiter.join(row) for row in rows).encode()
     try:
-        told = understand(data)
+        understood = understand(data)
     except RoadTestError:
         return
-    describe(told)
+    describe(understood)
 
 
 def test_a_stray_cell_in_the_last_corner_is_told_not_followed() -> None:

@@ -74,9 +74,9 @@ def test_a_damaged_file_counts_as_empty(tmp_path: Path, content: bytes) -> None:
     assert recall(store, "a") is None
     forget(store, "a")
     remember(store, "a", {"gear": "G"})
-    found = recall(store, "a")
-    assert found is not None
-    assert found.mapping == {"gear": "G"}
+    remembered = recall(store, "a")
+    assert remembered is not None
+    assert remembered.mapping == {"gear": "G"}
 
 
 @pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")

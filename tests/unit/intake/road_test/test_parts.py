@@ -238,9 +238,9 @@ def test_gap_limit() -> None:
 def test_unit_by_value(
     quantity: str, stated: str | None, values: list[float], near: tuple[str, ...], unit: str, assumed: bool
 ) -> None:
-    found = fit(quantity, stated, np.array(values, float), near)
-    assert found.unit.name == unit
-    assert found.assumed is assumed
+    column_fit = fit(quantity, stated, np.array(values, float), near)
+    assert column_fit.unit.name == unit
+    assert column_fit.assumed is assumed
 
 
 @pytest.mark.parametrize(
@@ -276,13 +276,13 @@ def test_words_as_numbers() -> None:
 def test_checks_keep_the_index_and_say_true_where_suspect() -> None:
     index = np.arange(60) * 0.5
     lively = pd.Series(800 + 50 * np.sin(np.arange(60)), index)
-    for found in (
+    for mask in (
         suspects.sentinel(lively), suspects.out_of_range(lively, 0, 9000), suspects.spikes(lively, 500.0),
         suspects.frozen(lively, 10.0), suspects.start_up(lively, 200.0), suspects.failed_sensor(lively * 0 + 80),
     ):  # fmt: skip
-        assert found.dtype == bool
-        assert found.index.equals(lively.index)
-        assert not found.any()
+        assert mask.dtype == bool
+        assert mask.index.equals(lively.index)
+        assert not mask.any()
 
 
 def test_each_check_finds_its_fault() -> None:
@@ -336,6 +336,6 @@ def test_dialect_is_decided_over_many_lines() -> None:
     ],
 )
 def test_encoding(data: bytes, encoding: str) -> None:
-    found = to_text(data)
-    assert found.encoding == encoding
-    assert found.decode(found.data).strip("\ufeff") == data.decode(encoding)
+    text = to_text(data)
+    assert text.encoding == encoding
+    assert text.decode(text.data).strip("\ufeff") == data.decode(encoding)

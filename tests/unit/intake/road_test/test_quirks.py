@@ -11,6 +11,7 @@ import pytest
 
 from atleak.errors import RoadTestError
 from atleak.intake.road_test import describe, read_road_test, understand
+from atleak.intake.road_test.describe import workshop_unit
 
 ROWS = 40
 
@@ -273,20 +274,18 @@ CASES: dict[str, Case] = {
 @pytest.mark.parametrize("name", CASES)
 def test_quirk(name: str) -> None:
     case = CASES[name]
-    told = describe(understand(case.bytes, name="log.bin"))
-    assert told["needs"] is None
-    assert told["rows"] == case.rows
-    assert told["duration_s"] == pytest.approx(case.duration, abs=1e-6)
-    assert len(told["segments"]) == case.segments
-    columns = {column["quantity"]: column for column in told["columns"]}
     understood = understand(case.bytes, name="log.bin")
+    described = describe(understood)
+    assert described["needs"] is None
+    assert described["rows"] == case.rows
+    assert described["duration_s"] == pytest.approx(case.duration, abs=1e-6)
+    assert len(described["segments"]) == case.segments
+    columns = {column["quantity"]: column for column in described["columns"]}
     assert understood.road_test is not None
     for quantity, (last, unit) in case.has.items():
-        assert quantity in columns, told["messages"]
+        assert quantity in columns, described["messages"]
         assert (columns[quantity]["unit"] or "") == unit
         channel = understood.road_test.channels[quantity]
-        from atleak.intake.road_test.describe import workshop_unit
-
         shown = workshop_unit(quantity, channel)
         good = channel.good[np.isfinite(channel.good)]
         value = shown.from_si(good[-1]) if shown else good[-1]
@@ -294,8 +293,8 @@ def test_quirk(name: str) -> None:
         assert columns[quantity]["unit_assumed"] is (quantity in case.assumed)
     for quantity in case.absent:
         assert quantity not in columns
-    assert {one["quantity"] for one in told["ambiguous"]} == set(case.ambiguous)
-    assert {message["code"] for message in told["messages"]} >= set(case.codes)
+    assert {question["quantity"] for question in described["ambiguous"]} == set(case.ambiguous)
+    assert {message["code"] for message in described["messages"]} >= set(case.codes)
 
 
 REFUSED: dict[str, tuple[bytes, str]] = {
