@@ -21,7 +21,6 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.errors import unknown
 from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
-from atleak.marks import KEYWORD
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
@@ -29,6 +28,7 @@ from atleak.report.pdf.front import Front
 from atleak.report.pdf.pictures import write_pictures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import FONTS, Bar, glyphs, road_chart, shares_chart
+from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
