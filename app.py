@@ -1,4 +1,4 @@
-"""The dashboard: ``atleak app``."""
+"""Run the dashboard: ``atleak app`` starts it."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from pages.shared import panel
 HERE = Path(__file__).parent
 
 st.set_page_config("atleak", page_icon=HERE / "pages" / "shared" / "icon.svg", layout="wide")
-found = sorted((HERE / "pages").glob("[0-9]_*.py"))
-page = st.navigation([st.Page(path, title=path.stem[2:].replace("_", " ")) for path in found], position="top")
+page_files = sorted((HERE / "pages").glob("[0-9]_*.py"))
+page = st.navigation([st.Page(path, title=path.stem[2:].replace("_", " ")) for path in page_files], position="top")
 panel.draw()
 page.run()

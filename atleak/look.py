@@ -1,7 +1,7 @@
-"""How things look, on every medium: one row per verdict, and the colours of lines and words.
+"""Define how things look on every medium: one row per verdict, and the colours of lines and words.
 
-A verdict is told apart four times over: by its sign, its word, its shade and its hatch, so that a greyscale print or a
-colour-blind reader loses nothing. Its word in each language stands in `atleak/texts`.
+Verdicts differ in four ways: sign, word, shade and hatch, so that a greyscale print or a colour-blind reader loses
+nothing. Their words in each language stand in `atleak/texts`.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ _CROSS = SignShape(
 
 @dataclass(frozen=True)
 class Look:
-    """How one verdict looks. Colours are ``#RRGGBB``; every medium takes its shade of the same hue from here."""
+    """The looks of one verdict. Colours are ``#RRGGBB``; every medium takes its shade of the same hue from here."""
 
-    sign: str  # one character, where words are text
-    shape: SignShape  # the same, where it is drawn
+    sign: str  # one character, for text
+    shape: SignShape  # the same sign, for drawings
     screen: str  # bars, markers and table cells on the screen
-    on_screen: str  # words on that; "" where a table cell stays plain
-    fill: str  # a land in the drawings and bars on paper, which a greyscale print tells apart
+    on_screen: str  # words on that colour; "" where a table cell stays plain
+    fill: str  # a land in the drawings and bars on paper; each has another grey in a greyscale print
     line: str  # its outline, and the sign beside a word
     on_fill: str  # the sign on the fill
     tint: str  # ground behind words on paper and in the workbook
@@ -97,12 +97,12 @@ LOOKS: dict[Verdict, Look] = {
 
 
 def look_of(level: Verdict | Band | str) -> Look:
-    """How a verdict looks; a band looks as the verdict it counts as.
+    """Return how a verdict looks; a band looks as the verdict it counts as.
 
     Raises
     ------
     ValueError
-        for what is neither.
+        if the level is neither a verdict nor a band.
     """
     if isinstance(level, Band):
         return LOOKS[level.verdict]
@@ -111,7 +111,7 @@ def look_of(level: Verdict | Band | str) -> Look:
 
 @dataclass(frozen=True)
 class Inks:
-    """Colours of one medium for everything that is no verdict."""
+    """The colours of one medium for everything that is no verdict."""
 
     ink: str  # words, outlines
     soft: str  # words of less weight
@@ -127,7 +127,7 @@ PAPER = Inks(ink="#1B2733", soft="#5A6670", rule="#B8C2CB", leakage="#A3211B", p
 SCREEN = Inks(ink="#16222b", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00")
 DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00",
             card="#1B262E")  # fmt: skip
-SUSPECT = "#d1383d"  # samples of a log that are left out
+SUSPECT = "#d1383d"  # samples of a log that no result uses
 EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
 CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
 HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen
@@ -159,7 +159,7 @@ SHEET_COLOURS = {
     "alarm": "#C62828",
 }
 
-# Curves that are told apart by colour and dash: the variants of the source study, models of viscosity.
+# Curves that differ in colour and dash: the variants of the source study, models of viscosity.
 CURVES = {
     "blue": "#2f7ed8",
     "green": "#2e9e6b",

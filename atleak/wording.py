@@ -1,4 +1,4 @@
-"""Words and numbers in a reader's language: one file of texts for each."""
+"""Give words and numbers in a reader's language, from one file of texts per language."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NARROW = "\u00a0"  # between thousands, and between a number and its unit: no l
 
 
 def isolated(text: str) -> str:
-    r"""A text beside others on one line: written from right to left, it leaves the order of what stands around it.
+    r"""Mark a text from right to left, so that it leaves the order of the text around it.
 
     Without this, a number between hyphens beside an Arabic name is shown with its parts exchanged.
 
@@ -38,36 +38,36 @@ def isolated(text: str) -> str:
 
 @dataclass(frozen=True)
 class Wording:
-    """Texts of one language."""
+    """The texts of one language."""
 
     language: str
     texts: Mapping[str, Any]
 
     def __call__(self, key: str, /, **values: object) -> str:
-        """The text of a dotted key, its ``{places}`` filled in.
+        """Return the text of a dotted key, its ``{places}`` filled in.
 
         Raises
         ------
         KeyError
-            for a key no language has.
+            if no language has the key.
         """
         table, _, name = key.partition(".")
-        return _PLACE.sub(lambda found: isolated(str(values[found[1]])), self.texts[table][name])
+        return _PLACE.sub(lambda match: isolated(str(values[match[1]])), self.texts[table][name])
 
     def get(self, table: str, name: str) -> str:
-        """The text for a name that need not be known: itself where it is not."""
+        """Return the text for a name, or the name itself where no text is known for it."""
         return self.texts[table].get(name, name)
 
     def level(self, level: Verdict | Band) -> str:
-        """The word of a verdict or a band."""
+        """Return the word of a verdict or a band."""
         return self.texts["bands" if isinstance(level, Band) else "verdicts"][level]
 
     def signed(self, level: Verdict | Band) -> str:
-        """Sign and word of a verdict or a band: ``■ replace``."""
+        """Return sign and word of a verdict or a band: ``■ replace``."""
         return f"{look_of(level).sign} {self.level(level)}"
 
     def number(self, value: float | None, digits: int) -> str:
-        """A number with the language's decimal sign; a dash where unknown, ∞ where infinite.
+        """Return a number with the language's decimal sign; a dash where unknown, ∞ where infinite.
 
         >>> wording("de").number(-1234.5, 1)
         '−1\u00a0234,5'
@@ -80,31 +80,31 @@ class Wording:
         return text.replace("-", "−") if float(f"{value:.{digits}f}") != 0.0 else text.replace("-", "")
 
     def percent(self, fraction: float | None, digits: int = 1) -> str:
-        """A fraction as a percentage with its sign."""
+        """Return a fraction as a percentage with its sign."""
         return self.number(None if fraction is None else fraction * PERCENT, digits) + f"{_NARROW}%"
 
     def plain(self, value: float, digits: int = 6) -> str:
-        """A number with no more digits than it has."""
+        """Return a number with no more digits than it has."""
         return f"{value:.{digits}g}".replace(".", self.texts["decimal"]).replace("-", "−")
 
     def date(self, value: dt.date) -> str:
-        """ISO 8601, which every language reads the same way."""
+        """Return a date as ISO 8601, which every language reads the same way."""
         return value.isoformat()
 
 
 def languages() -> tuple[str, ...]:
-    """The codes of the languages that reports are written in."""
+    """Return the codes of the languages that reports are written in."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
 
 
 @cache
 def wording(language: str) -> Wording:
-    """The texts of a language.
+    """Load the texts of a language.
 
     Raises
     ------
     InputError
-        a language that no report is written in.
+        if no report is written in that language.
     """
     known = languages()
     if language not in known:
@@ -113,10 +113,10 @@ def wording(language: str) -> Wording:
 
 
 def value_names(names: Iterable[str]) -> str:
-    """The English names of values that a catalogue file states: ``nominal diameter, contact length``."""
+    """Return the English names of values that a catalogue file states: ``nominal diameter, contact length``."""
     return ", ".join(wording("en").get("parts", name) for name in names)
 
 
 def signed(level: Verdict | Band) -> str:
-    """Sign and English word of a verdict or a band: ``■ replace``."""
+    """Return sign and English word of a verdict or a band: ``■ replace``."""
     return wording("en").signed(level)

@@ -1,4 +1,4 @@
-"""Start-up and run of ``atleak diagnose`` on the sample job, beside importing NumPy and pandas.
+"""Time start-up and run of ``atleak diagnose`` on the sample job, beside importing NumPy and pandas.
 
     python benchmarks/command_line.py [--small]
 
@@ -42,7 +42,8 @@ def main(chosen: argparse.Namespace) -> None:
             start = time.perf_counter()
             subprocess.run(command, check=True, env=environment, stdout=subprocess.DEVNULL)
             times[name].append(time.perf_counter() - start)
-    peer, run = (statistics.median(found[1:]) for found in times.values())  # the first of each compiles what is left
+    # the first run of each compiles the modules that are not compiled yet
+    peer, run = (statistics.median(durations[1:]) for durations in times.values())
     print(f"atleak diagnose / import numpy, pandas   {run / peer:.2f}   ({run * 1e3:.0f} ms / {peer * 1e3:.0f} ms)")
 
 

@@ -1,4 +1,4 @@
-"""Does a 95 % interval hold the truth 95 times in 100? Simulated units, read with simulated instruments.
+"""Check that a 95 % interval holds the truth 95 times in 100, on simulated units read with simulated instruments.
 
     python benchmarks/coverage.py [--small]
 
@@ -42,13 +42,13 @@ OPTIONS.add_argument("--workers", type=int, default=os.cpu_count() or 1)
 OPTIONS.add_argument("--draws", type=int, default=2_000, help="Monte Carlo draws of each assessment")
 OPTIONS.add_argument("--json", action="store_true", help="the same numbers as JSON")
 SMALL = {"units": 60, "other_units": 5, "draws": 500}
-TOLERANCE, SMALL_TOLERANCE = 1.0, 8.0  # [percentage points] from the stated 95 %
+TOLERANCE, SMALL_TOLERANCE = 1.0, 8.0  # [percentage points] allowed difference from the stated 95 %
 SEED = 20231122
 LANDS = 12
 SPOOL_INSTRUMENTS = ("workshop_microscope", "micrometer", "air_gauge")
 SLEEVE_INSTRUMENTS = ("bore_gauge", "air_gauge")
 WEAR = 0.15  # mean of the exponential distribution of true wear
-CLEARANCE_LIMIT = 1.25  # of the mounting clearance: the limit of the rule on the clearance itself
+CLEARANCE_LIMIT = 1.25  # times the mounting clearance: the limit of the rule on the clearance itself
 SHARE_LIMIT = 0.005
 TOTAL_LIMIT = 0.031
 
@@ -63,7 +63,7 @@ class World:
     calibration: float = 1.0  # times the declared own calibration error
     directions: tuple[float, ...] = (0.0, 90.0)
     ovality: float = 4e-6  # [m] root mean square of the sleeves' difference of diameters
-    room: float = 0.5  # [K] half width
+    room_temperature: float = 0.5  # [K] half width of its range
 
 
 AS_DECLARED = World("as declared")
@@ -74,7 +74,7 @@ WORLDS = (
     World("all calibration twice as declared", common=2.0, calibration=2.0),
     World("one direction, ovality as assumed", directions=(0.0,)),
     World("one direction, ovality three times as assumed", directions=(0.0,), ovality=12e-6),
-    World("room within 5 K instead of 0.5 K", room=5.0),
+    World("room within 5 K instead of 0.5 K", room_temperature=5.0),
 )
 
 
@@ -88,7 +88,7 @@ class Truth:
 
 
 @cache
-def _bench() -> tuple[Controller, Fluid, Limits]:
+def _catalogue_entries() -> tuple[Controller, Fluid, Limits]:
     whole = load_controller("four_speed_2023")
     point = whole.operating_points[0]
     leaking = {gap.key for gap in whole.gaps_in(point.gear)}
@@ -125,10 +125,10 @@ def _instrument(name: str) -> Instrument:
 
 
 def simulate(world: World, unit: int) -> tuple[UnitUncertainty, Truth, int]:
-    """One unit: its truth, and what atleak says of its measuring sheet."""
+    """Simulate one unit: return its truth, and what atleak says of its measuring sheet."""
     draws, number = _settings()
     rng = np.random.default_rng((SEED, number[world.name], unit))
-    controller, fluid, limits = _bench()
+    controller, fluid, limits = _catalogue_entries()
     instruments = Instruments(
         _instrument(SPOOL_INSTRUMENTS[rng.integers(len(SPOOL_INSTRUMENTS))]),
         _instrument(SLEEVE_INSTRUMENTS[rng.integers(len(SLEEVE_INSTRUMENTS))]),
@@ -138,7 +138,7 @@ def simulate(world: World, unit: int) -> tuple[UnitUncertainty, Truth, int]:
     states = clearances(sheet, controller)
     model = LeakageModel(controller, states, fluid, WORKSHOP)
     projections = [project(model, point) for point in controller.operating_points]
-    found = assess(
+    assessed = assess(
         model,
         states,
         projections,
@@ -148,7 +148,7 @@ def simulate(world: World, unit: int) -> tuple[UnitUncertainty, Truth, int]:
         draws=draws,
         seed=unit,
     )
-    return found, truth, repeats
+    return assessed, truth, repeats
 
 
 def _settings() -> tuple[int, dict[str, int]]:
@@ -169,7 +169,7 @@ def _unit(
         return float(rng.standard_t(3)) * spread / math.sqrt(3.0)
 
     u = DEFAULTS
-    room = rng.uniform(-world.room, world.room)
+    temperature_error = rng.uniform(-world.room_temperature, world.room_temperature)  # [K] than 20 °C
     common = {part: error(world.common * instruments.of(part).common) for part in ("spool", "sleeve")}
     if instruments.err_alike:
         common["spool"] = common["sleeve"]
@@ -186,7 +186,7 @@ def _unit(
             ("sleeve", sleeve, land.body_expansion, world.ovality),
         ):
             tool = instruments.of(part)
-            offset = common[part] + error(world.calibration * tool.own) + true * expansion * room
+            offset = common[part] + error(world.calibration * tool.own) + true * expansion * temperature_error
             ovality, phase = abs(rng.normal(0.0, oval)), rng.uniform(0.0, 180.0)
             four_lobes, taper = rng.normal(0.0, 0.07 * ovality), rng.normal(0.0, 2e-6)
             for place, plane in enumerate(land.planes):
@@ -213,7 +213,7 @@ def _truth(
     diameter: dict[tuple[str, int], float],
     length: dict[tuple[str, int], float],
 ) -> Truth:
-    """Flows of the true unit, from the gap law written out once more."""
+    """Compute the flows of the true unit, from the gap law written out once more."""
     u, point, pump = DEFAULTS, controller.operating_points[0], controller.pump
     temperature = point.temperature + rng.normal(0.0, u.temperature)
     viscosity = fluid.kinematic_viscosity(temperature) * math.exp(rng.normal(0.0, u.viscosity))
@@ -248,50 +248,50 @@ def _inside(interval: tuple[float, float], value: float) -> bool:
 
 
 def _count(world: World, units: range) -> Counter[str]:
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for unit in units:
         assessed, truth, repeats = simulate(world, unit)
         for land in assessed.lands:
             key = land.key
             share = truth.leakage[key] / truth.capacity
-            found["lands"] += 1
+            counts["lands"] += 1
             for name, interval, value in (
                 ("clearance", land.clearance_interval, truth.clearance[key]),
                 ("leakage", land.leakage_interval, truth.leakage[key]),
                 ("share", land.share_interval, share),
             ):
                 inside = _inside(interval, value)
-                found[f"inside {name}"] += inside
-                found[f"{repeats} repeats {name}"] += inside
-            found[f"{repeats} repeats lands"] += 1
-            _count_rules(found, land, truth, share)
+                counts[f"inside {name}"] += inside
+                counts[f"{repeats} repeats {name}"] += inside
+            counts[f"{repeats} repeats lands"] += 1
+            _count_rules(counts, land, truth, share)
         total = assessed.totals[0]
-        found["units"] += 1
-        found["inside total leakage"] += _inside(total.leakage_interval, truth.total)
-        found["inside total share"] += _inside(total.share_interval, truth.total / truth.capacity)
-        _count_rule(found, "total share", total.decision, truth.total / truth.capacity)
-    return found
+        counts["units"] += 1
+        counts["inside total leakage"] += _inside(total.leakage_interval, truth.total)
+        counts["inside total share"] += _inside(total.share_interval, truth.total / truth.capacity)
+        _count_rule(counts, "total share", total.decision, truth.total / truth.capacity)
+    return counts
 
 
 COUNTED = {RuleKind.WEAR: "wear", RuleKind.CLEARANCE: "clearance", RuleKind.PAIR_SHARE: "share"}
 
 
-def _count_rules(found: Counter[str], land: LandUncertainty, truth: Truth, share: float) -> None:
+def _count_rules(counts: Counter[str], land: LandUncertainty, truth: Truth, share: float) -> None:
     for rule in land.rules:
         kind = COUNTED[rule.rule.kind]
         true = {"wear": truth.wear[land.key], "clearance": truth.clearance[land.key], "share": share}[kind]
-        _count_rule(found, kind, rule, true)
+        _count_rule(counts, kind, rule, true)
 
 
-def _count_rule(found: Counter[str], kind: str, rule: RuleDecision, true: float) -> None:
-    """Only the first limit of each rule, so that every rule has one population."""
+def _count_rule(counts: Counter[str], kind: str, rule: RuleDecision, true: float) -> None:
+    """Count only the first limit of each rule, so that every rule has one population."""
     first = rule.levels[0]
     over = true > first.limit
-    found[f"{kind}: {first.decision}"] += 1
-    found[f"{kind}: {first.decision} and over"] += over
-    found[f"{kind}: unguarded wrong"] += (rule.value > first.limit) != over
-    found[f"{kind}: truly over"] += over
-    found[f"{kind}: all"] += 1
+    counts[f"{kind}: {first.decision}"] += 1
+    counts[f"{kind}: {first.decision} and over"] += over
+    counts[f"{kind}: unguarded wrong"] += (rule.value > first.limit) != over
+    counts[f"{kind}: truly over"] += over
+    counts[f"{kind}: all"] += 1
 
 
 # --- report
@@ -301,32 +301,32 @@ def _percent(part: float, whole: float) -> float | None:
     return 100.0 * part / whole if whole else None
 
 
-def summary(world: World, found: Counter[str]) -> dict[str, object]:
-    """The rates of one world [%]."""
-    lands, units = found["lands"], found["units"]
+def summary(world: World, counts: Counter[str]) -> dict[str, object]:
+    """Return the rates of one world [%]."""
+    lands, units = counts["lands"], counts["units"]
     coverage = {
-        name: _percent(found[f"inside {name}"], units if name.startswith("total") else lands)
+        name: _percent(counts[f"inside {name}"], units if name.startswith("total") else lands)
         for name in ("clearance", "leakage", "share", "total leakage", "total share")
     }
     rules = {}
     for kind in ("clearance", "wear", "share", "total share"):
-        whole = found[f"{kind}: all"]
-        passed, failed = found[f"{kind}: pass"], found[f"{kind}: fail"]
+        whole = counts[f"{kind}: all"]
+        passed, failed = counts[f"{kind}: pass"], counts[f"{kind}: fail"]
         rules[kind] = {
-            "truly_over": _percent(found[f"{kind}: truly over"], whole),
+            "truly_over": _percent(counts[f"{kind}: truly over"], whole),
             "pass": _percent(passed, whole),
-            "pass_truly_over": _percent(found[f"{kind}: pass and over"], passed),
+            "pass_truly_over": _percent(counts[f"{kind}: pass and over"], passed),
             "conditional": _percent(whole - passed - failed, whole),
             "fail": _percent(failed, whole),
-            "fail_truly_under": _percent(failed - found[f"{kind}: fail and over"], failed),
+            "fail_truly_under": _percent(failed - counts[f"{kind}: fail and over"], failed),
             "decided_wrongly": _percent(
-                found[f"{kind}: pass and over"] + failed - found[f"{kind}: fail and over"], whole
+                counts[f"{kind}: pass and over"] + failed - counts[f"{kind}: fail and over"], whole
             ),
-            "unguarded_wrong": _percent(found[f"{kind}: unguarded wrong"], whole),
+            "unguarded_wrong": _percent(counts[f"{kind}: unguarded wrong"], whole),
         }
     by_repeats = {
         count: {
-            name: _percent(found[f"{count} repeats {name}"], found[f"{count} repeats lands"])
+            name: _percent(counts[f"{count} repeats {name}"], counts[f"{count} repeats lands"])
             for name in ("clearance", "leakage")
         }
         for count in (1, 2, 3)
@@ -356,17 +356,17 @@ def _show(result: dict[str, object]) -> None:
 
 
 def _failures(result: dict[str, object], tolerance: float = TOLERANCE) -> list[str]:
-    found = [
+    failures = [
         f"coverage of {name} is {value:.2f} %, not 95 ± {tolerance:g} %"
         for name, value in result["coverage"].items()
         if abs(value - 95.0) > tolerance
     ]
-    found += [
+    failures += [
         f"{rates['pass_truly_over']:.2f} % of those declared pass by {kind} are over the limit"
         for kind, rates in result["rules"].items()
         if rates["pass_truly_over"] is not None and rates["pass_truly_over"] > 5.0
     ]
-    return found
+    return failures
 
 
 def main(arguments: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""Total leakage of a long log, beside copying its arrays and beside a loop over the gaps.
+"""Time the total leakage of a long log, beside copying its arrays and beside a loop over the gaps.
 
     python benchmarks/leakage_series.py [--small]
 
@@ -63,7 +63,7 @@ def main(chosen: argparse.Namespace) -> int:
 
 
 def loop_over_gaps(model: LeakageModel, p_g: Any, p_k: Any, temperature: Any, gear: Any) -> np.ndarray:
-    """What a straightforward program does: every gap's flow over the whole log, added up."""
+    """Add up every gap's flow over the whole log, as a straightforward program does."""
     profile, fluid = model.profile, model.fluid
     viscosity = fluid.kinematic_viscosity(temperature, profile.viscosity)
     density = fluid.density(temperature, profile.viscosity)
@@ -92,11 +92,11 @@ def _model(gaps: int, profile: Profile) -> LeakageModel:
 
 
 def _published_kinds(controller: Controller, count: int) -> tuple[Any, ...]:
-    """So many gaps that see a drop in every gear, cycling through the kinds of pressure drop of the controller."""
+    """Return so many gaps with a pressure drop in every gear, repeating the controller's kinds of drop."""
     every = frozenset(controller.gears)
     kinds = {(gap.section, str(gap.high), str(gap.low)): replace(gap, gears=every) for gap in controller.gaps}
-    found = list(kinds.values())[:6]
-    return tuple(found[number % len(found)] for number in range(count))
+    gaps = list(kinds.values())[:6]
+    return tuple(gaps[number % len(gaps)] for number in range(count))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A measuring sheet of 5000 rows read and turned into clearances, beside openpyxl loading the same workbook.
+"""Time reading a measuring sheet of 5000 rows into clearances, beside openpyxl loading the same workbook.
 
 python benchmarks/readings.py [--small]
 """

@@ -1,4 +1,4 @@
-"""Time of the printed report and the workbook of a 60-land job with a log, beside the bare libraries.
+"""Time the printed report and the workbook of a 60-land job with a log, beside the bare libraries.
 
     python benchmarks/reports.py [--batch 100] [--small]
 
@@ -51,7 +51,7 @@ RUNS = 7
 
 
 def controller_of_60() -> Controller:
-    """The shipped controller with some of its components a second time."""
+    """Return the shipped controller with some of its components a second time."""
     controller = load_controller("four_speed_2023")
     lands, gaps, components = list(controller.lands), list(controller.gaps), dict(controller.components)
     for land in controller.lands[: LANDS - len(lands)]:
@@ -64,7 +64,7 @@ def controller_of_60() -> Controller:
 
 
 def job_of_60() -> tuple[Diagnosis, Job]:
-    """Every land worn differently, two directions and repeats; a log; three photos."""
+    """Return a job with every land worn differently, two directions and repeats, a log and three photos."""
     controller = controller_of_60()
     readings = []
     for number, land in enumerate(controller.lands):
@@ -98,7 +98,7 @@ def job_of_60() -> tuple[Diagnosis, Job]:
 
 
 def bare_typst(diagnosis: Diagnosis, job: Job, folder: Path) -> Callable[[], bytes]:
-    """A compile of the same pages with everything but typst's own work done."""
+    """Return a run that compiles the same pages with everything but typst's own work done beforehand."""
     say = wording("en")
     pictures = pdf.write_pictures(job, folder)
     data = pdf.report_data(diagnosis, job, say, "a4", pdf.chosen_sections(None), pictures)
@@ -115,7 +115,7 @@ def bare_typst(diagnosis: Diagnosis, job: Job, folder: Path) -> Callable[[], byt
 
 
 def bare_xlsxwriter(content: bytes) -> Callable[[], bytes]:
-    """The same cells as plain values, without formats, charts or anything else."""
+    """Return a run that writes the same cells as plain values, without formats or charts."""
     book = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
     sheets = {sheet.title: [(c.row - 1, c.column - 1, c.value) for row in sheet for c in row] for sheet in book}
     sheets = {name: [cell for cell in cells if cell[2] is not None] for name, cells in sheets.items()}
@@ -133,7 +133,7 @@ def bare_xlsxwriter(content: bytes) -> Callable[[], bytes]:
 
 
 def batch(count: int) -> None:
-    """So many jobs from their files, with progress."""
+    """Report so many jobs from their files, with progress."""
     controller = load_controller("four_speed_2023")
     diagnosis = diagnose(controller, load_fluid("hipol_atf_iid"), load_limits("project_default"))
     with tempfile.TemporaryDirectory() as folder, Progress() as progress:
@@ -147,7 +147,7 @@ def batch(count: int) -> None:
             sources, Path(folder) / "out", formats=("pdf", "xlsx"), progress=lambda *_: progress.advance(task)
         )
         took = time.perf_counter() - start
-        assert all(found.error is None for found in done)
+        assert all(report.error is None for report in done)
     print(f"{count} jobs, PDF and workbook each: {took:.1f} s, {took / count * 1e3:.0f} ms a job")
 
 
@@ -168,8 +168,8 @@ def main(chosen: argparse.Namespace) -> None:
                 start = time.perf_counter()
                 run()
                 times[name].append(time.perf_counter() - start)
-    for name, found in times.items():
-        print(f"{name:28} {statistics.median(found) * 1e3:6.0f} ms   {sizes[name] / 1024:6.0f} KiB")
+    for name, durations in times.items():
+        print(f"{name:28} {statistics.median(durations) * 1e3:6.0f} ms   {sizes[name] / 1024:6.0f} KiB")
     if count := chosen.batch or (2 if chosen.small else 0):
         batch(count)
 

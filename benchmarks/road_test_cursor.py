@@ -1,4 +1,4 @@
-"""What a cursor moved on the page Road test costs, beside the whole diagnosis of the same job.
+"""Time a moved cursor on the page Road test, beside the whole diagnosis of the same job.
 
     python benchmarks/road_test_cursor.py [--small]
 
@@ -62,7 +62,7 @@ def _measure(page: AppTest, rounds: int) -> None:
     scripts.clear()
     for number in range(rounds):
         ends = (test.time[0] + 1.0 + 0.5 * number, test.time[-1] - 2.0)
-        cursors = next(found for found in page.main.slider if "cursors" in found.label)
+        cursors = next(slider for slider in page.main.slider if "cursors" in slider.label)
         cursors.set_value(ends)
         page.run()
         assert not page.exception
@@ -73,14 +73,14 @@ def _measure(page: AppTest, rounds: int) -> None:
             begin = time.thread_time()
             run()
             times[name].append(time.thread_time() - begin)
-    script, leakage, whole = (statistics.median(found) for found in (scripts, times["leakage"], times["diagnosis"]))
+    script, leakage, whole = map(statistics.median, (scripts, times["leakage"], times["diagnosis"]))
     assert len(scripts) == rounds
     print(f"leakage between the cursors / whole diagnosis   {leakage / whole:.3f}   ({_ms(leakage)} / {_ms(whole)})")
     print(f"the page's script / whole diagnosis             {script / whole:.2f}    ({_ms(script)} / {_ms(whole)})")
 
 
 class _Read(Reader):
-    """A job's files and catalogue entries, read once."""
+    """A reader of a job's files and catalogue entries that reads each once."""
 
     def __init__(self, case: Case) -> None:
         self._log, self._entries = super().log(case), {}

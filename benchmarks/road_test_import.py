@@ -1,4 +1,4 @@
-"""How long the import of a road-test log takes against pandas' own reader, in the same run.
+"""Time the import of a road-test log against pandas' own reader, in the same run.
 
     python benchmarks/road_test_import.py [--rows 1800000] [--repeat 5] [--small]
 
@@ -33,7 +33,7 @@ LIMITS = {"clean": 1.5, "decimal comma": 1.5, "clock strings": 4.0}
 
 
 def write_logs(folder: Path, rows: int) -> dict[str, Path]:
-    """Three logs of the same drive: six columns, 100 Hz."""
+    """Write three logs of the same drive: six columns, 100 Hz."""
     noise = np.random.default_rng(7)
     seconds = np.arange(rows) * 0.01
     engine = 800 + 1000 * (1 + np.sin(seconds / 30)) + noise.normal(0, 5, rows)
@@ -57,7 +57,7 @@ def write_logs(folder: Path, rows: int) -> dict[str, Path]:
 
 
 def bare(name: str, path: Path) -> Callable[[], object]:
-    """What pandas alone does with the file."""
+    """Read the file with pandas alone."""
     options = {
         "clean": {},
         "decimal comma": {"sep": ";", "decimal": ","},
@@ -67,7 +67,7 @@ def bare(name: str, path: Path) -> Callable[[], object]:
 
 
 def timed(work: Callable[[], object]) -> float:
-    """Seconds one call takes."""
+    """Return the seconds that one call takes."""
     begin = time.perf_counter()
     work()
     return time.perf_counter() - begin
@@ -83,7 +83,7 @@ with open("/proc/self/status", encoding="ascii") as status:
 
 
 def peak_megabytes(path: Path) -> float | None:
-    """Peak memory of a process that only imports the log, None where the system does not tell."""
+    """Return the peak memory of a process that only imports the log, None where the system does not tell."""
     if not Path("/proc/self/status").exists():
         return None
     run = subprocess.run([sys.executable, "-c", PEAK, str(path)], capture_output=True, text=True, check=True)
@@ -91,7 +91,7 @@ def peak_megabytes(path: Path) -> float | None:
 
 
 def main(arguments: argparse.Namespace) -> int:
-    """Runs the benchmark; exit status 1 when a limit is passed, which the small size does not judge."""
+    """Run the benchmark; return exit status 1 past a limit, which the small size does not check."""
     if arguments.small:
         arguments = argparse.Namespace(**vars(arguments) | SMALL)
     results, passed = {}, True

@@ -1,4 +1,4 @@
-"""What every benchmark does alike: its one option, and the median of some runs, all in one process."""
+"""Provide what every benchmark shares: its one option, and the median of some runs in one process."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any
 
 
 def options(doc: str) -> argparse.ArgumentParser:
-    """The command line of a benchmark: its docstring, and ``--small`` for a run of seconds."""
+    """Return the command line of a benchmark: its docstring, and ``--small`` for a run of seconds."""
     parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--small", action="store_true", help="seconds instead of minutes: that it runs, not how fast")
     return parser
 
 
 def median_time(run: Callable[[], Any], rounds: int = 7) -> float:
-    """Median duration of a run [s]."""
+    """Return the median duration of a run [s]."""
     times = []
     for _ in range(rounds):
         start = time.perf_counter()

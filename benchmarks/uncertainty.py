@@ -1,4 +1,4 @@
-"""Uncertainty of a whole unit, 20 000 draws, beside bare NumPy drawing and cubing as many clearances.
+"""Time the uncertainty of a whole unit, 20 000 draws, beside bare NumPy drawing and cubing as many clearances.
 
     python benchmarks/uncertainty.py [--small]
 

@@ -1,4 +1,4 @@
-"""The main job: which pairs are past their limits, what they cost, what to repair first."""
+"""Show the diagnosis: which pairs are past their limits, what they cost, what to repair first."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ if diagnosis.flagged:
 else:
     st.write("No measured land has reached a limit.")
 show.what_is_shown(diagnosis)
-show.unsettled(words.advice(diagnosis))
+show.open_verdicts(words.advice(diagnosis))
 show.sheet_messages(diagnosis)
 
 st.subheader("Total share of the pump's flow")

@@ -1,4 +1,4 @@
-"""The clearances as measured: diameters, range, ovality, taper, spread, and what was not measured."""
+"""Show the clearances as measured: diameters, range, ovality, taper, spread, and what was not measured."""
 
 import streamlit as st
 

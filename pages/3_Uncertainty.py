@@ -1,4 +1,4 @@
-"""How sure the numbers are: intervals, what they are made of, and what would settle a verdict."""
+"""Show how sure the numbers are: intervals, their sources, and what would make a verdict clear."""
 
 import streamlit as st
 
@@ -17,14 +17,14 @@ if unit is None:
 spool, sleeve = unit.instruments.spool, unit.instruments.sleeve
 st.markdown(
     f"Spools measured with **{show.plain(spool.name)}**, sleeves with **{show.plain(sleeve.name)}**; bars are "
-    f"{unit.coverage:.0%} intervals. The instruments are chosen in the panel at the side."
+    f"{unit.coverage:.0%} intervals. Choose the instruments in the sidebar."
 )
 show.messages(unit.messages, "the instruments and what else is uncertain")
 
 st.subheader("Total share")
 show.chart(total_share(diagnosis), "totals")
 
-show.unsettled(words.advice(diagnosis))
+show.open_verdicts(words.advice(diagnosis))
 
 st.subheader("Clearances")
 show.chart(figures.clearances(unit), "clearances")
@@ -33,9 +33,9 @@ show.chart(figures.leakages(unit), "leakages")
 
 st.subheader("What one land's uncertainty is made of")
 measured = [land.uncertainty for land in diagnosis.ranked if land.uncertainty is not None]
-land = st.selectbox("Land", measured, format_func=lambda found: words.land_name(diagnosis, found.key))
+land = st.selectbox("Land", measured, format_func=lambda each: words.land_name(diagnosis, each.key))
 show.chart(figures.budget(land), "budget")
-verdicts = {found.key: found.verdict for found in diagnosis.lands}
+verdicts = {each.key: each.verdict for each in diagnosis.lands}
 show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts), f"component {land.key[0]}", least_width=300)
 with st.expander("In numbers"):
     show.table(budget_rows(land))

@@ -1,4 +1,4 @@
-"""The road-test log: what was understood of it, what is asked, its picture, and the leakage over it."""
+"""Show the road-test log: what was understood of it, open questions, its curves, and the leakage over it."""
 
 from functools import partial
 
@@ -15,26 +15,26 @@ case, diagnosis = panel.shown()
 st.title("Road test")
 pending = log_form.pending(case)
 if pending is None:
-    st.info("No road-test log in the job. Upload one in the panel at the side.")
+    st.info("No road-test log in the job. Upload one in the sidebar.")
     st.stop()
-file, found = pending
-test = found.road_test
-facts = [found.format, found.encoding, f"decimal sign {found.decimal}" if found.decimal else None]
+file, log = pending
+test = log.road_test
+facts = [log.format, log.encoding, f"decimal sign {log.decimal}" if log.decimal else None]
 if test is not None:
     breaks = len(test.segments) - 1
     facts += [f"{test.rows} rows over {test.duration:.1f} s", f"{breaks} breaks" if breaks > 0 else "no break"]
-st.markdown(f"**{show.plain(found.file)}**: {show.plain(', '.join(fact for fact in facts if fact))}")
-if found.problem is not None:
-    st.error(show.plain(found.problem))
-log_form.form(file, found, case)
+st.markdown(f"**{show.plain(log.file)}**: {show.plain(', '.join(fact for fact in facts if fact))}")
+if log.problem is not None:
+    st.error(show.plain(log.problem))
+log_form.form(file, log, case)
 if test is None:
     st.stop()
 
 st.subheader("As understood")
-show.table(log_form.column_rows(found))
-if found.unused:
-    st.caption(f"Not used: {show.plain(', '.join(found.unused))}")
-show.messages(found.messages, "the road-test log")
+show.table(log_form.column_rows(log))
+if log.unused:
+    st.caption(f"Not used: {show.plain(', '.join(log.unused))}")
+show.messages(log.messages, "the road-test log")
 
 happened = events(test)
 st.subheader("What happened")

@@ -1,4 +1,4 @@
-"""The report: what the workshop writes down about the job, and PDF, workbook, JSON and job file to take along."""
+"""Write the report: the job record as a form, and PDF, workbook, JSON and job file to download."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,7 +13,7 @@ from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import languages, wording
 from pages.shared import job_form, panel, show
-from pages.shared.cases import settled
+from pages.shared.cases import case_with_columns
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
 RECORD = "What is filled in above, for the next time or for the command line."
@@ -48,7 +48,7 @@ downloads: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
     "Excel workbook": ("xlsx", lambda: write_workbook(diagnosis, record, paper=paper), "With live formulas."),
     "JSON": ("json", lambda: to_json(diagnosis_record(diagnosis)), "Every number, for other programs."),
     "Job record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True), RECORD),
-    "Job file": ("zip", lambda: write_job_file(diagnosis, record, settled(case)), ALL),
+    "Job file": ("zip", lambda: write_job_file(diagnosis, record, case_with_columns(case)), ALL),
 }
 with st.container(horizontal=True):
     for label, (suffix, content, tip) in downloads.items():

@@ -1,4 +1,4 @@
-"""The source study's tables and figures beside what the engine computes, and where the article contradicts itself."""
+"""Compare the source study's tables and figures with the engine, and show where the article contradicts itself."""
 
 import pandas as pd
 import streamlit as st

@@ -1,4 +1,4 @@
-"""Valve bodies, fluids and limits: what they say, where it comes from, and what of it is representative."""
+"""Show valve bodies, fluids and limits: their values, sources, and which values are representative."""
 
 import streamlit as st
 
@@ -9,14 +9,14 @@ from pages.shared.cases import catalogue_entry
 
 case, diagnosis = panel.shown()
 st.title("Catalogue")
-st.write("Everything shipped names its source. A workshop's own TOML file is taken by the choices at the side.")
+st.write("Everything shipped names its source. Choose a workshop's own TOML file in the sidebar.")
 
 
 def entries(kind: str) -> dict:
-    """The shipped entries of a kind and the one in the job, by name."""
-    found = [catalogue_entry(kind, name) for name in catalogue_files(rows.FOLDERS[kind])]
+    """Return the shipped entries of a kind and the one in the job, by name."""
+    shipped = [catalogue_entry(kind, name) for name in catalogue_files(rows.FOLDERS[kind])]
     own = getattr(diagnosis, kind)
-    return {entry.name: entry for entry in ([] if own in found else [own]) + found}
+    return {entry.name: entry for entry in ([] if own in shipped else [own]) + shipped}
 
 
 for tab, kind in zip(st.tabs(["Valve bodies", "Fluids", "Limits"]), rows.FOLDERS, strict=True):

@@ -1,4 +1,4 @@
-"""Finds the representative geometry and the representative road test of the source study's controller.
+"""Find the representative geometry and the representative road test of the source study's controller.
 
 The study (Dziubak & Szczepaniak, Energies 2023, 16, 7667) publishes which gaps leak in second gear, the results of its
 eight variants (Table 3) and some points of its minimum-acceleration test, but no clearance, contact length or
@@ -51,7 +51,7 @@ TABLE_3 = {variant.name: variant for variant in VARIANTS}
 
 
 def half_digit(printed: Decimal) -> float:
-    """Half a unit of the last printed digit."""
+    """Return half a unit of the last printed digit."""
     return 0.5 * 10.0 ** printed.as_tuple().exponent
 
 
@@ -95,7 +95,7 @@ MAIN_AT_MAXIMUM = 800.0  # kPa, before its last tenths are set
 
 
 def converter_pressure(time: np.ndarray | float) -> np.ndarray | float:
-    """p_k [kPa]: rises with the launch to 400 at 2.1 s, then follows the upshifts down."""
+    """Return p_k [kPa]: it rises with the launch to 400 at 2.1 s, then follows the upshifts down."""
     knots = {0: 285, 0.8: 304, 0.96: 312, 1.3: 338, 2.1: 400, 2.3: 412, 3.4: 425}
     knots |= {5.2: 400, 5.6: 365, 8.4: 385, 8.9: 350, 12: 365}
     return smooth_curve(knots)(time)
@@ -110,7 +110,7 @@ def model_of(controller: Controller, row: Variant) -> LeakageModel:
 
 
 def leakage(controller: Controller, row: Variant, p_g: float, p_k: float, gear: int = 2) -> float:
-    """dm³/min at main and converter pressure [kPa]."""
+    """Return the leakage [dm³/min] at main and converter pressure [kPa]."""
     series = leakage_series(model_of(controller, row), p_g * 1e3, p_k * 1e3, row.temperature, gear)
     return float(series.total[0]) * DM3_MIN
 
@@ -125,12 +125,12 @@ ALLOWED = np.minimum([half_digit(row.printed_max_leakage) for row in VARIANTS], 
 
 
 def misfit(values: np.ndarray) -> np.ndarray:
-    """The largest deviation over the variants (last axis) in what is allowed: below 1 all is reached."""
+    """Return the largest deviation over the variants (last axis), in units of the allowed one: below 1 all fit."""
     return np.max(np.abs(values - PRINTED) / ALLOWED, axis=-1)
 
 
 def best_factor(values: np.ndarray) -> tuple[float, float]:
-    """(factor, misfit) of the common factor on all leakages that fits best."""
+    """Return (factor, misfit) of the common factor on all leakages that fits best."""
     factors = np.linspace(0.999, 1.001, 201) * PRINTED[3] / values[3]
     all_misfits = misfit(np.outer(factors, values))
     best = int(np.argmin(all_misfits))
@@ -143,7 +143,7 @@ Geometry = dict[tuple[str, int], tuple[float, float]]  # land → (contact lengt
 
 
 def drawing_geometry(controller: Controller, clearance_factor: float, length_factor: float) -> Geometry:
-    """Rounded as a drawing would state it: 0.1 mm and 0.5 µm."""
+    """Return the geometry rounded as a drawing would state it: 0.1 mm and 0.5 µm."""
     geometry = {}
     for land in controller.lands:
         length, tightness = DRAWING[land.component][land.land - 1]
@@ -164,7 +164,7 @@ def with_geometry(controller: Controller, geometry: Geometry) -> Controller:
 
 
 def leakage_by_land(controller: Controller, geometry: Geometry) -> np.ndarray:
-    """Leakage in second gear at 2.1 s, shape (variants, lands) [dm³/min]."""
+    """Return the leakage in second gear at 2.1 s, shape (variants, lands) [dm³/min]."""
     condition = replace(
         controller.operating_points[0],
         gear=2,
@@ -186,13 +186,13 @@ def find_geometry(controller: Controller) -> Geometry:
         geometry = drawing_geometry(controller, float(clearance_factor), 1.0)
         factor, value = best_factor(leakage_by_land(controller, geometry).sum(axis=1))
         trials.append((value, float(clearance_factor), 1.0 / factor))
-    found = []
+    fits = []
     for _, clearance_factor, length_factor in sorted(trials)[:6]:
         drawn = drawing_geometry(controller, clearance_factor, length_factor)
         value, geometry = moved(controller, drawn)
         changed = sum(geometry[key] != drawn[key] for key in drawn)
-        found.append((value, clearance_factor, length_factor, changed, geometry))
-    value, clearance_factor, length_factor, changed, geometry = min(found, key=lambda trial: trial[0])
+        fits.append((value, clearance_factor, length_factor, changed, geometry))
+    value, clearance_factor, length_factor, changed, geometry = min(fits, key=lambda trial: trial[0])
     print(
         f"clearances {clearance_factor:.3f} µm per mm of diameter, lengths × {length_factor:.4f}, "
         f"{changed} lands moved by 0.5 µm; misfit {value:.4f}"
@@ -201,7 +201,7 @@ def find_geometry(controller: Controller) -> Geometry:
 
 
 def moved(controller: Controller, drawn: Geometry) -> tuple[float, Geometry]:
-    """(misfit, geometry) with single lands and pairs of lands moved by 0.5 µm while that brings the maxima closer."""
+    """Return (misfit, geometry), lands and pairs of lands moved by 0.5 µm while that brings the maxima closer."""
     tables = np.stack(
         [
             leakage_by_land(controller, {key: (length, clearance + step) for key, (length, clearance) in drawn.items()})
@@ -236,7 +236,7 @@ def moved(controller: Controller, drawn: Geometry) -> tuple[float, Geometry]:
 
 
 def smooth_curve(knots: dict[float, float]) -> Callable[[np.ndarray | float], np.ndarray | float]:
-    """Through the knots without overshoot (cubic Hermite, slopes as Fritsch & Carlson 1980)."""
+    """Return a curve through the knots without overshoot (cubic Hermite, slopes as Fritsch & Carlson 1980)."""
     x = np.array(sorted(knots), dtype=float)
     y = np.array([knots[key] for key in sorted(knots)], dtype=float)
     width, secant = np.diff(x), np.diff(y) / np.diff(x)
@@ -262,7 +262,7 @@ def smooth_curve(knots: dict[float, float]) -> Callable[[np.ndarray | float], np
 
 
 def solve_main_pressure(controller: Controller, wanted: float, p_k: float, gear: int) -> float:
-    """p_g [kPa] to 0.01 at which W4 leaks that much."""
+    """Return p_g [kPa] to 0.01 at which W4 leaks that much."""
     low, high = 100.0, 1000.0
     while high - low > 1e-6:
         middle = 0.5 * (low + high)
@@ -274,7 +274,7 @@ def solve_main_pressure(controller: Controller, wanted: float, p_k: float, gear:
 
 
 def pressures_at_maximum(controller: Controller) -> tuple[float, float]:
-    """(p_g, p_k) [kPa] to 0.01 and 0.1 at which all eight maxima fit best."""
+    """Return (p_g, p_k) [kPa] to 0.01 and 0.1 at which all eight maxima fit best."""
     p_k = float(converter_pressure(MAXIMUM_AT))
     near = solve_main_pressure(controller, float(TABLE_3["W4"].printed_max_leakage), p_k, 2)
     main, converter = np.round(near + np.arange(-80, 81) * 0.01, 2), np.round(p_k + np.arange(-5, 6) * 0.1, 1)
@@ -291,7 +291,7 @@ def pressures_at_maximum(controller: Controller) -> tuple[float, float]:
 
 
 def steps_after_maximum(controller: Controller, p_g: float, p_k: float) -> tuple[float, float]:
-    """Change of p_g and p_k [kPa] from sample to sample just after the maximum.
+    """Return the change of p_g and p_k [kPa] from sample to sample just after the maximum.
 
     Main pressure falls, converter pressure still rises. The lands at converter pressure have the larger clearances, so
     heat opens them relatively less and their part of the leakage is largest in the cold: at -40 °C (W5) the total still
@@ -315,7 +315,7 @@ def steps_after_maximum(controller: Controller, p_g: float, p_k: float) -> tuple
 
 
 def engine_speed_of(controller: Controller, flow: float) -> float:
-    """rpm at which the pump delivers that many dm³/min."""
+    """Return the engine speed [rpm] at which the pump delivers that many dm³/min."""
     pump = controller.pump
     return flow / DM3_MIN / (pump.displacement * pump.volumetric_efficiency) * 60.0
 
@@ -381,7 +381,7 @@ def find_log(controller: Controller) -> dict[str, np.ndarray]:
 
 
 def ripple(time: np.ndarray, amplitude: float, hertz: tuple[float, float], still: tuple[float, ...]) -> np.ndarray:
-    """Two sines that die out around the stated instants."""
+    """Return two sines that die out around the stated instants."""
     first, second = (np.sin(2.0 * np.pi * frequency * time) for frequency in hertz)
     calm = np.ones_like(time)
     for at in still:
@@ -393,13 +393,13 @@ def ripple(time: np.ndarray, amplitude: float, hertz: tuple[float, float], still
 
 
 def controller_text(text: str, geometry: Geometry) -> str:
-    """The catalogue file with the lands' lengths and clearances put in; all else stays."""
+    """Return the catalogue file with the lands' lengths and clearances put in; all else stays."""
     component = ""
     lines = []
     for line in text.splitlines():
-        found = re.match(r'id = "(.+)"$', line)
-        if found:
-            component = found[1]
+        heading = re.match(r'id = "(.+)"$', line)
+        if heading:
+            component = heading[1]
         land = re.match(r"  \{ land = (\d), ", line)
         if land:
             length, clearance = geometry[component, int(land[1])]
@@ -418,7 +418,7 @@ def log_text(log: dict[str, np.ndarray]) -> str:
 
 
 def report(controller: Controller, log: dict[str, np.ndarray]) -> bool:
-    """Prints what was reached; True where every published value is within its acceptance."""
+    """Print what was reached; return True where every published value is within its acceptance."""
     time, gear, p_g, p_k = log["time [s]"], log["gear"], log["p_g [kPa]"], log["p_k [kPa]"]
     pump = controller.pump
     capacity = log["engine_speed [rpm]"] / 60.0 * pump.displacement * pump.volumetric_efficiency * DM3_MIN

@@ -1,4 +1,4 @@
-"""Writes the sample measuring sheet: spool 6 as published, every other reading representative.
+"""Write the sample measuring sheet: spool 6 as published, every other reading representative.
 
     python tools/make_sample_readings.py
 

@@ -1,1 +1,1 @@
-"""The catalogue: TOML files, and the classes that load and check them."""
+"""Hold the catalogue: TOML files, and the classes that load and check them."""

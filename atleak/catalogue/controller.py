@@ -1,4 +1,4 @@
-"""What a controller is: its pairs and lands, the gaps between pressures, pump, pressure relations, operating points.
+"""Describe a controller: pairs and lands, gaps between pressures, pump, pressure relations, operating points.
 
 A controller is described in a TOML file (see ``docs/describing-a-controller.md``); this module checks one and turns
 it into frozen objects in SI units.
@@ -45,20 +45,20 @@ class Pressure:
 
     @classmethod
     def parse(cls, text: str) -> Pressure:
-        """From ``"p_g"``, ``"0.1*p_g"``, ``"0"`` or ``"drain"``.
+        """Read ``"p_g"``, ``"0.1*p_g"``, ``"0"`` or ``"drain"``.
 
         >>> Pressure.parse("0.1*p_g")
         Pressure(coefficient=0.1, section='p_g')
         """
         if text.strip() in {"0", "drain"}:
             return cls(0.0, None)
-        found = _PRESSURE.match(text)
-        if found is None:
+        match = _PRESSURE.match(text)
+        if match is None:
             raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k), '0' or 'drain'")
-        factor = float(found["factor"] or 1.0)
+        factor = float(match["factor"] or 1.0)
         if not 0.0 < factor <= 1.0:
             raise ValueError("a share of a pressure, more than 0 and at most 1")
-        return cls(factor, found["section"])
+        return cls(factor, match["section"])
 
     def __str__(self) -> str:
         if self.section is None:
@@ -90,11 +90,11 @@ class Land:
 
     @property
     def nominal_sleeve_diameter(self) -> float:
-        """Nominal spool diameter and twice the mounting clearance [m]."""
+        """Return the nominal spool diameter plus twice the mounting clearance [m]."""
         return self.nominal_diameter + 2.0 * self.mounting_clearance
 
     def thermal_rate(self, spool_diameter: float, sleeve_diameter: float) -> float:
-        """Growth of the radial clearance with temperature [m/K], eq. (2) at equal temperature of body and spool."""
+        """Return how fast the radial clearance grows with temperature [m/K]: eq. (2), body and spool equally warm."""
         return clearance_equations.thermal_rate(
             sleeve_diameter, spool_diameter, self.body_expansion, self.spool_expansion
         )
@@ -144,7 +144,7 @@ class PressureRelation:
         return pressure_equations.regulated_pressure(main_pressure, self.ratio, self.offset, self.limit)
 
     def line_between(self, low: float, high: float) -> tuple[float, float] | None:
-        """(ratio, offset) that holds for all p_g between two, or None where the limit begins between them."""
+        """Return (ratio, offset) valid for all p_g between two values; None where the limit begins between them."""
         if self.limit is None:
             return self.ratio, self.offset
         ends = self(low), self(high)
@@ -199,28 +199,28 @@ class Controller:
         return {(land.component, plane): land for land in self.lands for plane in land.planes}
 
     def land(self, component: str, land: int) -> Land:
-        """The land of that component and number.
+        """Return the land of that component and number.
 
         Raises
         ------
         KeyError
-            where the controller has none.
+            if the controller has no such land.
         """
         return self._by_key[component, land]
 
     def land_of_plane(self, component: str, plane: str) -> Land | None:
-        """The land that is measured in that plane, or None."""
+        """Return the land that is measured in that plane, or None."""
         return self._by_plane.get((component, plane))
 
     def lands_of(self, component: str) -> tuple[Land, ...]:
         return tuple(land for land in self.lands if land.component == component)
 
     def gaps_in(self, gear: int) -> tuple[Gap, ...]:
-        """The gaps that see a pressure drop in that gear."""
+        """Return the gaps that see a pressure drop in that gear."""
         return tuple(gap for gap in self.gaps if gear in gap.gears)
 
     def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
-        """All four section pressures [Pa] from the two that are measured; arrays as they come."""
+        """Compute all four section pressures [Pa] from the two that are measured; arrays give arrays."""
         return {
             "p_g": main_pressure,
             "p_s": self.relations["p_s"](main_pressure),
@@ -229,26 +229,26 @@ class Controller:
         }
 
     def above_main(self, main_pressure: Any) -> dict[str, Any]:
-        """Where p_s or p_m would be above main pressure, which feeds both: there the relation does not hold."""
+        """Tell where p_s or p_m would be above main pressure: it feeds both, so there the relation does not hold."""
         pressures = self.section_pressures(main_pressure, 0.0)
         return {section: pressures[section] > np.maximum(main_pressure, 0.0) for section in ("p_s", "p_m")}
 
 
 def load_controller(id_or_path: str | Path) -> Controller:
-    """A shipped controller by id or a workshop's own by path.
+    """Load a shipped controller by id or a workshop's own by path.
 
     Raises
     ------
     CatalogueError
-        naming file, table, key and value.
+        if the file is missing or wrong; the message names file, table, key and value.
     """
     entry, origin = read_entry("controllers", id_or_path, ControllerFile)
     return _build(entry, origin)
 
 
 def controllers() -> list[Controller]:
-    """Every shipped controller."""
-    return [load_controller(found) for found in catalogue_files("controllers")]
+    """Return every shipped controller."""
+    return [load_controller(name) for name in catalogue_files("controllers")]
 
 
 # --- from the file to the objects ---------------------------------------------------------------------------------
@@ -274,7 +274,7 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
             f"a gap uses {section}, which no relation gives",
             expected=f"a table [pressures.{section}]",
         )
-    # a controller whose gaps use neither still answers what they would be
+    # a controller whose gaps use neither pressure still answers what each would be
     for section in ("p_s", "p_m"):
         relations.setdefault(section, PressureRelation("line", 0.0, 0.0, None))
     return Controller(
@@ -356,7 +356,7 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
 
 
 def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Gap]:
-    if not entry.gaps:  # a minimal description: every land leaks from main pressure to the drain in every gear
+    if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
         every_gear = frozenset(entry.gears)
         drain = Pressure(0.0, None)
         return [

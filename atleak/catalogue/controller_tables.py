@@ -1,4 +1,4 @@
-"""What a controller's TOML file must look like: its tables and keys, with the unit in the key."""
+"""Define the tables and keys of a controller's TOML file, with the unit in the key."""
 
 from __future__ import annotations
 
@@ -79,12 +79,12 @@ class PumpTable(Strict):
 
     @property
     def size(self) -> float | PumpGears:
-        """What the pump displaces [mm³/rev], or the gears from which that follows.
+        """Return what the pump displaces [mm³/rev], or the gears from which the displacement follows.
 
         Raises
         ------
         ValueError
-            where the table states neither, both, or not all of the gears.
+            if the table states neither, both, or not all of the gears.
         """
         module, teeth, width, height = self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm
         if self.displacement_mm3 is None:
@@ -121,7 +121,7 @@ class BalanceValve:
 
 
 class RelationTable(Strict):
-    """``relation = "spool_balance"`` wants the diameters and the spring, ``"line"`` the ratio."""
+    """A pressure relation: ``"spool_balance"`` needs the diameters and the spring, ``"line"`` the ratio."""
 
     relation: Literal["spool_balance", "line"]
     limit_kpa: Positive | None = None
@@ -138,12 +138,12 @@ class RelationTable(Strict):
 
     @property
     def valve(self) -> BalanceValve:
-        """The valve of a spool balance.
+        """Return the valve of a spool balance.
 
         Raises
         ------
         ValueError
-            naming what the table lacks of it.
+            if the table lacks a value of the valve; the message names it.
         """
         one, two, three, rod = self.diameter_1_mm, self.diameter_2_mm, self.diameter_3_mm, self.rod_diameter_mm
         if one is None or two is None or three is None or rod is None or self.spring is None:

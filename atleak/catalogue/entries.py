@@ -1,4 +1,4 @@
-"""The catalogue: one TOML file per controller, fluid, limit set and instrument; a user's own file is read by path.
+"""Read the catalogue: one TOML file per controller, fluid, limit set and instrument, or a user's file by path.
 
 Every file states its source and date and is checked against a pydantic model; what is wrong is named by file,
 table, key and value.
@@ -29,7 +29,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 def _day(value: Any) -> str:
-    """A date as TOML writes it, or as text; an impossible day is refused."""
+    """Read a date as TOML writes it, or as text; an impossible day is refused."""
     try:
         return date.fromisoformat(str(value)).isoformat()
     except ValueError:
@@ -37,13 +37,13 @@ def _day(value: Any) -> str:
 
 
 class Strict(BaseModel):
-    """A table of a catalogue file: unknown keys are errors, and a number in quotes is no number."""
+    """A table of a catalogue file: unknown keys are errors, and so is a number in quotes."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
 class Entry(Strict):
-    """What every catalogue file heads with."""
+    """The keys at the head of every catalogue file."""
 
     id: Identifier
     name: NonEmptyText
@@ -61,7 +61,7 @@ EntryModel = TypeVar("EntryModel", bound=Entry)
 
 @dataclass(frozen=True)
 class Origin:
-    """Which file a catalogue object came from."""
+    """The file that a catalogue object came from."""
 
     path: Path
     sha256: str
@@ -72,18 +72,18 @@ class Origin:
 
 
 def catalogue_files(kind: str) -> dict[str, Path]:
-    """Ids and files of one kind (``"controllers"``, ``"fluids"``, ``"limits"``), sorted by id."""
+    """Return ids and files of one kind (``"controllers"``, ``"fluids"``, ``"limits"``), sorted by id."""
     return {path.stem: path for path in sorted((_HERE / kind).glob("*.toml"))}
 
 
 def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tuple[EntryModel, Origin]:
-    """A catalogue entry by id, or a user's file by path, checked against its model.
+    """Read a catalogue entry by id, or a user's file by path, and check it against its model.
 
     Raises
     ------
     CatalogueError
-        no such entry (with the nearest id), unreadable file, TOML syntax, or a value that is missing, unknown or
-        out of range: naming file, table, key, value and what was expected.
+        if there is no such entry (the message gives the nearest id), the file cannot be read, its TOML syntax is wrong
+        or a value is missing, unknown or out of range; the message names file, table, key, value and what was expected.
     """
     path = _resolve(kind, id_or_path)
     try:
@@ -113,7 +113,7 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
         if path.is_file():
             return path
         folder = bool(path.name) and path.is_dir()
-    except OSError:  # a name longer than the file system takes
+    except OSError:  # the name is longer than the file system allows
         folder = False
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
     problem = "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}"
@@ -121,5 +121,5 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
 
 
 def catalogue_error(path: Path, table: str, key: str | None, problem: str, **more: Any) -> CatalogueError:
-    """An error of meaning (two keys that do not fit each other) in the same form as an error of type."""
+    """Return an error of meaning (two keys that do not fit each other) in the same form as an error of type."""
     return CatalogueError(problem, place=Place(file=path.name, table=table or None, key=key), **more)

@@ -1,4 +1,4 @@
-"""A fluid: data-sheet points → viscosity and density over temperature, and where they can be trusted."""
+"""Describe a fluid: from data-sheet points, viscosity and density over temperature, and where to trust them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY
 from atleak.errors import DomainError, Message
 
 ViscosityModel = Literal["d341", "tabulated", "regression"]
-HIGHEST_TEMPERATURE = 150.0  # °C: above it nothing the catalogue cites was measured
+HIGHEST_TEMPERATURE = 150.0  # °C: no source in the catalogue measured a fluid above it
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Fluid:
     origin: Origin
 
     def kinematic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
-        """Kinematic viscosity [m²/s] at a temperature [°C]; array in, array out.
+        """Return the kinematic viscosity [m²/s] at a temperature [°C]; an array gives an array.
 
         ``d341``: ASTM D341 through the lowest and highest data-sheet point. ``tabulated``: straight lines of
         log ν between the table's points (the data sheet's where there is no table). ``regression``: the source study's
@@ -52,17 +52,20 @@ class Fluid:
         return _plain(self._viscosity(self._inside(temperature, model), model))
 
     def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
-        """Density [kg/m³] at a temperature [°C]: the table's, linear between points, with ``tabulated``; eq. (30)
-        with ``regression``; else a line through the data sheet's point. NaN where the viscosity is."""
+        """Return the density [kg/m³] at a temperature [°C]; NaN where the viscosity is NaN.
+
+        ``tabulated`` takes the table's, linear between points, ``regression`` eq. (30); any other model takes a line
+        through the data sheet's point.
+        """
         return _plain(self._density(self._inside(temperature, model), model))
 
     def dynamic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
-        """ν·ρ = μ [Pa·s] at a temperature [°C]; NaN outside the fluid's data."""
+        """Return μ = ν·ρ [Pa·s] at a temperature [°C]; NaN outside the fluid's data."""
         inside = self._inside(temperature, model)
         return fluid_equations.dynamic_viscosity(self._viscosity(inside, model), self._density(inside, model))
 
     def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
-        """Lowest and highest temperature [°C] at which the model answers."""
+        """Return the lowest and highest temperature [°C] at which the model answers."""
         if model == "regression":
             return STUDY_LOWEST, STUDY_HIGHEST
         if model == "tabulated":
@@ -77,7 +80,7 @@ class Fluid:
         Raises
         ------
         DomainError
-            below the pour point, or outside the fluid's data.
+            if the temperature is below the pour point, or outside the fluid's data.
         """
         low, high = self.span(model)
         if low <= temperature <= high:
@@ -90,34 +93,34 @@ class Fluid:
         )
 
     def messages(self, lowest: float, highest: float, model: ViscosityModel = "d341") -> list[Message]:
-        """What a reader must know of results between two temperatures [°C]."""
-        found = []
+        """Return what a reader must know of results between two temperatures [°C]."""
+        messages = []
         if model == "d341" and not fluid_equations.astm_d341_reliable(lowest):
             below = f"Below {ASTM_D341_RELIABLE_FROM:g} °C"
             text = f"{below} ASTM D341 under-predicts the viscosity of real ATF 1.2 to 3.4 times."
-            found.append(Message("warning", "viscosity_cold", text))
+            messages.append(Message("warning", "viscosity_cold", text))
         if model == "regression" and not self.study_regression:
             text = f"The study's viscosity regression describes HIPOL ATF IID, not {self.name}."
-            found.append(Message("warning", "viscosity_of_another_fluid", text))
+            messages.append(Message("warning", "viscosity_of_another_fluid", text))
         if model == "tabulated" and not self.table:
             text = (
                 f"{self.name} has no table of viscosities: straight lines of log ν join its data-sheet points, which "
                 "between 40 and 100 °C can lie some 10 % above ASTM D341."
             )
-            found.append(Message("warning", "viscosity_between_few_points", text))
+            messages.append(Message("warning", "viscosity_between_few_points", text))
         if self.representative:
             text = f"{self.name}: representative, not from the data sheet: {', '.join(self.representative)}."
-            found.append(Message("info", "fluid_representative", text))
+            messages.append(Message("info", "fluid_representative", text))
         if self.note:
-            found.append(Message("info", "fluid_note", f"{self.name}: {self.note}"))
+            messages.append(Message("info", "fluid_note", f"{self.name}: {self.note}"))
         span = self.points[0][0], self.points[-1][0]
         if model == "d341" and highest > span[1] + 20.0:
             text = f"{highest:g} °C is well above the data sheet's last point ({span[1]:g} °C)."
-            found.append(Message("warning", "viscosity_extrapolated", text))
-        return found
+            messages.append(Message("warning", "viscosity_extrapolated", text))
+        return messages
 
     def _inside(self, temperature: Any, model: ViscosityModel) -> np.ndarray:
-        """The temperatures, NaN outside the model's span."""
+        """Return the temperatures, NaN outside the model's span."""
         temperature = np.asarray(temperature, dtype=float)
         low, high = self.span(model)
         if temperature.size and not (temperature.min() >= low and temperature.max() <= high):
@@ -145,24 +148,24 @@ class Fluid:
 
     @cached_property
     def _knots(self) -> np.ndarray:
-        """Temperature, ln ν and (of a table) density of the tabulated points, as rows."""
+        """Return temperature, ln ν and, where a table gives it, density of the tabulated points, as rows."""
         temperatures, viscosities, *densities = np.array(self.table or self.points).T
         return np.stack([temperatures, np.log(viscosities), *densities])
 
     @cached_property
     def d341(self) -> tuple[float, float]:
-        """Coefficients A and B of ASTM D341."""
+        """Return the coefficients A and B of ASTM D341."""
         (t_1, nu_1), (t_2, nu_2) = self.points[0], self.points[-1]
         return fluid_equations.astm_d341_coefficients(t_1, nu_1, t_2, nu_2)
 
 
 def load_fluid(id_or_path: str | Path) -> Fluid:
-    """A shipped fluid by id, or a workshop's own by path.
+    """Load a shipped fluid by id, or a workshop's own by path.
 
     Raises
     ------
     CatalogueError
-        naming file, table, key and value.
+        if the file is missing or wrong; the message names file, table, key and value.
     """
     entry, origin = read_entry("fluids", id_or_path, FluidFile)
     points = _falling("viscosity", entry.viscosity, origin)
@@ -181,12 +184,12 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
 
 
 def fluids() -> list[Fluid]:
-    """Every shipped fluid."""
-    return [load_fluid(found) for found in catalogue_files("fluids")]
+    """Return every shipped fluid."""
+    return [load_fluid(name) for name in catalogue_files("fluids")]
 
 
 def _falling(name: str, rows: list[ViscosityRow], origin: Origin) -> list[ViscosityRow]:
-    """Rows by temperature; the viscosity must fall with it."""
+    """Sort rows by temperature and check that the viscosity falls with it."""
     ordered = sorted(rows, key=lambda row: row.temperature_c)
     for low, high in pairwise(ordered):
         if low.temperature_c == high.temperature_c:
@@ -206,7 +209,7 @@ def _falling(name: str, rows: list[ViscosityRow], origin: Origin) -> list[Viscos
 
 
 def _between_points(at: np.ndarray, knots: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Straight lines between points; one line suffices where all of ``at`` lies between two neighbours."""
+    """Interpolate on straight lines; one line suffices where all of ``at`` lies between two neighbours."""
     if at.size and at.ndim:
         segment = int(np.clip(np.searchsorted(knots, at.min(), side="right") - 1, 0, len(knots) - 2))
         if at.min() >= knots[segment] and at.max() <= knots[segment + 1]:

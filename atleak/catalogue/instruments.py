@@ -1,4 +1,4 @@
-"""A measuring instrument: how finely it reads, how well it is calibrated, and what its readings have in common."""
+"""Describe a measuring instrument: resolution, calibration, and the error that its readings share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DEFAULT_SLEEVE_INSTRUMENT = "bore_gauge"
 
 @dataclass(frozen=True)
 class Instrument:
-    """What one instrument can tell of a diameter; standard uncertainties in metres.
+    """One instrument for diameters; standard uncertainties in metres.
 
     ``common_part`` is the part of the calibration's variance that every reading of this instrument shares (its zero,
     its setting ring, its scale): the correlation of two readings. The rest differs from place to place but is
@@ -42,18 +42,18 @@ class Instrument:
 
     @property
     def common(self) -> float:
-        """Standard uncertainty [m] of the error that all readings of this instrument share."""
+        """Return the standard uncertainty [m] of the error that all readings of this instrument share."""
         return self.calibration * self.common_part**0.5
 
     @property
     def own(self) -> float:
-        """Standard uncertainty [m] of the calibration error that differs from one place to the next."""
+        """Return the standard uncertainty [m] of the calibration error that differs from one place to the next."""
         return self.calibration * (1.0 - self.common_part) ** 0.5
 
 
 @dataclass(frozen=True)
 class Instruments:
-    """With what the two parts of a pair were measured."""
+    """The instruments that measured the two parts of a pair."""
 
     spool: Instrument
     sleeve: Instrument
@@ -63,12 +63,12 @@ class Instruments:
 
     @property
     def checked(self) -> Instruments:
-        """These instruments, each able to reach its part.
+        """Return these instruments after checking that each can reach its part.
 
         Raises
         ------
         InputError
-            an instrument that cannot: a micrometer in a bore.
+            if an instrument cannot reach its part: a micrometer in a bore.
         """
         parts: tuple[Part, ...] = ("spool", "sleeve")
         for part in parts:
@@ -84,17 +84,17 @@ class Instruments:
 
     @property
     def err_alike(self) -> bool:
-        """Whether both parts share one common error, which then drops out of D − d."""
+        """Tell whether both parts share one common error, which then drops out of D − d."""
         return self.spool == self.sleeve and self.spool.alike_inside_and_outside
 
 
 def load_instrument(id_or_path: str | Path) -> Instrument:
-    """A shipped instrument by id, or a workshop's own by path.
+    """Load a shipped instrument by id, or a workshop's own by path.
 
     Raises
     ------
     CatalogueError
-        naming file, table, key and value.
+        if the file is missing or wrong; the message names file, table, key and value.
     """
     entry, origin = read_entry("instruments", id_or_path, InstrumentFile)
     return Instrument(
@@ -111,27 +111,27 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
 
 
 def instruments() -> list[Instrument]:
-    """Every shipped instrument."""
-    return [load_instrument(found) for found in catalogue_files("instruments")]
+    """Return every shipped instrument."""
+    return [load_instrument(name) for name in catalogue_files("instruments")]
 
 
 def load_instruments(
     spool: str | Path = DEFAULT_SPOOL_INSTRUMENT, sleeve: str | Path = DEFAULT_SLEEVE_INSTRUMENT
 ) -> Instruments:
-    """The two instruments of a measuring sheet.
+    """Load the two instruments of a measuring sheet.
 
     Raises
     ------
     CatalogueError
-        no such instrument, or a file that does not say what it must.
+        if there is no such instrument, or its file lacks a value.
     InputError
-        an instrument that cannot reach that part: a micrometer in a bore.
+        if an instrument cannot reach its part: a micrometer in a bore.
     """
     return Instruments(load_instrument(spool), load_instrument(sleeve)).checked
 
 
 class InstrumentFile(Entry):
-    """The catalogue file; ``representative`` lists the keys whose values are no instrument's own certificate."""
+    """The catalogue file; ``representative`` lists the keys whose values come from no certificate."""
 
     measures: list[Part] = Field(min_length=1)
     resolution_um: Positive

@@ -1,4 +1,4 @@
-"""Limit sets: where a value becomes watch, replace or critical, and where each limit comes from."""
+"""Describe limit sets: where a value becomes watch, replace or critical, and where each limit comes from."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ ROUNDING = 1e-9  # relative: a value that equals its limit but for floating poin
 
 
 def reaches(value: float, limit: float) -> bool:
-    """Whether a value is at or past a limit, rounding of the last digits aside."""
+    """Tell whether a value is at or past a limit, whatever rounding does to its last digits."""
     return value >= limit - ROUNDING * abs(limit)
 
 
 class LimitOrigin(StrEnum):
-    """Who stands behind a limit."""
+    """The authority behind a limit."""
 
     PUBLISHED = "published"
     PROJECT = "choice of this project"
@@ -42,17 +42,17 @@ class RuleKind(StrEnum):
 
     @property
     def factor(self) -> float:
-        """From SI, or a fraction, to the unit that people read."""
+        """Return the factor from SI, or a fraction, to the unit that people read."""
         return UM if self is RuleKind.CLEARANCE else PERCENT
 
     @property
     def unit(self) -> str:
-        """The unit that people read."""
+        """Return the unit that people read."""
         return "µm" if self is RuleKind.CLEARANCE else "%"
 
     @property
     def suffix(self) -> str:
-        """That unit at the end of a key."""
+        """Return that unit as the end of a key."""
         return "um" if self is RuleKind.CLEARANCE else "percent"
 
 
@@ -65,7 +65,7 @@ class Steps:
     source: str
 
     def judge(self, value: float, below: Level) -> tuple[Level, float]:
-        """The level that a value has reached and its limit; ``below`` and the first limit under all of them.
+        """Return the level that a value has reached and its limit; ``below`` and the lowest limit under all of them.
 
         >>> steps = Steps(((Verdict.WATCH, 10.0), (Verdict.REPLACE, 50.0)), LimitOrigin.PUBLISHED, "")
         >>> level, limit = steps.judge(50.0, Verdict.OK)
@@ -79,7 +79,7 @@ class Steps:
         return reached, limit
 
     def limit_of(self, level: Level) -> float | None:
-        """The limit at which a level begins; None where the set does not name it."""
+        """Return the limit at which a level begins; None where the set does not name it."""
         return next((limit for name, limit in self.levels if name == level), None)
 
 
@@ -99,17 +99,17 @@ class Limits:
     origin: Origin
 
     def band(self, share: float) -> Band:
-        """The band of a total share (a fraction)."""
+        """Return the band of a total share (a fraction)."""
         return Band(self.total_share.judge(share, Band.GREEN)[0])
 
     @property
     def bands(self) -> tuple[tuple[Band, float], ...]:
-        """The limits of the total share (a fraction), each with the band that begins there."""
+        """Return the limits of the total share (a fraction), each with the band that begins there."""
         return tuple((Band(level), limit) for level, limit in self.total_share.levels)
 
     @property
     def rules(self) -> MappingProxyType[RuleKind, Steps]:
-        """The rules that are applied, by the quantity they limit."""
+        """Return the rules that are applied, by the quantity they limit."""
         stated = {
             RuleKind.WEAR: self.wear,
             RuleKind.CLEARANCE: self.clearance,
@@ -120,12 +120,12 @@ class Limits:
 
 
 def load_limits(id_or_path: str | Path) -> Limits:
-    """A shipped limit set by id, or a workshop's own by path.
+    """Load a shipped limit set by id, or a workshop's own by path.
 
     Raises
     ------
     CatalogueError
-        naming file, table, key and value.
+        if the file is missing or wrong; the message names file, table, key and value.
     """
     entry, origin = read_entry("limits", id_or_path, LimitsFile)
     return Limits(
@@ -143,8 +143,8 @@ def _steps(table: LevelTable | None, unit: float) -> Steps | None:
 
 
 def limit_sets() -> list[Limits]:
-    """Every shipped limit set."""
-    return [load_limits(found) for found in catalogue_files("limits")]
+    """Return every shipped limit set."""
+    return [load_limits(name) for name in catalogue_files("limits")]
 
 
 class LevelTable(Strict):
@@ -154,12 +154,12 @@ class LevelTable(Strict):
     source: NonEmptyText
 
     def levels(self) -> dict[str, float]:
-        """The limits that are set, in rising order of severity."""
+        """Return the limits that are set, in rising order of severity."""
         named = {name: getattr(self, name) for name in type(self).model_fields if name not in LevelTable.model_fields}
         return {name: limit for name, limit in named.items() if limit is not None}
 
     def steps(self, unit: float) -> Steps:
-        """The same in SI or as fractions; ``unit`` is what one of the file's units is."""
+        """Return the same limits in SI or as fractions; ``unit`` is the size of one unit of the file."""
         kind = Band if isinstance(self, BandTable) else Verdict
         levels = tuple((kind(name), limit * unit) for name, limit in self.levels().items())
         return Steps(levels, self.origin, self.source)

@@ -1,4 +1,4 @@
-"""The command line: files in, a verdict, JSON, a workbook out.
+"""Run the command line: files in, a verdict, JSON, a workbook out.
 
 Exit status: 0 done, 1 only with ``--fail-on`` and a pair at or past it, 2 bad input or usage.
 Every module adds the parsers of its commands and runs them; what costs time is imported when a command runs.
@@ -15,15 +15,15 @@ from collections.abc import Sequence
 from atleak.cli import app, catalogue, diagnose, import_log, report, template, variants
 from atleak.cli.shared import without_colours
 from atleak.errors import AtleakError
-from atleak.printable import printable_streams
+from atleak.system.printable import printable_streams
 from atleak.version import __version__
 
-_BROKEN_PIPE = 141  # as a shell reports a program whose reader went away
+_BROKEN_PIPE = 141  # the status by which a shell reports a program whose reader went away
 _INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit status."""
+    """Run the command line; return the exit status."""
     with printable_streams():
         return _run(arguments)
 
@@ -34,7 +34,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         status: int = options.run(options)
         sys.stdout.flush()  # a reader that went away is noticed here, not when the interpreter ends
         return status
-    except SystemExit:  # argparse said what there is to say
+    except SystemExit:  # argparse has printed its message already
         raise
     except AtleakError as error:
         print(f"atleak: {error}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""``atleak app``: the dashboard in a browser."""
+"""Start the dashboard in a browser: ``atleak app``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 
 from atleak.cli.shared import add_command
 from atleak.errors import InputError
-from atleak.shipped import shipped
+from atleak.system.shipped import shipped
 
 _PORTS = range(1, 65536)
 
@@ -26,7 +26,7 @@ def add_parser(commands: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Start the server; it runs until it is ended."""
+    """Start the server; it runs until somebody ends it."""
     if find_spec("streamlit") is None:
         raise InputError("the dashboard needs streamlit", expected="python -m pip install streamlit")
     _check_free(options.address, options.port)
@@ -48,10 +48,10 @@ def _check_free(address: str, port: int | None) -> None:
     import socket
 
     try:
-        found = socket.getaddrinfo(address, port or 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family, kind, protocol, _, place = found[0]
+        addresses = socket.getaddrinfo(address, port or 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, kind, protocol, _, place = addresses[0]
         with socket.socket(family, kind, protocol) as tried:
-            if os.name == "posix":  # a connection that was just closed is no obstacle; on Windows nothing would be
+            if os.name == "posix":  # ignore a connection just closed; on Windows this would ignore every conflict
                 tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             tried.bind(place)
     except (socket.gaierror, UnicodeError) as error:
@@ -72,8 +72,8 @@ def _no_address(address: str) -> InputError:
 
 
 def _serve(command: list[str], folder: Path) -> int:
-    """Run the server in the dashboard's own folder, where its configuration is found."""
-    if os.name == "posix":  # in place of this process, so that whoever ends this one ends the server
+    """Run the server in the dashboard's own folder, which holds its configuration."""
+    if os.name == "posix":  # the server replaces this process, so that ending this one ends the server
         os.chdir(folder)
         os.execv(command[0], command)
     return subprocess.call(command, cwd=folder)

@@ -1,4 +1,4 @@
-"""What the catalogue holds: ``atleak controllers``, ``fluids``, ``limits`` and ``instruments``."""
+"""List what the catalogue holds: ``atleak controllers``, ``fluids``, ``limits`` and ``instruments``."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ def _controllers(options: argparse.Namespace) -> int:
 
     rows = [
         {
-            "id": found.id,
-            "name": found.name,
-            "components": len({land.component for land in found.lands}),
-            "lands": len(found.lands),
-            "gaps": len(found.gaps),
-            "gears": list(found.gears),
-            "operating_points": [point.name for point in found.operating_points],
-            "representative": bool(found.representative),
-            "source": found.source,
-            "sha256": found.sha256,
+            "id": controller.id,
+            "name": controller.name,
+            "components": len({land.component for land in controller.lands}),
+            "lands": len(controller.lands),
+            "gaps": len(controller.gaps),
+            "gears": list(controller.gears),
+            "operating_points": [point.name for point in controller.operating_points],
+            "representative": bool(controller.representative),
+            "source": controller.source,
+            "sha256": controller.sha256,
         }
-        for found in controllers()
+        for controller in controllers()
     ]
     return _list(rows, ["id", "name", "lands", "gaps", "representative"], options)
 
@@ -48,18 +48,18 @@ def _fluids(options: argparse.Namespace) -> int:
 
     rows = [
         {
-            "id": found.id,
-            "name": found.name,
-            "viscosity_mm2_s": {f"{at:g}": nu * 1e6 for at, nu in found.points},
-            "density_g_cm3": found.density_at[1] * 1e-3,
-            "density_at_c": found.density_at[0],
-            "pour_point_c": found.pour_point,
-            "representative": list(found.representative),
-            "note": found.note or None,
-            "source": found.source,
-            "sha256": found.origin.sha256,
+            "id": fluid.id,
+            "name": fluid.name,
+            "viscosity_mm2_s": {f"{at:g}": nu * 1e6 for at, nu in fluid.points},
+            "density_g_cm3": fluid.density_at[1] * 1e-3,
+            "density_at_c": fluid.density_at[0],
+            "pour_point_c": fluid.pour_point,
+            "representative": list(fluid.representative),
+            "note": fluid.note or None,
+            "source": fluid.source,
+            "sha256": fluid.origin.sha256,
         }
-        for found in fluids()
+        for fluid in fluids()
     ]
     return _list(rows, ["id", "name", "viscosity_mm2_s", "density_g_cm3", "pour_point_c"], options)
 
@@ -68,7 +68,7 @@ def _limits(options: argparse.Namespace) -> int:
     from atleak.catalogue.limits import limit_sets
     from atleak.views.diagnosis_record import limits_record
 
-    rows = [limits_record(found) for found in limit_sets()]
+    rows = [limits_record(limits) for limits in limit_sets()]
     return _list(rows, ["id", "name", "source"], options)
 
 
@@ -77,18 +77,18 @@ def _instruments(options: argparse.Namespace) -> int:
 
     rows = [
         {
-            "id": found.id,
-            "name": found.name,
-            "measures": list(found.measures),
-            "resolution_um": found.resolution * 1e6,
-            "calibration_um": found.calibration * 1e6,
-            "common_part": found.common_part,
-            "repeatability_um": None if found.repeatability is None else found.repeatability * 1e6,
-            "representative": list(found.representative),
-            "note": found.note or None,
-            "source": found.source,
+            "id": instrument.id,
+            "name": instrument.name,
+            "measures": list(instrument.measures),
+            "resolution_um": instrument.resolution * 1e6,
+            "calibration_um": instrument.calibration * 1e6,
+            "common_part": instrument.common_part,
+            "repeatability_um": None if instrument.repeatability is None else instrument.repeatability * 1e6,
+            "representative": list(instrument.representative),
+            "note": instrument.note or None,
+            "source": instrument.source,
         }
-        for found in instruments()
+        for instrument in instruments()
     ]
     return _list(rows, ["id", "name", "measures", "resolution_um", "calibration_um", "common_part"], options)
 

@@ -1,4 +1,4 @@
-"""``atleak diagnose``: a verdict for every land, and its reports."""
+"""Give a verdict for every land, and its reports: ``atleak diagnose``."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
     from atleak.job.case import Case
     from atleak.job.record import Job
-    from atleak.marks import Kind
+    from atleak.system.marks import Kind
 
 
 def add_parser(commands: Any) -> None:
@@ -117,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _case(options: argparse.Namespace) -> Case:
-    """The files and choices that the command line names."""
+    """Return the files and choices that the command line names."""
     from atleak.job.case import SLOTS, Case, SourceFile
 
     return Case(
@@ -142,7 +142,7 @@ def _case(options: argparse.Namespace) -> Case:
 
 
 def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: argparse.Namespace) -> list[str]:
-    """The files asked for; their names."""
+    """Write the files asked for; return their names."""
     written = []
     if options.xlsx is not None:
         from atleak.report.xlsx import write_workbook
@@ -158,10 +158,10 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: a
         from atleak.job.case import Reader, with_log_choices
         from atleak.job.file import write_job_file
 
-        settled = case if case.road_test is None else with_log_choices(case, Reader().log(case))
-        content = write_job_file(diagnosis, job, settled)
+        case_as_read = case if case.road_test is None else with_log_choices(case, Reader().log(case))
+        content = write_job_file(diagnosis, job, case_as_read)
         written += write(options.job_file, content)
-    if options.json is not None:  # last: nothing stands on standard output when another file fails
+    if options.json is not None:  # written last: standard output stays empty when another file fails
         from atleak.views.diagnosis_record import diagnosis_record
 
         written += write_json(options.json, diagnosis_record(diagnosis))

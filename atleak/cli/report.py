@@ -1,4 +1,4 @@
-"""``atleak report``: the reports of job files."""
+"""Write the reports of job files: ``atleak report``."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ def run(options: argparse.Namespace) -> int:
             paper=options.paper,
             progress=lambda done, total, last: bar.update(task, completed=done, total=total),
         )
-    for found in reported:
-        say_written(found.written)
-        if found.error is not None:
-            print(f"atleak: {found.error}", file=sys.stderr)
-    return 2 if any(found.error is not None for found in reported) else 0
+    for outcome in reported:
+        say_written(outcome.written)
+        if outcome.error is not None:
+            print(f"atleak: {outcome.error}", file=sys.stderr)
+    return 2 if any(outcome.error is not None for outcome in reported) else 0
 
 
 def _formats(text: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""What the commands share: their options, numbers and pairs as people type them, and how files are written."""
+"""Provide what the commands share: options, numbers and pairs as people type them, and writing files."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.errors import unknown
-from atleak.files import replace_file
-from atleak.printable import unguarded
+from atleak.system.files import replace_file
+from atleak.system.printable import unguarded
 from atleak.wording import languages
 from atleak.written_numbers import AskedNumber, decimal_number, read_number
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
-    from atleak.marks import Kind
     from atleak.road_test import RoadTest
+    from atleak.system.marks import Kind
 
 
 def add_command(commands: Any, name: str, run: Callable[..., int], about: str) -> argparse.ArgumentParser:
-    """The parser of a command, which ``run`` carries out."""
+    """Add the parser of a command, which ``run`` carries out."""
     parser: argparse.ArgumentParser = commands.add_parser(
         name, help=about, description=about[0].upper() + about[1:] + "."
     )
@@ -31,7 +31,7 @@ def add_command(commands: Any, name: str, run: Callable[..., int], about: str) -
 
 
 def without_colours(parser: argparse.ArgumentParser) -> None:
-    """Plain help and messages: from Python 3.14 on argparse colours them, which no guarded stream lets through."""
+    """Make help and messages plain: from Python 3.14 on argparse colours them, which no guarded stream shows."""
     parser.color = False  # type: ignore[attr-defined,unused-ignore]
 
 
@@ -39,28 +39,28 @@ def without_colours(parser: argparse.ArgumentParser) -> None:
 
 
 def add_controller(parser: argparse.ArgumentParser) -> None:
-    """``--controller``, which `chosen_controller` loads."""
+    """Add ``--controller``, which `chosen_controller` loads."""
     parser.add_argument("--controller", metavar="ID|FILE", help="the study's four-speed controller unless given")
 
 
 def add_force(parser: argparse.ArgumentParser) -> None:
-    """``--force``, which `check_targets` asks for."""
+    """Add ``--force``, which `check_targets` asks for."""
     parser.add_argument("--force", action="store_true", help="write over files that atleak did not make, too")
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
-    """``--json``, which `write_json` serves."""
+    """Add ``--json``, which `write_json` serves."""
     parser.add_argument("--json", metavar="FILE|-")
 
 
 def add_print(parser: argparse.ArgumentParser) -> None:
-    """How reports are printed."""
+    """Add the options of printing: language and paper."""
     parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
     parser.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
 
 
 def add_columns(parser: argparse.ArgumentParser) -> None:
-    """What is to be known of a log's columns, which `log_choices` gathers."""
+    """Add the options about a log's columns, which `log_choices` gathers."""
     for name, what in (("map", "COLUMN"), ("unit", "UNIT")):
         parser.add_argument(
             f"--{name}",
@@ -84,7 +84,7 @@ def add_columns(parser: argparse.ArgumentParser) -> None:
 
 
 def pair(text: str) -> tuple[str, str]:
-    """``NAME=VALUE``."""
+    """Split ``NAME=VALUE``."""
     name, equals, value = text.partition("=")
     if not equals or not name.strip():
         raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
@@ -92,7 +92,7 @@ def pair(text: str) -> tuple[str, str]:
 
 
 def number(text: str) -> float:
-    """A number with decimal comma or point."""
+    """Read a number with decimal comma or point."""
     value = decimal_number(text)
     if value is None:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number")
@@ -100,19 +100,19 @@ def number(text: str) -> float:
 
 
 def number_of(asked: AskedNumber) -> Callable[[str], float]:
-    """The reader of an option that takes this number."""
+    """Return the reader of an option that takes this number."""
 
     def read(text: str) -> float:
-        found = read_number(text, asked)
-        if found.value is None:
-            raise argparse.ArgumentTypeError(found.doubt)
-        return found.value
+        written = read_number(text, asked)
+        if written.value is None:
+            raise argparse.ArgumentTypeError(written.doubt)
+        return written.value
 
     return read
 
 
 def constant(text: str) -> tuple[str, float]:
-    """``converter_pressure=300`` in kPa, °C, rpm or a plain number → SI."""
+    """Read ``converter_pressure=300`` in kPa, °C, rpm or a plain number, and return name and value in SI."""
     from atleak.intake.units import unit
     from atleak.road_test import QUANTITIES
 
@@ -120,15 +120,15 @@ def constant(text: str) -> tuple[str, float]:
     if name not in QUANTITIES:
         raise argparse.ArgumentTypeError(str(unknown("no such quantity of a log", name, QUANTITIES)))
     known = QUANTITIES[name]
-    found = number_of(AskedNumber(known.label, known.workshop_unit))(value)
-    return name, unit(known.workshop_unit, known.unit_kind).to_si(found) if known.unit_kind else found
+    stated = number_of(AskedNumber(known.label, known.workshop_unit))(value)
+    return name, unit(known.workshop_unit, known.unit_kind).to_si(stated) if known.unit_kind else stated
 
 
 # --- what the options name ----------------------------------------------------------------------------------------
 
 
 def chosen_controller(options: argparse.Namespace) -> Controller:
-    """The controller that the command line names, or the default of every job."""
+    """Load the controller that the command line names, or the default of every job."""
     from atleak.job.case import SLOTS, Case, Reader
 
     choice = Case.controller if options.controller is None else options.controller
@@ -137,12 +137,12 @@ def chosen_controller(options: argparse.Namespace) -> Controller:
 
 
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
-    """What the command line says of a log: columns, units and what stands for missing channels."""
+    """Return the choices about a log: columns, units and values for missing channels."""
     return {"mapping": dict(options.map), "units": dict(options.unit), "constants": dict(options.constant)}
 
 
 def chosen_road_test(options: argparse.Namespace) -> RoadTest:
-    """The log that the command line names, its columns as they are chosen or remembered."""
+    """Read the log that the command line names, its columns as they are chosen or remembered."""
     from atleak.intake.road_test import default_path, read_road_test
 
     return read_road_test(Path(options.road_test), **log_choices(options), remembered=default_path())
@@ -154,20 +154,20 @@ def chosen_road_test(options: argparse.Namespace) -> RoadTest:
 def check_targets(
     options: argparse.Namespace, inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str | None]]
 ) -> None:
-    """Before anything is computed: what may not be written over is refused."""
-    from atleak import marks
+    """Refuse, before anything is computed, to write over a file that must not be replaced."""
+    from atleak.system import marks
 
     marks.check_targets(inputs, targets, force=options.force)
 
 
 def write(target: str, content: bytes) -> list[str]:
-    """Write a file; its name."""
+    """Write a file; return its name."""
     replace_file(target, content)
     return [target]
 
 
 def write_text(target: str, text: str) -> list[str]:
-    """Write text as UTF-8 to a file or, for ``-``, to standard output; the names of the files written.
+    """Write text as UTF-8 to a file or, for ``-``, to standard output; return the names of the files written.
 
     What is read by a program is written as it is; a terminal gets no control character.
     """
@@ -186,6 +186,6 @@ def write_json(target: str, record: Any) -> list[str]:
 
 
 def say_written(names: Iterable[object]) -> None:
-    """One line for every file that was written."""
+    """Print one line for every file that was written."""
     for name in names:
         print(f"written: {name}")

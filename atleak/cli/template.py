@@ -1,4 +1,4 @@
-"""``atleak template``: a measuring sheet to fill in."""
+"""Write a measuring sheet to fill in: ``atleak template``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``atleak variants``: W1 to W8 of the source study."""
+"""Compute W1 to W8 of the source study: ``atleak variants``."""
 
 from __future__ import annotations
 

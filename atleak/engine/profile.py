@@ -1,4 +1,4 @@
-"""Profiles: how the engine computes. ``paper`` as the source study printed, ``workshop`` the better physics."""
+"""Define profiles, which say how the engine computes: ``paper`` as the study, ``workshop`` with better physics."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from atleak.written_numbers import decimal_number
 
 @dataclass(frozen=True)
 class Profile:
-    """Say how the engine computes: a set of options.
+    """The options that say how the engine computes.
 
     Attributes
     ----------
@@ -22,8 +22,7 @@ class Profile:
         effective clearance, which agrees with the exact annulus to (c/r)²/60.
     viscosity
         ``tabulated``, ``d341`` or ``regression``: see `atleak.catalogue.fluid.Fluid.kinematic_viscosity`; the density
-        goes
-        with it.
+        follows the same choice.
     pump_draw
         ``all_gaps``: the sum of every gap, as the study. ``into_sump``: only what ends in the sump, so that flow into
         another section is not counted a second time when it leaves that section.

@@ -1,1 +1,1 @@
-"""Results → plotly figures; nothing is computed here, and nothing is shown."""
+"""Turn results into plotly figures; nothing is computed here, and nothing is shown."""

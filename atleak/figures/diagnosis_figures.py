@@ -1,4 +1,4 @@
-"""Results → plotly figures: transparent, units on the axes, signs and dashes besides colour, few points a trace.
+"""Turn results into plotly figures: transparent, with units on the axes and few points per trace.
 
 Nothing is computed here but what a picture needs. Figures are tested by their trace data.
 """
@@ -29,10 +29,10 @@ from atleak.views.window import Scales
 from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
-POINTS = 3000  # of a log that are drawn, edges of gaps aside
-EVENTS = 60  # of a log that are marked at most
-LABELLED = 20  # events whose names have room
-MARKED = 800  # suspect samples and breaks of a log that are marked at most
+POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
+EVENTS = 60  # most events of a log that are marked
+LABELLED = 20  # with more events the figure is too narrow for their names
+MARKED = 800  # most suspect samples and breaks of a log that are marked
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _INSTANTS = {
     "max_leakage": ("largest leakage", "diamond", "leakage_dm3_min"),
@@ -41,13 +41,14 @@ _INSTANTS = {
 }
 
 
-def land_name(found: LandDiagnosis) -> str:
-    """``25 · 1``: component and land."""
-    return f"{found.state.land.component} · {found.state.land.land}"
+def land_name(land: LandDiagnosis) -> str:
+    """Return component and land: ``25 · 1``."""
+    component, number = land.key
+    return f"{component} · {number}"
 
 
 def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
-    """Lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
+    """Draw the lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
 
     Parameters
     ----------
@@ -57,23 +58,23 @@ def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
     ranked = diagnosis.ranked[:lands]
     figure = go.Figure()
     for verdict in VERDICTS:
-        found = [land for land in ranked if land.verdict == verdict]
-        if not found:
+        leaking = [land for land in ranked if land.verdict == verdict]
+        if not leaking:
             continue
         figure.add_bar(
-            x=[land.leakage * DM3_MIN for land in found],
-            y=[land_name(land) for land in found],
+            x=[land.leakage * DM3_MIN for land in leaking],
+            y=[land_name(land) for land in leaking],
             orientation="h",
             name=signed(verdict),
             marker={"color": look_of(verdict).screen, "pattern": _HATCH | {"shape": look_of(verdict).pattern}},
-            error_x=error_bars([land.leakage for land in found], [_interval(land) for land in found], DM3_MIN),
+            error_x=error_bars([land.leakage for land in leaking], [_interval(land) for land in leaking], DM3_MIN),
             customdata=[
                 (
-                    diagnosis.controller.components[land.state.land.component],
+                    diagnosis.controller.components[land.key[0]],
                     land.state.radial_clearance * UM,
                     land.share * PERCENT,
                 )
-                for land in found
+                for land in leaking
             ],
             hovertemplate="%{y} %{customdata[0]}<br>%{x:.3f} dm³/min, %{customdata[2]:.2f} % of pump flow"
             "<br>radial clearance %{customdata[1]:.1f} µm<extra></extra>",
@@ -98,15 +99,15 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
 
 
 def total_share(diagnosis: Diagnosis) -> go.Figure:
-    """Total share at each condition and the worst of the road test, over the bands of the limit set.
+    """Draw the total share at each condition and the worst of the road test, over the bands of the limit set.
 
     Bars are the 95 % intervals of the measurement, where readings are there; the hover says how likely each band is.
     """
     unit = diagnosis.uncertainty
-    sure = [unit.total(point.condition.name) if unit else None for point in diagnosis.reported]
+    totals = [unit.total(point.condition.name) if unit else None for point in diagnosis.reported]
     points = [
         (point.condition.label, point.share, total.share_interval if total else None, _likely_bands(total))
-        for point, total in zip(diagnosis.reported, sure, strict=True)
+        for point, total in zip(diagnosis.reported, totals, strict=True)
     ]
     worst = diagnosis.road.max_share if diagnosis.road else None
     if worst is not None and worst.share is not None:
@@ -140,14 +141,14 @@ def _two_lines(label: str) -> str:
 
 
 def _likely_bands(total: TotalUncertainty | None) -> str:
-    """How likely each band is, those of half a percent and more."""
+    """Return how likely each band is; bands below half a percent are left out."""
     if total is None:
         return ""
     return ", ".join(f"{band} {PERCENT * p:.0f} %" for band, p in total.band_probabilities if p >= 0.005)
 
 
 def _bands(figure: go.Figure, limits: Limits, largest: float) -> float:
-    """Draw the bands of the total share as grounds with their signs and words; the right end of the axis [%]."""
+    """Draw the bands of the total share behind the bars, with signs and words; return the right end of the axis [%]."""
     edges = [0.0, *(level * PERCENT for _, level in limits.total_share.levels)]
     right = max(1.2 * edges[-1], 1.1 * largest)
     names = [Band.GREEN, *(name for name, _ in limits.total_share.levels)]
@@ -162,7 +163,7 @@ def _bands(figure: go.Figure, limits: Limits, largest: float) -> float:
 
 
 def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> go.Figure:
-    """Leakage, pump flow and share with the edges of its bands over a log, one above the other.
+    """Draw leakage, pump flow and share with the edges of its bands over a log, one above the other.
 
     Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
     """
@@ -202,7 +203,7 @@ def _line(
 
 
 def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
-    """The edges of the bands that the log comes near, so that a low curve is not squeezed by a high limit."""
+    """Return the edges of the bands near the log's values: a high limit must not squeeze a low curve."""
     for number, (name, level) in enumerate(limits.total_share.levels):
         edge = level * PERCENT
         if number and edge > 1.5 * top:
@@ -240,7 +241,7 @@ def _instants(figure: go.Figure, series: RoadSeries) -> None:
 
 
 def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:
-    """Wear of every measured land against the limits of the set, the most worn on top."""
+    """Draw the wear of every measured land against the limits of the set, the most worn on top."""
     chosen = diagnosis.lands if lands is None else lands
     worn = [(land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
@@ -272,7 +273,7 @@ def road_channels(
     over: tuple[RoadTest, float] | None = None,
     points: int = 2000,
 ) -> go.Figure:
-    """The channels of a log one above the other over a common time axis, suspect samples crossed, breaks dotted.
+    """Draw the channels of a log one above the other, suspect samples crossed, breaks dotted.
 
     Parameters
     ----------
@@ -301,7 +302,7 @@ def road_channels(
 
 
 def _mark(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
-    """Breaks and events over the whole height; set in one go, since plotly takes seconds to add some hundred."""
+    """Mark breaks and events over the whole height, all in one call: plotly takes seconds to add some hundred."""
     first, last = float(test.time[0]), float(test.time[-1])
     upright = {"type": "line", "xref": "x", "yref": "paper", "y0": 0.0, "y1": 1.0}
     shapes: list[dict[str, Any]] = []
@@ -357,7 +358,7 @@ def _line_of(
     points: int,
     shift: float | None = None,
 ) -> None:
-    """A channel's good samples; ``shift`` [s] tells a log that is laid over another."""
+    """Draw a channel's good samples; a ``shift`` [s] marks the trace of a second log laid over the first."""
     constant = channel.source == "constant"
     time = test.time[[0, -1]] if constant else channel.time
     good = np.full(2, channel.values[0]) if constant else channel.good

@@ -1,4 +1,4 @@
-"""What every figure on the screen shares: a clear ground, a legend on top, room for labels, error bars."""
+"""Lay out every figure on the screen: transparent ground, legend on top, space for labels, error bars."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Span = tuple[float, float]
 
 
 def framed(figure: go.Figure, height: int, top: int = 36, **layout: object) -> go.Figure:
-    """The figure with the page's ground and narrow margins, ``height`` and ``top`` in pixels."""
+    """Give the figure the page's ground and narrow margins; ``height`` and ``top`` in pixels."""
     with figure.batch_update():  # plotly takes as long for one change as for all of them
         figure.update_layout(
             height=height,
@@ -31,7 +31,7 @@ def framed(figure: go.Figure, height: int, top: int = 36, **layout: object) -> g
 def error_bars(
     values: Sequence[float], intervals: Sequence[Span | None], factor: float, colour: str = SCREEN.soft
 ) -> dict[str, Any] | None:
-    """Asymmetric error bars; None where nothing has an interval.
+    """Return asymmetric error bars; None where nothing has an interval.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def error_bars(
 
 
 def by_land(figure: go.Figure, names: Sequence[str], height: int, bargap: float | None = None) -> go.Figure:
-    """A figure with one row per land, the first on top; ``height`` is that of a row in pixels."""
+    """Give a figure one row per land, the first on top; ``height`` is that of a row in pixels."""
     order = list(reversed(names))
     figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
     return framed(figure, 110 + height * max(len(names), 3), bargap=bargap)

@@ -1,6 +1,6 @@
-"""How sure a unit's numbers are, as plotly figures: intervals, limits, and what the uncertainty is made of.
+"""Draw how sure a unit's numbers are: intervals, limits, and the sources of the uncertainty.
 
-A decision is told by its symbol and its words as well as by its colour. Units are those people read.
+A decision shows by its symbol and its words as well as by its colour. Units are those that people read.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 
 def decision_words(decision: Decision) -> str:
-    """For people: ``"conditional pass"``."""
+    """Return a decision in words: ``"conditional pass"``."""
     return decision.replace("_", " ")
 
 
 def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
-    """Radial clearances with their intervals, beside the mounting clearance and the limit that decides.
+    """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.
 
     Parameters
     ----------
@@ -47,21 +47,21 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
                 hovertemplate=f"%{{y}}: {name} %{{x:.1f}} µm<extra></extra>",
             )
     for decision in DECISIONS:
-        found = [land for land in chosen if land.decision == decision]
-        if not found:
+        shown = [land for land in chosen if land.decision == decision]
+        if not shown:
             continue
-        values = [land.sources.state.radial_clearance for land in found]
+        values = [land.sources.state.radial_clearance for land in shown]
         colour, symbol = DECISION_MARKS[decision]
         figure.add_scatter(
             x=[value * UM for value in values],
-            y=[_name(land) for land in found],
+            y=[_name(land) for land in shown],
             mode="markers",
             name=decision_words(decision),
             marker={"color": colour, "symbol": symbol, "size": 10, "line": {"width": 2}},
-            error_x=error_bars(values, [land.clearance_interval for land in found], UM, colour),
+            error_x=error_bars(values, [land.clearance_interval for land in shown], UM, colour),
             customdata=[
                 ((land.u_clearance or 0.0) * UM, PERCENT * (land.probability_over_limit or 0.0), land.advice or "")
-                for land in found
+                for land in shown
             ],
             hovertemplate="%{y}: %{x:.1f} µm, u = %{customdata[0]:.2f} µm<br>"
             "over its limit with %{customdata[1]:.0f} %<br>%{customdata[2]}<extra></extra>",
@@ -71,7 +71,7 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
 
 
 def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
-    """Leakage at the stated condition with its interval; a thin line runs to what a fully eccentric spool would leak.
+    """Draw leakages at the stated condition with intervals; a thin line ends where a fully eccentric spool would leak.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
 
 
 def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:
-    """What one land's uncertainty is made of: each source's part of the variance of clearance and share."""
+    """Draw the sources of one land's uncertainty: each source's part of the variance of clearance and share."""
     of_clearance = dict(land.budget)
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
     names = sorted(
@@ -145,7 +145,7 @@ def _chosen(unit: UnitUncertainty, lands: int) -> list[LandUncertainty]:
 
 
 def _clearance_limit(land: LandUncertainty) -> float | None:
-    """The limit that decides, as a clearance [m]; None where it is one of share."""
+    """Return the limit that decides, as a clearance [m]; None where it limits the share."""
     decided = land.deciding
     if decided is None or decided.rule.kind is RuleKind.PAIR_SHARE:
         return None

@@ -1,4 +1,4 @@
-"""The source study's charts as plotly figures; background and text are left to the page's theme."""
+"""Draw the source study's charts with plotly; background and text are left to the page's theme."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _GRID = "rgba(128,128,128,0.25)"  # seen on white and on black
 
 
 def figure(chart: Chart) -> go.Figure:
-    """A chart of `atleak.variants.charts` as a plotly figure."""
+    """Return a chart of `atleak.variants.charts` as a plotly figure."""
     rows = 2 if chart.has_upper else 1
     drawn = make_subplots(
         rows=rows,

@@ -1,1 +1,1 @@
-"""A diagnosis → bytes and records. Renderers compute nothing: every number comes from the result."""
+"""Turn a diagnosis into bytes and records. Renderers compute nothing: every number comes from the result."""

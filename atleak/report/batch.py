@@ -1,4 +1,4 @@
-"""Reports of many jobs, one after another, with a word after each."""
+"""Write the reports of many jobs, one after another, and report on each."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 from atleak.catalogue.limits import Verdict
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError
-from atleak.files import replace_file
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
-from atleak.marks import Kind
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
+from atleak.system.files import replace_file
+from atleak.system.marks import Kind
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 
 KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
@@ -22,7 +22,7 @@ KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "reco
 
 @dataclass(frozen=True)
 class Reported:
-    """What became of one job: the files written, or why there are none."""
+    """The outcome for one job: the files written, or why there are none."""
 
     source: Path
     written: tuple[Path, ...] = ()
@@ -31,7 +31,7 @@ class Reported:
 
 
 def report_paths(sources: Sequence[Path], folder: Path, formats: Iterable[str] = ("pdf",)) -> list[dict[str, Path]]:
-    """Where `write_reports` puts the reports: format → path, for every job file."""
+    """Return where `write_reports` puts the reports: format → path, for every job file."""
     taken: set[str] = set()
     stems = [_free(source.stem, taken) for source in sources]
     return [{form: folder / f"{stem}.{form}" for form in formats} for stem in stems]
@@ -46,7 +46,7 @@ def write_reports(
     paper: str = "a4",
     progress: Callable[[int, int, Reported], None] | None = None,
 ) -> list[Reported]:
-    """The reports of every job file; a job that cannot be read is told and does not stop the others.
+    """Write the reports of every job file; a job that cannot be read is reported and does not stop the others.
 
     What stands in the place of a report is replaced, whole: ask `report_paths` where that must not be.
 
@@ -71,12 +71,12 @@ def write_reports(
             for form, path in paths.items():
                 replace_file(path, _report(form, diagnosis, job_file.job, language, paper))
                 written.append(path)
-            found = Reported(source, tuple(written), diagnosis.verdict)
+            reported = Reported(source, tuple(written), diagnosis.verdict)
         except AtleakError as error:
-            found = Reported(source, error=error)
-        done.append(found)
+            reported = Reported(source, error=error)
+        done.append(reported)
         if progress is not None:
-            progress(len(done), len(sources), found)
+            progress(len(done), len(sources), reported)
     return done
 
 

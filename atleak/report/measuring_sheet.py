@@ -1,4 +1,4 @@
-"""The measuring sheet of a controller as a workbook, empty or filled in.
+"""Write the measuring sheet of a controller as a workbook, empty or filled in.
 
 Its form is that of the source study's Table 1; `atleak.intake.readings.read_readings` reads it back.
 """
@@ -20,8 +20,8 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Part
 from atleak.look import SHEET_COLOURS
-from atleak.marks import PROPERTY, sealed, unsealed
 from atleak.readings import NOMINAL_HEADING, Reading
+from atleak.system.marks import PROPERTY, sealed, unsealed
 
 SHEET = "Measurements"
 INSTRUCTIONS = "How to measure"
@@ -45,7 +45,7 @@ _HEADINGS = (  # heading, width in characters
 )
 FIELDS = ("Job", "Vehicle", "Mileage", "Date", "Measured by", "Instrument")
 _HEADER = 6  # row of the headings, from 0
-_FAR = 500  # [µm] from the nominal diameter, coloured
+_FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
 
 _HOW_TO = (
@@ -104,12 +104,12 @@ class _Row:
 
     @property
     def nominal(self) -> float:
-        """Nominal diameter of the part [m]."""
+        """Return nominal diameter of the part [m]."""
         return self.land.nominal_diameter if self.part == "spool" else self.land.nominal_sleeve_diameter
 
 
 def write_template(controller: Controller) -> bytes:
-    """An empty measuring sheet: two directions and two repeats in every plane of every land.
+    """Return an empty measuring sheet: two directions and two repeats in every plane of every land.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def write_readings(
     fields: Mapping[str, str] | None = None,
     blank_rows: bool = True,
 ) -> bytes:
-    """A measuring sheet with readings filled in.
+    """Return a measuring sheet with readings filled in.
 
     Parameters
     ----------
@@ -188,9 +188,9 @@ def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool)
         for part in parts:
             for land in controller.lands_of(component):
                 for plane in land.planes:
-                    found = directions[component, part, plane]
-                    wanted = [angle for angle in DIRECTIONS if angle not in found] if blank_rows else []
-                    angles = sorted([*found, *wanted], key=lambda angle: -1.0 if angle is None else angle)
+                    measured = directions[component, part, plane]
+                    wanted = [angle for angle in DIRECTIONS if angle not in measured] if blank_rows else []
+                    angles = sorted([*measured, *wanted], key=lambda angle: -1.0 if angle is None else angle)
                     for direction in angles:
                         repeats = given[component, part, plane, direction]
                         numbers = {*repeats, *(range(1, REPEATS + 1) if blank_rows else ())}
@@ -280,7 +280,7 @@ class _Sheet:
                     self.sheet.write_number(row, column, _mm(metres), self.formats["input"])
 
     def _label(self, first: int, last: int, column: int, value: str | float | None, name: str) -> None:
-        """One value over several rows, merged as in Table 1."""
+        """Write one value over several rows, merged as in Table 1."""
         form = self.formats[name]
         if last > first:
             self.sheet.merge_range(first, column, last, column, "", form)
@@ -301,7 +301,7 @@ class _Sheet:
         )
 
     def set_up(self, rows: int) -> None:
-        """What a person filling it in on a screen or on paper needs."""
+        """Add what a person needs who fills it in on a screen or on paper."""
         sheet, first, last = self.sheet, _HEADER + 1, _HEADER + max(rows, 1)
         sheet.freeze_panes(first, 3)
         sheet.data_validation(
@@ -366,7 +366,7 @@ def _direction(entry: _Row) -> tuple[Any, ...]:
 def _blocks(
     numbered: Sequence[tuple[int, _Row]], key: Callable[[_Row], tuple[Any, ...]]
 ) -> Iterator[tuple[int, int, _Row]]:
-    """First row, last row and first entry of every run with the same key."""
+    """Return first row, last row and first entry of every run of entries with the same key."""
     for _, block in groupby(numbered, key=lambda pair: key(pair[1])):
         inside = list(block)
         yield inside[0][0], inside[-1][0], inside[0][1]

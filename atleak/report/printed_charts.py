@@ -1,4 +1,4 @@
-"""Charts of the printed report: matplotlib figures as SVG, told apart in greyscale by dashes, shades and hatches."""
+"""Draw the charts of the printed report: matplotlib figures as SVG, distinct in greyscale by dashes and hatches."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
 
 FONTS = Path(__file__).parent / "fonts"
-_LOCK = threading.Lock()  # matplotlib's settings are the process's own
+_LOCK = threading.Lock()  # matplotlib's settings belong to the whole process
 _SETTINGS: dict[RcKeyType, Any] = {
     "svg.hashsalt": "atleak",
     "svg.fonttype": "none",
@@ -62,7 +62,7 @@ def road_chart(
     bands: Sequence[tuple[Band, float]],
     say: Wording,
 ) -> str:
-    """Leakage and pump capacity over time and, where known, the share with its bands.
+    """Draw leakage and pump capacity over time and, where known, the share with its bands.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def road_chart(
 
 
 def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
-    """The lands that leak most, the largest on top, each in the shade of its verdict."""
+    """Draw the lands that leak most, the largest on top, each in the shade of its verdict."""
     with _drawing():
         figure = Figure(figsize=(7.0, 0.55 + 0.21 * max(len(bars), 3)), layout="constrained")
         axes = figure.subplots()
@@ -202,23 +202,23 @@ def _plain(axes: Axes, say: Wording) -> None:
 
 
 def _drawable(text: str) -> str:
-    """Text without characters that the charts' fonts lack: matplotlib would warn of each."""
+    """Return the text with a box for every character that the charts' fonts lack: matplotlib would warn of each."""
     return "".join(sign if ord(sign) in glyphs() else "\u25a1" for sign in text)
 
 
 @cache
 def glyphs() -> frozenset[int]:
-    """Code points that the bundled fonts have."""
-    found: set[int] = set()
+    """Return the code points that the bundled fonts have."""
+    characters: set[int] = set()
     for path in sorted(FONTS.glob("*.ttf")):
         font_manager.fontManager.addfont(path)
-        found |= set(font_manager.get_font(str(path)).get_charmap())
-    return frozenset(found)
+        characters |= set(font_manager.get_font(str(path)).get_charmap())
+    return frozenset(characters)
 
 
 @contextmanager
 def _drawing() -> Iterator[None]:
-    """matplotlib with the report's settings, for one thread at a time."""
+    """Draw with the report's settings of matplotlib, one thread at a time."""
     with _LOCK, mpl.rc_context(_SETTINGS):
         glyphs()
         yield

@@ -1,4 +1,4 @@
-"""A diagnosis on a terminal."""
+"""Show a diagnosis on a terminal."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
-from atleak.printable import printable, unguarded
 from atleak.rules import Rule
+from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
 from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
 
 class TerminalConsole(Console):
-    """A console for names that come from somebody's file; to standard output unless another stream is given."""
+    """A console that prints names from somebody's file safely; to standard output unless another stream is given."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         super().__init__(file=unguarded(stream or sys.stdout), highlight=False)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterator[Segment]:
-        """The text of it printable; what this console itself says to the terminal stays."""
+        """Make the text printable; the console's own signals to the terminal stay as they are."""
         for segment in super().render(renderable, options):
             yield segment if segment.control else segment._replace(text=printable(segment.text))
 
     def on_broken_pipe(self) -> None:
-        """Leave a reader that went away to the command line: rich would end with status 1."""
+        """Let the command line handle a reader that went away: rich would end with status 1."""
         raise BrokenPipeError
 
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """Totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
+    """Print totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
     console = TerminalConsole()
     controller, readings = diagnosis.controller, diagnosis.readings
     console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
@@ -69,7 +69,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 
 
 def print_variants(results: Sequence[VariantResult]) -> None:
-    """W1-W8: printed, computed and as Table 2 tabulates them."""
+    """Print W1-W8: as published, as computed and as Table 2 tabulates them."""
     table = Table(
         "variant", "°C", "wear %", "ν mm²/s", "printed", "computed", "as tabulated", "share printed", "computed"
     )
@@ -95,7 +95,7 @@ def print_variants(results: Sequence[VariantResult]) -> None:
 
 
 def print_log(record: dict[str, Any]) -> None:
-    """What was understood of a log, from its record."""
+    """Print what was understood of a log, from its record."""
     console = TerminalConsole()
     form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
     console.print(Text(f"{record['file']}: {', '.join(str(part) for part in form if part)}"))
@@ -112,8 +112,8 @@ def print_log(record: dict[str, Any]) -> None:
     console.print(table)
     if record["unused"]:
         console.print(Text(f"not used: {', '.join(record['unused'])}"))
-    for found in record["ambiguous"]:
-        console.print(Text(f"? {found['quantity']}: {', '.join(map(str, found['candidates']))}"))
+    for question in record["ambiguous"]:
+        console.print(Text(f"? {question['quantity']}: {', '.join(map(str, question['candidates']))}"))
     for message in record["messages"]:
         console.print(Text(f"{'!' if message['level'] == 'warning' else '·'} {message['text']}"))
 
@@ -123,9 +123,9 @@ def _short(value: float | None) -> str:
 
 
 def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
-    """Records as a table."""
+    """Print records as a table."""
     table = Table(*(column.replace("_", " ") for column in columns))
-    table.columns[0].no_wrap = True  # an id must be there to be copied whole
+    table.columns[0].no_wrap = True  # a user must be able to copy a whole id
     table.columns[0].overflow = "fold"
     table.columns[0].min_width = max((len(str(row[columns[0]])) for row in rows), default=0)
     for row in rows:
@@ -135,7 +135,7 @@ def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
 
 def _cell(value: Any) -> str:
     if isinstance(value, dict):
-        return ", ".join(f"{found:g} at {name} °C" for name, found in value.items())
+        return ", ".join(f"{number:g} at {name} °C" for name, number in value.items())
     if isinstance(value, list):
         return ", ".join(map(str, value))
     if isinstance(value, float):
@@ -155,14 +155,14 @@ def _road(road: RoadLeakage) -> str:
 
 
 def _verdict(diagnosis: Diagnosis) -> str:
-    """The verdict of the unit, and which land or total gave it."""
-    decided_by, said = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
+    """Return the verdict of the unit, and which land or total gave it."""
+    decided_by, sentence = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
     if decided_by is None:
-        return said
+        return sentence
     if isinstance(decided_by, Rule):
-        return f"{said}, decided by the {decided_by.label}"
+        return f"{sentence}, decided by the {decided_by.label}"
     component, land = decided_by.key
-    return f"{said}, decided by {component}/{land} {diagnosis.controller.components[component]}"
+    return f"{sentence}, decided by {component}/{land} {diagnosis.controller.components[component]}"
 
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
@@ -179,15 +179,16 @@ def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
     for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %", "share %"):
         table.add_column(name, no_wrap=True)
     table.add_column("because")
-    for found in lands:
-        land, rule = found.state.land, found.deciding
+    for land in lands:
+        component, number = land.key
+        rule = land.deciding
         table.add_row(
-            Text(signed(found.verdict), style=look_of(found.verdict).style),
-            Text(f"{land.component}/{land.land}"),
-            f"{found.state.radial_clearance * UM:.1f}",
-            f"{land.mounting_clearance * UM:.1f}",
-            "–" if found.wear is None else f"{found.wear * PERCENT:.0f}",
-            f"{found.share * PERCENT:.2f}",
+            Text(signed(land.verdict), style=look_of(land.verdict).style),
+            Text(f"{component}/{number}"),
+            f"{land.state.radial_clearance * UM:.1f}",
+            f"{land.state.land.mounting_clearance * UM:.1f}",
+            "–" if land.wear is None else f"{land.wear * PERCENT:.0f}",
+            f"{land.share * PERCENT:.2f}",
             Text("" if rule is None else f"{rule.label} ({rule.origin})"),
         )
     return table

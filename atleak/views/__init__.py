@@ -1,1 +1,1 @@
-"""Records and rows of a result that pages, figures and reports share."""
+"""Make the records and rows of a result that pages, figures and reports share."""

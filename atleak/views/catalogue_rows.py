@@ -1,4 +1,4 @@
-"""Catalogue entries as tables a person reads: rows with the unit in the heading."""
+"""Show catalogue entries as tables for people: rows with the unit in the heading."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ FOLDERS = MappingProxyType({"controller": "controllers", "fluid": "fluids", "lim
 
 
 def representative(entry: Controller | Fluid) -> str:
-    """What of an entry is representative, as text."""
-    found = entry.representative
-    return found if isinstance(found, str) else ", ".join(found)
+    """Return which values of an entry are representative, as text."""
+    values = entry.representative
+    return values if isinstance(values, str) else ", ".join(values)
 
 
 def controller_tables(controller: Controller) -> Tables:
-    """Lands, gaps, operating points, pressures and pump."""
+    """Return the tables of lands, gaps, operating points, pressures and pump."""
     return {
         "Operating points": [
             {
@@ -76,7 +76,7 @@ def controller_tables(controller: Controller) -> Tables:
 
 
 def fluid_tables(fluid: Fluid) -> Tables:
-    """Data-sheet points, density, and the viscosity that follows from them where it can be trusted."""
+    """Return data-sheet points, density, and the viscosity that follows from them where it can be trusted."""
     low, high = fluid.span()
     between = [temperature for temperature in range(-20, 141, 20) if low <= temperature <= high]
     tables: Tables = {
@@ -103,7 +103,7 @@ def fluid_tables(fluid: Fluid) -> Tables:
 
 
 def limit_tables(limits: Limits) -> Tables:
-    """Every limit with its origin: published, choice of this project, or set by the workshop."""
+    """Return every limit with its origin: published, choice of this project, or set by the workshop."""
     rows = []
     for name, steps in limits.rules.items():
         for level, limit in steps.levels:

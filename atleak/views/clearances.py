@@ -1,4 +1,4 @@
-"""The clearances as measured, land by land: rows with the unit in the key, unrounded, unknown as None."""
+"""List the measured clearances land by land: rows with the unit in the key, unrounded, None where unknown."""
 
 from __future__ import annotations
 
@@ -18,27 +18,26 @@ STATUS = {
 
 
 def clearance_rows(lands: Iterable[LandDiagnosis]) -> list[dict[str, Any]]:
-    """One row per land: diameters, clearance and its range, ovality, taper, spread of repeats, what was read."""
+    """Return one row per land: diameters, clearance and range, ovality, taper, spread of repeats, readings used."""
     return [_row(land) for land in lands]
 
 
-def _row(found: LandDiagnosis) -> dict[str, Any]:
-    state = found.state
-    land = state.land
+def _row(land: LandDiagnosis) -> dict[str, Any]:
+    state, nominal = land.state, land.state.land
     return {
-        "component": land.component,
-        "land": land.land,
-        "verdict": found.verdict,
+        "component": nominal.component,
+        "land": nominal.land,
+        "verdict": land.verdict,
         "status": STATUS[state.status],
-        "planes": ", ".join(land.planes),
+        "planes": ", ".join(nominal.planes),
         "spool_diameter_mm": state.spool_diameter * MM,
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
         "min_clearance_um": state.min_clearance * UM if state.measured else None,
         "max_clearance_um": state.max_clearance * UM if state.measured else None,
         "worst_direction_deg": state.worst_direction,
-        "mounting_clearance_um": land.mounting_clearance * UM,
-        "wear_percent": None if found.wear is None else found.wear * PERCENT,
+        "mounting_clearance_um": nominal.mounting_clearance * UM,
+        "wear_percent": None if land.wear is None else land.wear * PERCENT,
         "spool_ovality_um": _scaled(state.spool_ovality),
         "sleeve_ovality_um": _scaled(state.sleeve_ovality),
         "spool_taper_um": _scaled(state.spool_taper),
@@ -46,7 +45,7 @@ def _row(found: LandDiagnosis) -> dict[str, Any]:
         "spool_spread_um": _scaled(state.spool_repeat_spread),
         "sleeve_spread_um": _scaled(state.sleeve_repeat_spread),
         "readings": state.spool_readings + state.sleeve_readings,
-        "representative": value_names(land.representative) or None,
+        "representative": value_names(nominal.representative) or None,
     }
 
 

@@ -1,4 +1,4 @@
-"""A diagnosis as the JSON record that scripts rely on (``format`` 1): numbers with the unit in the key, unrounded."""
+"""Turn a diagnosis into the JSON record that scripts rely on (``format`` 1): unrounded, units in the keys."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ FORMAT = 1
 
 
 def to_json(record: Any) -> str:
-    """A record as JSON text: UTF-8 signs kept, no NaN or infinity (unknown is null)."""
+    """Return a record as JSON text: UTF-8 signs kept, no NaN or infinity (unknown is null)."""
     return json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False) + "\n"
 
 
 def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
-    """The record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
+    """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
     readings, idle = diagnosis.readings, diagnosis.hot_idle
     projection = diagnosis.projection
     return {
@@ -58,11 +58,12 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "uncertainty": _uncertainty(diagnosis.uncertainty),
         "verdict": diagnosis.verdict,
-        "unit": {"verdict": diagnosis.verdict, **_decided_by(diagnosis)},
+        "unit": _unit(diagnosis),
         "lands": [_land(land) for land in diagnosis.lands],
         "gaps": [_gap(gap) for gap in projection.gaps],
         "projection": _projection(diagnosis, projection),
         "hot_idle": None if idle is None else _projection(diagnosis, idle),
+        "conditions": [_projection(diagnosis, each) for each in diagnosis.projections],
         "repair_plan": [
             {
                 "component": step.land.state.land.component,
@@ -79,24 +80,31 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _decided_by(diagnosis: Diagnosis) -> dict[str, Any]:
-    """How sure the unit's verdict is, and whether a land or a total gave it."""
-    decided_by, sure = diagnosis.decided_by, diagnosis.uncertainty
+def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the verdict of the unit, how sure it is, and the land or total that gave it."""
+    decided_by = diagnosis.decided_by
+    verdict = {"verdict": diagnosis.verdict, "decision": diagnosis.decision}
     if decided_by is None:
-        return {"decision": None, "decided_by": None}
-    if isinstance(decided_by, Rule):
-        at = decided_by.condition.name if decided_by.condition else None
-        total = sure.total(at) if sure and at else None
-        where: dict[str, str | int | None] = {"kind": "total", "condition": at, "component": None, "land": None}
-        return {"decision": total.decision.decision if total else None, "decided_by": where}
-    rule, (component, land) = decided_by.deciding, decided_by.key
-    at = rule.condition.name if rule and rule.condition else None
-    where = {"kind": "land", "condition": at, "component": component, "land": land}
-    return {"decision": decided_by.decision, "decided_by": where}
+        return {**verdict, "decided_by": None}
+    is_total = isinstance(decided_by, Rule)
+    rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding
+    component, land = (None, None) if isinstance(decided_by, Rule) else decided_by.key
+    return {
+        **verdict,
+        "decided_by": {
+            "kind": "total" if is_total else "land",
+            "condition": rule.condition.name if rule and rule.condition else None,
+            "component": component,
+            "land": land,
+            "rule": rule.id if rule else None,
+            "value": _finite(rule.value * rule.kind.factor) if rule else None,
+            "limit": rule.limit * rule.kind.factor if rule else None,
+        },
+    }
 
 
 def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
-    """What the intervals and decisions rest on."""
+    """Return the assumptions that the intervals and decisions depend on."""
     if unit is None:
         return None
     return {
@@ -111,7 +119,7 @@ def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
 
 
 def limits_record(limits: Limits) -> dict[str, Any]:
-    """A limit set with every limit and its origin."""
+    """Return a limit set with every limit and its origin."""
     return {
         "id": limits.id,
         "name": limits.name,
@@ -122,7 +130,7 @@ def limits_record(limits: Limits) -> dict[str, Any]:
 
 
 def message_record(message: Message) -> dict[str, Any]:
-    """A message, with its place where it has one."""
+    """Return a message, with its place where it has one."""
     record: dict[str, Any] = {"level": message.level, "code": message.code, "text": message.text}
     if message.place is not None:
         known = {name: value for name, value in vars(message.place).items() if value is not None}
@@ -135,38 +143,38 @@ def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
-def _land(found: LandDiagnosis) -> dict[str, Any]:
-    state, land, sure = found.state, found.state.land, found.uncertainty
-    low, high = (sure.leakage_interval if sure else None) or (None, None)
+def _land(land: LandDiagnosis) -> dict[str, Any]:
+    state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
+    low, high = (uncertainty.leakage_interval if uncertainty else None) or (None, None)
     return {
-        "component": land.component,
-        "land": land.land,
+        "component": nominal.component,
+        "land": nominal.land,
         "measured": state.status,
         "spool_diameter_mm": state.spool_diameter * MM,
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
-        "uncertainty_um": _scaled(sure.u_clearance, UM) if sure else None,
-        "mounting_clearance_um": land.mounting_clearance * UM,
-        "wear_percent": None if found.wear is None else found.wear * PERCENT,
-        "effective_clearance_um": found.effective_clearance * UM,
-        "leakage_dm3_min": found.leakage * DM3_MIN,
-        "drawn_from_pump_dm3_min": found.drawn_from_pump * DM3_MIN,
+        "uncertainty_um": _scaled(uncertainty.u_clearance, UM) if uncertainty else None,
+        "mounting_clearance_um": nominal.mounting_clearance * UM,
+        "wear_percent": None if land.wear is None else land.wear * PERCENT,
+        "effective_clearance_um": land.effective_clearance * UM,
+        "leakage_dm3_min": land.leakage * DM3_MIN,
+        "drawn_from_pump_dm3_min": land.drawn_from_pump * DM3_MIN,
         "leakage_low_dm3_min": _scaled(low, DM3_MIN),
         "leakage_high_dm3_min": _scaled(high, DM3_MIN),
-        "share_percent": _finite(found.share * PERCENT),
-        "verdict": found.verdict,
-        "decision": found.decision,
-        "probability_over_limit": found.probability_over_limit,
-        "advice": sure.advice if sure else None,
-        "replace_mileage_km": found.replace_mileage,
-        "representative": list(land.representative),
-        "rules": [_rule(rule, sure) for rule in found.rules],
-        "messages": [message_record(message) for message in found.messages],
+        "share_percent": _finite(land.share * PERCENT),
+        "verdict": land.verdict,
+        "decision": land.decision,
+        "probability_over_limit": land.probability_over_limit,
+        "advice": uncertainty.advice if uncertainty else None,
+        "replace_mileage_km": land.replace_mileage,
+        "representative": list(nominal.representative),
+        "rules": [_rule(rule, uncertainty) for rule in land.rules],
+        "messages": [message_record(message) for message in land.messages],
     }
 
 
-def _rule(rule: Rule, sure: LandUncertainty | None) -> dict[str, Any]:
-    decided = sure.on(rule) if sure else None
+def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
+    decided = uncertainty.on(rule) if uncertainty else None
     return {
         "rule": rule.id,
         "value": _finite(rule.value * rule.kind.factor),
@@ -178,23 +186,23 @@ def _rule(rule: Rule, sure: LandUncertainty | None) -> dict[str, Any]:
     }
 
 
-def _gap(found: GapLeakage) -> dict[str, Any]:
-    gap = found.gap
+def _gap(leak: GapLeakage) -> dict[str, Any]:
+    gap = leak.gap
     return {
         "component": gap.component,
         "land": gap.land,
         "section": gap.section,
         "from": str(gap.high),
         "to": str(gap.low),
-        "pressure_drop_kpa": found.pressure_drop * KPA,
-        "diameter_mm": found.diameter * MM,
-        "contact_length_mm": found.contact_length * MM,
-        "effective_clearance_um": found.effective_clearance * UM,
-        "kinematic_viscosity_mm2_s": found.kinematic_viscosity * MM2_S,
-        "density_g_cm3": found.density * G_CM3,
-        "leakage_mm3_s": found.leakage * MM3_S,
-        "drawn_from_pump": found.drawn_from_pump,
-        "reynolds_number": found.reynolds_number,
+        "pressure_drop_kpa": leak.pressure_drop * KPA,
+        "diameter_mm": leak.diameter * MM,
+        "contact_length_mm": leak.contact_length * MM,
+        "effective_clearance_um": leak.effective_clearance * UM,
+        "kinematic_viscosity_mm2_s": leak.kinematic_viscosity * MM2_S,
+        "density_g_cm3": leak.density * G_CM3,
+        "leakage_mm3_s": leak.leakage * MM3_S,
+        "drawn_from_pump": leak.drawn_from_pump,
+        "reynolds_number": leak.reynolds_number,
         "published": gap.published,
     }
 
@@ -205,6 +213,7 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
     low, high = total.leakage_interval if total else (None, None)
     return {
         "name": at.name,
+        "label": at.label,
         "temperature_c": at.temperature,
         "engine_rpm": at.engine_speed * RPM,
         "gear": at.gear,

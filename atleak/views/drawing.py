@@ -1,6 +1,6 @@
-"""The controller with its components, and one spool with its planes, as SVG: the same drawing on screen and on paper.
+"""Draw the controller with its components, and one spool with its planes, as SVG for screen and paper alike.
 
-Verdicts are told apart by shade, outline and sign, so that a greyscale print still shows them.
+Verdicts differ in shade, outline and sign, so that a greyscale print still shows them.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from atleak.workshop_units import MM
 
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
 
-_NUMBER = 8  # characters of a component's number that are drawn
+_NUMBER = 8  # most characters of a component's number that are drawn
 _WIDTH = 1000.0
 _ROW = 104.0
-_ROD = 0.45  # of a land's diameter
+_ROD = 0.45  # diameter of the rod as a fraction of the smallest land's diameter
 _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
 _BETWEEN = 5.0  # [mm] of rod between two lands, which no catalogue states
 
 
 def sign_svg(verdict: str, x: float, y: float, size: float, colour: str) -> str:
-    """The sign of a verdict as an SVG shape around a point: no font needed."""
+    """Draw the sign of a verdict as an SVG shape around a point: no font is needed."""
     shape = look_of(verdict).shape
     points = " ".join(f"{across:g},{down:g}" for across, down in shape.points)
     ink = f'fill="{colour}"' if shape.filled else f'fill="none" stroke="{colour}" stroke-width="0.3"'
@@ -38,7 +38,7 @@ def controller_svg(
     columns: int = 5,
     title: str = "",
 ) -> str:
-    """Every component that has lands, each land in the shade and with the sign of its verdict.
+    """Draw every component that has lands, each land in the shade and with the sign of its verdict.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def controller_svg(
 
 
 def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[str, int], str] | None = None) -> str:
-    """One spool in its sleeve with the planes it is measured in, numbered as on the measuring sheet.
+    """Draw one spool in its sleeve with the planes it is measured in, numbered as on the measuring sheet.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
 
 
 def on_dark(drawing: str) -> str:
-    """The same drawing for a dark ground: light words and lines, dark cards; the lands keep their shades."""
+    """Return the same drawing for a dark ground: light words and lines, dark cards; the lands keep their shades."""
     return drawing.replace(_card(PAPER), _card(DARK)).replace(PAPER.ink, DARK.ink)
 
 
@@ -169,17 +169,17 @@ def _spool(
 
 
 def _places(lands: tuple[Land, ...], centre: float, scale: tuple[float, float]) -> list[tuple[Land, float, float]]:
-    """Each land with its left edge and width on the drawing."""
-    found, x = [], centre - _length(lands) * scale[0] / 2.0
+    """Return each land with its left edge and width on the drawing."""
+    places, x = [], centre - _length(lands) * scale[0] / 2.0
     for land in lands:
         width = land.contact_length * MM * scale[0]
-        found.append((land, x, width))
+        places.append((land, x, width))
         x += width + _BETWEEN * scale[0]
-    return found
+    return places
 
 
 def _scale(width: float, longest: float, height: float, thickest: float) -> tuple[float, float]:
-    """Drawing units per millimetre along and across the axis: lengths may be stretched, never shrunk more."""
+    """Return drawing units per millimetre along and across the axis: lengths may be stretched, never shrunk more."""
     across = min(height / thickest, width / longest)
     return min(width / longest, _STRETCH * across), across
 
@@ -189,21 +189,21 @@ def _length(lands: tuple[Land, ...]) -> float:
 
 
 def shortened(text: str, width: int) -> str:
-    """Text of at most so many characters, an ellipsis for what is left out."""
+    """Return text of at most so many characters; an ellipsis stands for the rest."""
     return text if len(text) <= width else text[: max(width - 1, 0)].rstrip() + "…"
 
 
 def _wrapped(text: str, width: int, lines: int) -> list[str]:
-    """Text broken at spaces; what does not fit in so many lines ends in an ellipsis."""
-    found, line = [], ""
+    """Break text at spaces; what does not fit in so many lines ends in an ellipsis."""
+    broken, line = [], ""
     for word in text.split():
         longer = f"{line} {word}".strip()
         if line and len(longer) > width:
-            found.append(line)
+            broken.append(line)
             longer = word
         line = longer
-    found.append(line)
-    short = [shortened(each, width) for each in found]
+    broken.append(line)
+    short = [shortened(each, width) for each in broken]
     if len(short) > lines:
         short = [*short[: lines - 1], shortened(f"{short[lines - 1].rstrip('…')} …", width)]
     return short

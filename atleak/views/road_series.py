@@ -1,4 +1,4 @@
-"""A road test's leakage thinned for a sheet or a page: few samples, no spike lost, gaps kept."""
+"""Thin a road test's leakage for a sheet or a page: few samples, no spike lost, gaps kept."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class RoadSeries:
 
 
 def road_series(road: RoadLeakage, points: int) -> RoadSeries:
-    """About ``points`` samples of a road test.
+    """Return about ``points`` samples of a road test.
 
     They are `thinned` by leakage and share; the instants that the result names are among them.
     """
@@ -42,7 +42,7 @@ def road_series(road: RoadLeakage, points: int) -> RoadSeries:
 
 
 def _columns(road: RoadLeakage) -> list[tuple[str, str, str, np.ndarray, float]]:
-    """Name, words, unit, values in SI and the factor from SI to the unit."""
+    """Return name, words, unit, values in SI and the factor from SI to the unit."""
     columns = [
         ("time_s", "time", "s", road.time, 1.0),
         ("leakage_dm3_min", "leakage", "dm³/min", road.leakage, DM3_MIN),

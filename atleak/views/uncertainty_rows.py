@@ -1,4 +1,4 @@
-"""What makes a land uncertain as rows for people: one row a source, units in the column names."""
+"""List what makes a land uncertain: one row per source, units in the column names."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from atleak.workshop_units import PERCENT
 
 
 def budget_rows(land: LandUncertainty) -> list[dict[str, Any]]:
-    """What makes one land's clearance uncertain, and its share at the stated condition, source by source."""
+    """Return what makes one land's clearance, and its share at the stated condition, uncertain: source by source."""
     of_clearance = dict(land.budget)
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
     return [

@@ -1,4 +1,4 @@
-"""The eight variants as the JSON record that scripts rely on: numbers with the unit in the key, unrounded."""
+"""Turn the eight variants into the JSON record that scripts rely on: unrounded, units in the keys."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT
 
 
 def variants_record(results: Sequence[VariantResult], controller: Controller, road_test: RoadTest) -> dict[str, Any]:
-    """The record of `atleak.variants.run_variants`, in the form ``atleak variants --json`` writes."""
+    """Return the record of `atleak.variants.run_variants`, in the form ``atleak variants --json`` writes."""
     profile = results[0].profile if results else None
     return {
         "format": FORMAT,
@@ -83,8 +83,8 @@ def _pump(instant: Instant) -> float | None:
 
 
 def _unique(results: Sequence[VariantResult]) -> list[Message]:
-    found: dict[tuple[str, str], Message] = {}
+    messages: dict[tuple[str, str], Message] = {}
     for result in results:
         for message in result.messages:
-            found.setdefault((message.code, message.text), message)
-    return list(found.values())
+            messages.setdefault((message.code, message.text), message)
+    return list(messages.values())

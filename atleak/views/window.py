@@ -1,4 +1,4 @@
-"""A stretch of a road test for people: what happened in the log, and each channel's least, mean and largest value."""
+"""Describe a part of a road test: the events in it, and each channel's least, mean and largest value."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ EVENT_NAMES = {
 
 
 def event_label(event: Event) -> str:
-    """``shift 1 → 2, 0.9 to 1.4 s``."""
+    """Return an event in words: ``shift 1 → 2, 0.9 to 1.4 s``."""
     gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
     return f"{EVENT_NAMES[event.kind]}{gears}, {event.start:.1f} to {event.stop:.1f} s"
 
 
-def event_rows(found: Iterable[Event]) -> list[dict[str, Any]]:
-    """One row for every event."""
+def event_rows(events: Iterable[Event]) -> list[dict[str, Any]]:
+    """Return one row for every event."""
     return [
         {
             "event": EVENT_NAMES[event.kind],
@@ -38,15 +38,17 @@ def event_rows(found: Iterable[Event]) -> list[dict[str, Any]]:
             "start [s]": event.start,
             "end [s]": event.stop,
             "lasts [s]": event.duration,
-            "told by": event.source,
+            "source": event.source,
             "note": event.note or None,
         }
-        for event in found
+        for event in events
     ]
 
 
 def window_rows(test: RoadTest, road: RoadLeakage | None, scales: Scales) -> list[dict[str, Any]]:
-    """Least, mean and largest of every channel, and of leakage, pump flow and share, suspect samples left out.
+    """Return the least, mean and largest value of every channel and of leakage, pump flow and share.
+
+    Suspect samples are left out.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What the pages share: the job that is shown, the panel that changes it, and how results are shown."""
+"""Provide what the pages share: the job that is shown, the sidebar that changes it, and how results are shown."""

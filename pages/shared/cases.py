@@ -1,4 +1,4 @@
-"""The job as the dashboard holds it, and what is computed from it, each kept so that a page change costs nothing.
+"""Hold the job of the dashboard and its results, each kept so that a page change costs nothing.
 
 Everything is kept by the SHA-256 of the files' bytes and the choices: two files that differ in one value never share a
 result.
@@ -36,7 +36,7 @@ class PageCase(Case):
     sample: bool = False
 
     def with_file(self, slot: str, file: SourceFile | None) -> PageCase:
-        """This job with another sheet or log; the sample's other file never mixes with the user's own."""
+        """Return this job with another sheet or log; the sample's other file never mixes with the user's own."""
         if self.sample:
             bare = replace(self, readings=None, road_test=None, sample=False)
             return replace(bare, **FITTED["readings"], **FITTED["road_test"]).with_files({slot: file})
@@ -44,7 +44,7 @@ class PageCase(Case):
 
 
 def sample_case() -> PageCase:
-    """The job that a fresh start shows."""
+    """Return the job that a fresh start shows."""
     return PageCase(
         readings=_sample("measuring_sheet_four_speed.xlsx"),
         road_test=_sample("minimum_acceleration_test.csv"),
@@ -58,7 +58,7 @@ def _sample(name: str) -> SourceFile | None:
 
 
 def opened_case(case: Case) -> PageCase:
-    """The case of a job file; what of its catalogue is shipped with this atleak too is chosen by id.
+    """Return the case of a job file; a catalogue entry that this atleak ships too is chosen by id.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def _by_id(slot: Slot, choice: Choice) -> Choice:
 
 
 class Kept(Reader):
-    """Reads the files of a job once, for every session of this server."""
+    """A reader of a job's files that reads each once, for every session of this server."""
 
     def entry(self, slot: Slot, choice: Choice) -> Any:
         return _entry(slot.name, choice if isinstance(choice, str) else (choice.name, choice.sha256), choice)
@@ -116,35 +116,35 @@ def _understood(key: str, _log: SourceFile, _choices: LogChoices, _remembered: b
 
 
 def understood(log: SourceFile, case: Case | None = None) -> Understood:
-    """What a log holds, open questions included; with the answers that are remembered now.
+    """Return what a log holds, with its open questions and with the answers remembered now.
 
     ``case`` says how its columns are chosen; a log of its own is read as it comes.
     """
     case = case or Case()
     key = repr((log.name, log.sha256, case.log_choices))
-    found = _understood(key, log, case.log_choices, False)
-    earlier = recall(default_path(), found.signature) if case.remember else None
-    return found if earlier is None else _understood(f"{key} {earlier}", log, case.log_choices, True)
+    result = _understood(key, log, case.log_choices, False)
+    earlier = recall(default_path(), result.signature) if case.remember else None
+    return result if earlier is None else _understood(f"{key} {earlier}", log, case.log_choices, True)
 
 
 def catalogue_entry(name: str, choice: Choice) -> Any:
-    """A controller, fluid, limit set or instrument by id, or from the user's own TOML file."""
+    """Load a controller, fluid, limit set or instrument by id, or from the user's own TOML file."""
     return Kept().entry(SLOTS[name], choice)
 
 
 def controller_of(case: Case) -> Controller:
-    """The controller of a job."""
+    """Return the controller of a job."""
     controller: Controller = catalogue_entry("controller", case.controller)
     return controller
 
 
 def remembered_columns(log: SourceFile) -> RememberedColumns | None:
-    """How the columns of logs with this header were chosen earlier."""
+    """Return how the columns of logs with this header were chosen earlier."""
     return recall(default_path(), understood(log).signature)
 
 
 def remember_columns(log: SourceFile, columns: dict[str, str], units: dict[str, str]) -> str:
-    """Keep how this log's columns were chosen, for every log with the same header; why it cannot be kept, else ""."""
+    """Keep how this log's columns were chosen, for logs with the same header; return why it failed, else ""."""
     try:
         remember(default_path(), understood(log).signature, columns, units)
     except OutputError as error:
@@ -152,8 +152,8 @@ def remember_columns(log: SourceFile, columns: dict[str, str], units: dict[str, 
     return ""
 
 
-def settled(case: Case) -> Case:
-    """The job with its log's columns as they are read now, for its job file."""
+def case_with_columns(case: Case) -> Case:
+    """Return the job with the columns of its log as they are read now, for its job file."""
     return case if case.road_test is None else with_log_choices(case, Kept().log(case))
 
 
@@ -163,7 +163,7 @@ def _diagnosis(key: str, _case: Case) -> Diagnosis:
 
 
 def diagnosis_of(case: Case) -> Diagnosis:
-    """The diagnosis of a job.
+    """Return the diagnosis of a job.
 
     Raises
     ------
@@ -174,6 +174,6 @@ def diagnosis_of(case: Case) -> Diagnosis:
 
 
 def result_key(case: Case) -> str:
-    """What a result of this job is kept by: its files and choices, and what is remembered of its log's columns."""
+    """Return the key of a job's result: its files and choices, and the remembered columns of its log."""
     earlier = remembered_columns(case.road_test) if case.road_test is not None and case.remember else None
     return f"{case.key} {earlier}"

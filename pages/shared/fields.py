@@ -1,4 +1,4 @@
-"""What people type into: numbers as they write them, and folds that stay as they were left.
+"""Provide fields that people type into: numbers as they write them, and folds that stay as they were left.
 
 Which element is which never depends on what is being typed: the place of a doubt is always there.
 """
@@ -14,7 +14,7 @@ from pages.shared import show
 
 
 def kept(key: str, start: Any) -> dict[str, Any]:
-    """What makes a field keep what was typed: its value, key and callback.
+    """Return what makes a field keep what was typed: its value, key and callback.
 
     The callback runs before any page does, so what is typed last is kept even where the next click leaves the page.
     """
@@ -37,7 +37,7 @@ def number(
 
 
 def number(label: str, asked: AskedNumber, start: float | None, *, key: str, optional: bool = False) -> float | None:
-    """A number's field with what is to be said of it beneath; the last value that could be taken.
+    """Show a number's field with a remark below it; return the last value that could be used.
 
     What a job file holds is the start, and is taken even where it is out of the usual range.
     """
@@ -59,15 +59,15 @@ def number(label: str, asked: AskedNumber, start: float | None, *, key: str, opt
 
 def _entry(text: str, asked: AskedNumber, first: str, start: float | None, optional: bool) -> WrittenNumber:
     if text == first and start is not None:
-        found = read_number(text, asked)
-        return WrittenNumber(start, "" if found.value is None else found.doubt)
+        entry = read_number(text, asked)
+        return WrittenNumber(start, "" if entry.value is None else entry.doubt)
     if text:
         return read_number(text, asked)
     return WrittenNumber(None, "" if optional else "Nothing is written here.")
 
 
 def fold(label: str, *, key: str, opened: bool = False) -> Any:
-    """A fold that stays as the user left it, here and after another page."""
+    """Show a fold that stays as the user left it, here and after another page."""
     left = st.session_state.setdefault("folds", {})
     st.session_state.setdefault(key, left.get(key, opened))
     place = st.expander(label, key=key, on_change="rerun")

@@ -1,4 +1,4 @@
-"""The job record as a form. The record lives in the session, not in the widgets: leaving the page loses nothing."""
+"""Show the job record as a form. The record lives in the session, so that leaving the page loses nothing."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ _LONG = {"address", "note"}
 
 
 def job() -> Job:
-    """The record of the job that is shown."""
+    """Return the record of the job that is shown."""
     return st.session_state.setdefault("job", Job())
 
 
 def put_job(record: Job) -> None:
-    """Another record in place of this one, with fresh widgets."""
+    """Replace the record by another one, with fresh widgets."""
     st.session_state["job"] = record
     st.session_state["job-generation"] = _generation() + 1
 
 
 def draw(controller: Controller) -> Job:
-    """The form; the record as it now is."""
+    """Draw the form; return the record as it now is."""
     record = job()
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
     with fields.fold("Job, vehicle and customer", key=key("fold-job"), opened=True):
@@ -50,7 +50,7 @@ def draw(controller: Controller) -> Job:
             values[table] = getattr(record, table).model_dump() | {
                 name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
             }
-    with fields.fold("As found", key=key("fold-found")):
+    with fields.fold("As changed", key=key("fold-changed")):
         values |= _as_found(record)
     with fields.fold("Repair decisions, scratches, instruments", key=key("fold-tables")):
         values |= _tables(record, controller)
@@ -59,13 +59,13 @@ def draw(controller: Controller) -> Job:
     values["notes"] = st.text_area("Notes", **fields.kept(key("notes"), record.notes))
     place = st.container()
     try:
-        found = Job.model_validate(values).with_pictures({**record.pictures, **st.session_state.get("pictures", {})})
+        changed = Job.model_validate(values).with_pictures({**record.pictures, **st.session_state.get("pictures", {})})
     except ValidationError as error:
         first_fault = error.errors(include_url=False)[0]
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
-    st.session_state["job"] = found
-    return found
+    st.session_state["job"] = changed
+    return changed
 
 
 def _as_found(record: Job) -> dict[str, Any]:
@@ -75,7 +75,7 @@ def _as_found(record: Job) -> dict[str, Any]:
     codes = st.text_input("Fault codes, separated by commas", **fields.kept(key("codes"), written))
     places = st.columns(5)
     names = ("product", "level", "colour", "smell", "note")
-    found = {
+    fluid = {
         name: _text(place, f"oil-{name}", name, getattr(oil, name), "Oil: ")
         for place, name in zip(places, names, strict=True)
     }
@@ -86,7 +86,7 @@ def _as_found(record: Job) -> dict[str, Any]:
     return {
         "complaint": complaint,
         "fault_codes": tuple(code.strip() for code in codes.split(",") if code.strip()),
-        "fluid_condition": oil.model_dump() | found,
+        "fluid_condition": oil.model_dump() | fluid,
         "contamination": {
             "grade": grade or None,
             "particles": _text(columns[1], "particles", "particles", dirt.particles),
@@ -107,19 +107,19 @@ def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     parts = st.column_config.SelectboxColumn("part", options=["", "spool", "piston", "sleeve"])
     dates = {name: st.column_config.DateColumn(name, format="YYYY-MM-DD") for name in ("date", "calibrated")}
     shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
-    found = {}
+    tables = {}
     for name, title in (
         ("repair_decisions", "Repair decisions"),
         ("scratches", "Scratches"),
         ("instruments", "Instruments"),
     ):
         st.markdown(f"**{title}**")
-        found[name] = _table(record, name, shared)
-    return found
+        tables[name] = _table(record, name, shared)
+    return tables
 
 
 def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, Any]]:
-    """A table to edit. What it starts from stays the same while it is on the page, else its edits would be lost."""
+    """Show a table to edit. Its first content stays the same while it is on the page, else its edits would be lost."""
     own = key(name)
     model = get_args(Job.model_fields[name].annotation)[0]
     if own not in st.session_state:
@@ -171,7 +171,7 @@ def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:
 
 
 def key(name: str) -> str:
-    """A widget's key: another record gives fresh widgets."""
+    """Return a widget's key: another record gives fresh widgets."""
     return f"job{_generation()}-{name}"
 
 

@@ -1,4 +1,4 @@
-"""How a log was understood, and the form that settles what its file leaves open."""
+"""Show how a log was understood, and ask what its file leaves open."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ NONE = "not in this log"
 
 
 def pending(case: PageCase) -> tuple[SourceFile, Understood] | None:
-    """The log to talk about: the one refused for an open question, else that of the job."""
+    """Return the log to show: the one refused for an open question, else that of the job."""
     refused = session().refused.get("road_test")
     if refused is not None and refused.file is not None:
         try:
             return refused.file, understood(refused.file)
         except AtleakError:
-            pass  # no log at all: nothing to ask about it
+            pass  # the file is no log at all, so there is nothing to ask about it
     return None if case.road_test is None else (case.road_test, Kept().log(case))
 
 
 def scales(test: RoadTest) -> dict[str, tuple[str, Any]]:
-    """Quantity → unit's name and conversion from SI, as people are shown them."""
+    """Return, by quantity, the unit that people read and the function from SI to it."""
     units = {name: workshop_unit(name, channel) for name, channel in test.channels.items()}
-    return {name: (found.name, found.from_si) for name, found in units.items() if found is not None}
+    return {name: (unit.name, unit.from_si) for name, unit in units.items() if unit is not None}
 
 
-def column_rows(found: Understood) -> list[dict[str, Any]]:
-    """What was understood of every column."""
+def column_rows(log: Understood) -> list[dict[str, Any]]:
+    """Return what was understood of every column."""
     return [
         {
             "quantity": QUANTITIES[row["quantity"]].label,
@@ -56,40 +56,40 @@ def column_rows(found: Understood) -> list[dict[str, Any]]:
             "suspect": row["suspect_samples"],
             "per second": row["sampling_hz"],
         }
-        for row in describe(found)["columns"]
+        for row in describe(log)["columns"]
     ]
 
 
-def form(file: SourceFile, found: Understood, case: PageCase) -> None:
-    """Columns and units to choose, where the file leaves them open or the user knows better."""
-    asked = {one.quantity: one for one in found.ambiguous}
-    for one in found.ambiguous:
-        st.warning(f"**{QUANTITIES[one.quantity].label}:** {show.plain(one.why)}. Which column is it?")
+def form(file: SourceFile, log: Understood, case: PageCase) -> None:
+    """Ask for columns and units, where the file leaves them open or the user knows better."""
+    asked = {question.quantity for question in log.ambiguous}
+    for question in log.ambiguous:
+        st.warning(f"**{QUANTITIES[question.quantity].label}:** {show.plain(question.why)}. Which column is it?")
     earlier = (remembered_columns(file) if file != case.road_test or case.remember else None) or RememberedColumns()
-    settled, assumed = dict(earlier.mapping), dict(earlier.units)
+    chosen_columns, chosen_units = dict(earlier.mapping), dict(earlier.units)
     if file == case.road_test:
-        settled |= dict(case.columns)
-        assumed |= dict(case.units)
+        chosen_columns |= dict(case.columns)
+        chosen_units |= dict(case.units)
     if session().unkept[0] == file.sha256:
         st.warning(f"These columns are used, but could not be remembered: {show.plain(session().unkept[1])}.")
     with st.expander("Columns and units", expanded=bool(asked)), st.form("columns", border=False):
-        labels = [heading.label for heading in found.headings]
+        labels = [heading.label for heading in log.headings]
         columns, units = {}, {}
         for name, quantity in QUANTITIES.items():
-            taken = None if found.road_test is None else found.road_test.channels.get(name)
-            now = settled.get(name) or (taken.column if taken is not None else None)
+            taken = None if log.road_test is None else log.road_test.channels.get(name)
+            now = chosen_columns.get(name) or (taken.column if taken is not None else None)
             options = [ASK if name in asked else NONE, *labels]
             index = options.index(now) if now in options else 0
             left, right = st.columns([3, 1])
             picked = left.selectbox(quantity.label, options, index, key=f"column-{file.sha256}-{name}")
-            if picked not in (ASK, NONE) and (picked != now or name in settled):
+            if picked not in (ASK, NONE) and (picked != now or name in chosen_columns):
                 columns[name] = picked
             if quantity.unit_kind is not None:
                 names = ["as stated", *unit_names(quantity.unit_kind)]
-                at = names.index(assumed[name]) if assumed.get(name) in names else 0
-                said = right.selectbox("unit", names, at, key=f"unit-{file.sha256}-{name}")
-                if said != names[0]:
-                    units[name] = said
+                at = names.index(chosen_units[name]) if chosen_units.get(name) in names else 0
+                unit = right.selectbox("unit", names, at, key=f"unit-{file.sha256}-{name}")
+                if unit != names[0]:
+                    units[name] = unit
         st.caption("Remembered on the computer that runs this dashboard, for everyone who uses it.")
         if st.form_submit_button("Use and remember for logs with this header"):
             why = remember_columns(file, columns, units)
@@ -100,7 +100,7 @@ def form(file: SourceFile, found: Understood, case: PageCase) -> None:
 
 
 def overlay() -> tuple[RoadTest, float] | None:
-    """Another log to lay over the job's, and by how much it is shifted; kept while pages change."""
+    """Return another log to lay over the job's, and by how much it is shifted; kept while pages change."""
     now = session()
     with fields.fold("Lay another log over it: before and after a repair", key=f"over-fold-{now.generation}"):
         own = st.file_uploader("Other road-test log", key=f"over-{now.generation}")
@@ -121,13 +121,13 @@ def overlay() -> tuple[RoadTest, float] | None:
     return None if test is None else (test, now.offset)
 
 
-def window(test: RoadTest, found: tuple[Event, ...]) -> tuple[float, float] | None:
-    """The stretch of the log to look at: the whole, an event, or between two cursors; None for the whole."""
+def window(test: RoadTest, happened: tuple[Event, ...]) -> tuple[float, float] | None:
+    """Return the part of the log to look at: an event, or between two cursors; None for the whole log."""
     first, last = float(test.time[0]), float(test.time[-1])
     if not last > first:
         return None
     kept = session().windows
-    chosen = st.selectbox("Look at", [None, *found], key="window-event", format_func=_event_name)
+    chosen = st.selectbox("Look at", [None, *happened], key="window-event", format_func=_event_name)
     ends = (first, last) if chosen is None else (chosen.start, chosen.stop)
     if chosen is None:
         ends = kept.get(test.sha256, ends)
@@ -140,7 +140,7 @@ def window(test: RoadTest, found: tuple[Event, ...]) -> tuple[float, float] | No
 
 
 def look_between(test: RoadTest, start: float, stop: float) -> None:
-    """Set both cursors; for a chart's callback, which runs before the cursors are drawn."""
+    """Set both cursors; a chart calls this before the cursors are drawn."""
     first, last = float(test.time[0]), float(test.time[-1])
     ends = (min(max(start, first), last), min(max(stop, first), last))
     if ends[1] > ends[0]:

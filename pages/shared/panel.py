@@ -1,4 +1,4 @@
-"""The panel at the side: the files and choices of the job. It is drawn on every page, so nothing in it is lost."""
+"""Show the sidebar: files and choices of the job. Every page draws it, so that none of its widgets loses its state."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from atleak.job.case import SLOTS, SourceFile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from pages.shared import fields, show
 from pages.shared.cases import PageCase, catalogue_entry, controller_of, diagnosis_of
-from pages.shared.state import choose, new_job, open_job, put_file, session, settle, take_sample
+from pages.shared.state import choose, current_diagnosis, new_job, open_job, put_file, session, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
@@ -26,7 +26,7 @@ WHERE = {"readings": "Readings", "road_test": "Road test"}
 FILES = {
     "readings": (
         "Measuring sheet",
-        "Spool and sleeve diameters: xlsx, xls, ods or csv. Told by its content, not its name.",
+        "Spool and sleeve diameters: xlsx, xls, ods or csv. Recognised by its content, not its name.",
     ),
     "road_test": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
 }
@@ -52,7 +52,7 @@ VALUES = {
 
 
 def draw() -> None:
-    """The panel, the job's results brought up to date, and what was refused at the head of the page."""
+    """Draw the sidebar, bring the job's results up to date and show refusals at the head of the page."""
     st.session_state["framed"] = True
     for path in PAGES.glob(f"[0-9]_{st.session_state.pop('wanted', '?')}.py"):
         st.switch_page(path)
@@ -72,18 +72,18 @@ def draw() -> None:
                 _choice(kind)
         _condition()
         _profile()
-    result = settle()
+    result = current_diagnosis()
     for slot, place in places.items():
         with place:
             _status(slot, result)
-    with st.container():  # one place however much there is to say: the page below it stays what it is
+    with st.container():  # one element however many notices there are: the elements below keep their places
         _notices()
 
 
 def shown() -> tuple[PageCase, Diagnosis]:
-    """The job that is shown and its diagnosis."""
+    """Return the job that is shown and its diagnosis."""
     if "framed" not in st.session_state:
-        # a fresh server that is asked for a page's own address first runs that page without app.py around it
+        # a fresh server that gets a request for a page's own address first runs that page without app.py
         st.session_state["wanted"] = glob.escape(str(st.context.url or "?").rsplit("/", 1)[-1])
         st.switch_page("app.py")
     case = session().good
@@ -99,8 +99,8 @@ def _uploader(slot: str) -> Any:
     key = _key(slot)
 
     def changed() -> None:
-        found = st.session_state[key]
-        put_file(slot, None if found is None else SourceFile(found.name, found.getvalue()))
+        upload = st.session_state[key]
+        put_file(slot, None if upload is None else SourceFile(upload.name, upload.getvalue()))
 
     st.file_uploader(label, key=key, help=tip, on_change=changed)
     return st.container()
@@ -110,11 +110,11 @@ def _job_file() -> None:
     key = _key("job-file")
 
     def changed() -> None:
-        from pages.shared.job_form import put_job  # its pictures' room is slow to import
+        from pages.shared.job_form import put_job  # its picture library is slow to import
 
-        found = st.session_state[key]
+        upload = st.session_state[key]
         session().refused.pop("job", None)
-        record = None if found is None else open_job(found.name, found.getvalue())
+        record = None if upload is None else open_job(upload.name, upload.getvalue())
         if record is not None:
             put_job(record)
 
@@ -158,7 +158,7 @@ def _choice(kind: str) -> None:
         options,
         index=options.index(current if isinstance(current, str) else OWN),
         key=_key(kind),
-        format_func=lambda found: found if found == OWN else catalogue_entry(kind, found).name,
+        format_func=lambda option: option if option == OWN else catalogue_entry(kind, option).name,
     )
     if picked != OWN:
         choose(**{kind: picked})
@@ -199,7 +199,7 @@ def _condition() -> None:
 
 
 def _controller() -> Controller:
-    """The controller as chosen, or while that is refused, the one that is shown."""
+    """Return the controller as chosen or, while that is refused, the one that is shown."""
     try:
         return controller_of(session().case)
     except AtleakError:
@@ -233,9 +233,7 @@ def _value_name(value: str) -> str:
 def _notices() -> None:
     now = session()
     if now.good.sample:
-        st.caption(
-            "**Sample job**: representative data. Your own files go in the panel at the side (top left on a phone)."
-        )
+        st.caption("**Sample job**: representative data. Put your own files in the sidebar (top left on a phone).")
     for slot, (label, _) in FILES.items():
         if slot in now.refused:
             kept = getattr(now.good, slot)

@@ -1,4 +1,4 @@
-"""The form that says which sheet of a workbook to read, which of its rows, and in which unit its diameters stand."""
+"""Ask which sheet of a workbook to read, which of its rows, and in which unit its diameters stand."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ AS_STATED = "as the sheet says"
 
 
 def pending(case: PageCase) -> SourceFile | None:
-    """The sheet to talk about: the one refused last, else that of the job."""
+    """Return the sheet to ask about: the one refused last, else that of the job."""
     refused = session().refused.get("readings")
     return refused.file if refused is not None else case.readings
 
 
 def form(file: SourceFile, case: PageCase) -> None:
-    """Sheet, unit and rows: for a workbook with several sheets, a sheet without its unit, one of several states."""
+    """Ask for sheet, unit and rows: of a workbook with several sheets, no unit, or several states of one unit."""
     mine = file == case.readings
     with st.expander("Read it as", expanded=not mine), st.form("sheet", border=False):
         name = st.text_input(

@@ -1,4 +1,4 @@
-"""Results and messages as a person sees them: signs, words, markdown-safe text, tables with coloured verdicts."""
+"""Show results and messages: signs, words, markdown-safe text, tables with coloured verdicts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from atleak.engine.projection import Projection
 from atleak.errors import AtleakError, Message
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
-from atleak.verdicts import Verdict, worst
+from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
 from atleak.wording import signed
 from pages.shared.state import Refusal
@@ -51,14 +51,14 @@ HAIR_SPACE = "\u200a"
 
 
 def plain(text: object) -> str:
-    """Text of a user or a file in markdown, sign for sign."""
+    """Escape text of a user or a file, so that markdown shows it sign for sign."""
     return _MARKDOWN.sub(r"\\\1", str(text)).replace("\n", "  \n")
 
 
-def refusal(what: str, found: Refusal, kept: str) -> None:
-    """Why something was not taken, and what is shown instead."""
-    problems = getattr(found.error, "problems", (found.error,))
-    head = f"**{plain(found.name)} was not taken as {what}.**" if found.name else f"**{what}**"
+def refusal(what: str, refused: Refusal, kept: str) -> None:
+    """Show why something was refused, and what is shown instead."""
+    problems = getattr(refused.error, "problems", (refused.error,))
+    head = f"**{plain(refused.name)} was not taken as {what}.**" if refused.name else f"**{what}**"
     lines = [f"- {plain(problem)}" for problem in problems[:SHOWN]]
     if len(problems) > SHOWN:
         lines.append(f"- … and {len(problems) - SHOWN} more")
@@ -66,7 +66,7 @@ def refusal(what: str, found: Refusal, kept: str) -> None:
 
 
 def error_line(error: AtleakError) -> str:
-    """Where the first problem of an error stands, for a narrow place; the whole text is at the head of the page."""
+    """Return where the first problem of an error stands; the whole text is at the head of the page."""
     problems = getattr(error, "problems", (error,))
     first = problems[0]
     where = str(getattr(first, "place", "")) or str(first)
@@ -74,11 +74,11 @@ def error_line(error: AtleakError) -> str:
     return f"{plain(where)}{more}: see the head of the page."
 
 
-def messages(found: Iterable[Message], about: str) -> None:
-    """Warnings in the open, remarks in a fold; each with its place."""
-    found = list(dict.fromkeys(found))
-    warnings = [message for message in found if message.level == "warning"]
-    remarks = [message for message in found if message.level != "warning"]
+def messages(notes: Iterable[Message], about: str) -> None:
+    """Show warnings in the open and remarks in a fold, each with its place."""
+    notes = list(dict.fromkeys(notes))
+    warnings = [message for message in notes if message.level == "warning"]
+    remarks = [message for message in notes if message.level != "warning"]
     if warnings:
         with st.expander(
             f"{len(warnings)} warning{'s' * (len(warnings) > 1)} about {about}", expanded=len(warnings) <= 3
@@ -95,7 +95,7 @@ def _with_place(message: Message) -> str:
 
 
 def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
-    """Rows with a ``Verdict`` column, shown as sign, word and colour; sorting the column puts the worst first.
+    """Show rows with a ``Verdict`` column as sign, word and colour; sorting the column puts the worst first.
 
     A table's text column is sorted by collation, in which a space comes before any sign: the worse a verdict, the
     more hair spaces stand before it.
@@ -114,12 +114,12 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
 
 
 def rounded(value: float) -> str:
-    """``1.65``, ``92.7``, ``2346``: three digits, and every digit before the decimal point."""
+    """Return a number with three digits and every digit before the decimal point: ``1.65``, ``92.7``, ``2346``."""
     return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}" if abs(value) >= 0.001 else f"{value:z.3f}"
 
 
 def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{:.6g}", **options: Any) -> None:
-    """Plain rows; numbers with up to six digits unless told otherwise."""
+    """Show plain rows; numbers have up to six digits unless ``number`` says otherwise."""
     frame = pd.DataFrame(rows)
     names = frame.columns.tolist()
     numbers: list[Hashable] = [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
@@ -135,21 +135,21 @@ def _colours(verdict: Verdict) -> str:
 
 
 def sheet_messages(diagnosis: Diagnosis) -> None:
-    """What the measuring sheet and its clearances have to say."""
+    """Show the messages of the measuring sheet and its clearances."""
     of_lands = [message for land in diagnosis.lands for message in land.messages]
     messages([*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands], "the measuring sheet")
 
 
 def what_is_shown(diagnosis: Diagnosis) -> None:
-    """Under the flagged table: at which condition, and what of it is representative."""
+    """Say, below the flagged table, at which condition it holds and what of it is representative."""
     controller = diagnosis.controller
     said = f" **Representative:** {plain(controller.representative)}" if controller.representative else ""
     more = "Whose limit it is, leakage and mounting clearance: with all lands, below."
     st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}. {more}{said}")
 
 
-def unsettled(lines: list[str]) -> None:
-    """Verdicts that hang on what the instruments can tell."""
+def open_verdicts(lines: list[str]) -> None:
+    """Show the verdicts that the instruments leave open."""
     if lines:
         head = f"{len(lines)} verdict{'s hang' if len(lines) > 1 else ' hangs'} on the measurement: what settles it"
         with st.expander(head):
@@ -157,13 +157,13 @@ def unsettled(lines: list[str]) -> None:
 
 
 def log_messages(diagnosis: Diagnosis) -> None:
-    """What the road-test log has to say."""
+    """Show the messages of the road-test log."""
     if diagnosis.road is not None:
         messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
 
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """What the result rests on: choices, sources, and what of it is representative."""
+    """Show the basis of the result: choices, sources, and what of it is representative."""
     road, readings = diagnosis.road, diagnosis.readings
     said = [message for land in diagnosis.lands for message in land.messages]
     said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
@@ -181,13 +181,13 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
 
 
 def points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projection, dict[str, Any]]]:
-    """The stated condition and, where the controller states it, hot idle; each with its record."""
-    rows = [record["projection"], record["hot_idle"]][: len(diagnosis.reported)]
-    return list(zip(diagnosis.reported, rows, strict=True))
+    """Return the projections that are reported, the stated condition first; each with its record."""
+    every = zip(diagnosis.projections, record["conditions"], strict=True)
+    return [(at, row) for at, row in every if any(at is shown for shown in diagnosis.reported)]
 
 
 def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """The conditions of the totals, and the speed below which the pump no longer holds the pressure."""
+    """Show the conditions of the totals, and the speed below which the pump no longer holds the pressure."""
     for point, row in points(diagnosis, record):
         st.caption(
             f"**{plain(point.condition.label)}**: {row['leakage_dm3_min']:.2f} of {row['pump_capacity_dm3_min']:.2f} "
@@ -197,10 +197,11 @@ def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
 
 
 def repair_plan(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Flagged lands in order of repair, with the total share before and after each."""
+    """Show flagged lands in order of repair, with the total share before and after each."""
     steps = record["repair_plan"]
     if not steps:
-        st.write("Nothing to repair.")
+        nothing = "No land has reached a limit of its own: what decides is the total of many that leak a little."
+        st.write(nothing if diagnosis.decided_by is not None else "Nothing to repair.")
         return
     rows = [
         {
@@ -235,12 +236,12 @@ def _unmoved(before: float | None, after: float | None) -> bool:
 
 
 def dark() -> bool:
-    """Whether the browser shows the dark theme."""
+    """Tell whether the browser shows the dark theme."""
     return st.context.theme.type == "dark"
 
 
 def chart(figure: go.Figure, key: str, on_span: Callable[[float, float], None] | None = None) -> None:
-    """A figure with its words and error bars in the theme's ink, where the usual grey is too pale to read.
+    """Show a figure with words and error bars in the theme's ink, where the usual grey is too pale to read.
 
     With ``on_span``, dragging across it marks a stretch of its x axis and calls that with its ends.
     """
@@ -270,7 +271,7 @@ def _spanned(key: str, on_span: Callable[[float, float], None]) -> None:
 
 
 def svg(drawing: str, label: str, least_width: int = 640) -> None:
-    """A drawing in the theme's ink, wide enough to be read; on a phone it scrolls inside its frame."""
+    """Show a drawing in the theme's ink, wide enough to be read; on a phone it scrolls inside its frame."""
     data = base64.b64encode((on_dark(drawing) if dark() else drawing).encode()).decode("ascii")
     st.html(
         f'<div style="padding:8px;overflow-x:auto">'
@@ -280,12 +281,11 @@ def svg(drawing: str, label: str, least_width: int = 640) -> None:
 
 
 def controller_picture(diagnosis: Diagnosis) -> None:
-    """The controller with its lands in the shade and with the sign of their verdicts."""
+    """Show the controller with its lands in the shade and with the sign of their verdicts."""
     verdicts = {land.key: land.verdict for land in diagnosis.lands}
     svg(controller_svg(diagnosis.controller, verdicts), f"{diagnosis.controller.name}, lands by verdict")
 
 
 def banner(diagnosis: Diagnosis, sentence: str) -> None:
-    """The verdict in a box of its colour, or that of a total which is worse."""
-    level = worst([diagnosis.verdict, *(rule.verdict for rule in diagnosis.total_rules)])
-    _BOX[look_of(level).box](sentence)
+    """Show the verdict in a box of its colour."""
+    _BOX[look_of(diagnosis.verdict).box](sentence)

@@ -1,4 +1,4 @@
-"""The session: the job as chosen, the last job that computed, and what was refused since."""
+"""Keep the session: the job as chosen, the last job that computed, and what was refused since."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from atleak.job.record import Job
 from pages.shared.cases import FITTED, PageCase, diagnosis_of, opened_case, sample_case
 
 FILES = tuple(FITTED)
-KEPT = (*SLOTS, "profile", "options")  # what stays for a new, empty job
-REPLACING = 60.0  # [s] between a file taken away and the one that takes its place, as an uploader replaces one
+KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
+REPLACING = 60.0  # [s] within which a new file replaces the one taken away: an uploader does both, one after the other
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """Something that was not taken, and why."""
+    """A file or choice that was refused, and why."""
 
     name: str
     error: AtleakError
@@ -36,20 +36,20 @@ class Session:
     case: PageCase
     good: PageCase
     refused: dict[str, Refusal]
-    before: PageCase | None = None  # the job before a file was put on it, to go back to
+    before: PageCase | None = None  # the job before the last file came in, to return to if that file is refused
     away: dict[str, tuple[float, dict[str, Any]]] = field(
         default_factory=dict
-    )  # when, and what was taken out of the job
-    windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # looked at, by the log's SHA-256
-    over: SourceFile | None = None  # a log laid over the job's
+    )  # by slot: when a file was taken out of the job, and the choices that went with it
+    windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # part shown [s], by the log's SHA-256
+    over: SourceFile | None = None  # a second log, drawn over the job's
     offset: float = 0.0  # [s] by which it is shifted
     unkept: tuple[str, str] = ("", "")  # SHA-256 of a log whose columns could not be remembered, and why
-    start: PageCase = field(default_factory=PageCase)  # what the panel's widgets start from
+    start: PageCase = field(default_factory=PageCase)  # the first values of the sidebar's widgets
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
 
 
 def session() -> Session:
-    """This user's session; a fresh one starts with the sample job."""
+    """Return this user's session; a fresh one starts with the sample job."""
     if "atleak" not in st.session_state:
         case = sample_case()
         st.session_state["atleak"] = Session(case, case, {})
@@ -57,7 +57,7 @@ def session() -> Session:
 
 
 def put_file(slot: str, file: SourceFile | None) -> None:
-    """A file was chosen or taken away.
+    """Take in a file that was chosen, or take away the one that was removed.
 
     An uploader whose file is replaced takes the old one away first. The job to go back to holds that file again, should
     the new one be refused.
@@ -76,7 +76,7 @@ def put_file(slot: str, file: SourceFile | None) -> None:
 
 
 def choose(**changes: Any) -> None:
-    """Other choices; another controller than the sample's drops the sample's files, which fit only that."""
+    """Change choices; another controller than the sample's drops the sample's files, which fit only that."""
     now = session()
     if changes.get("controller", now.case.controller) != now.case.controller:
         changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None}
@@ -87,7 +87,7 @@ def choose(**changes: Any) -> None:
 
 
 def take_sample() -> None:
-    """Back to the sample job, with fresh widgets and an empty job record."""
+    """Return to the sample job, with fresh widgets and an empty job record."""
     now = session()
     case = sample_case()
     st.session_state["atleak"] = Session(case, case, {}, generation=now.generation + 1)
@@ -95,7 +95,7 @@ def take_sample() -> None:
 
 
 def new_job() -> None:
-    """An empty job; the controller, the instruments and the engine's options stay."""
+    """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
     case = PageCase(**{name: getattr(now.good, name) for name in KEPT})
     st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
@@ -109,21 +109,21 @@ def _empty_record() -> None:
 
 
 def open_job(name: str, content: bytes) -> Job | None:
-    """A job file in place of the job that is shown, with fresh widgets; its record, or None where it was refused."""
+    """Open a job file with fresh widgets; return its record, or None where it was refused."""
     now = session()
     try:
-        found = read_job_file(content, name=name)
-        case = opened_case(found.case)
+        job_file = read_job_file(content, name=name)
+        case = opened_case(job_file.case)
         diagnosis_of(case)
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return None
     st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
-    return found.job
+    return job_file.job
 
 
-def settle() -> Diagnosis:
-    """The diagnosis of the job as chosen, or of the last one that computed, with the reason kept in ``refused``."""
+def current_diagnosis() -> Diagnosis:
+    """Return the diagnosis of the job as chosen, or of the last that computed; ``refused`` keeps the reason."""
     now = session()
     for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job"))):
         now.refused.pop(slot, None)
@@ -135,7 +135,7 @@ def settle() -> Diagnosis:
             file = getattr(now.case, slot)
             now.refused[slot] = Refusal(file.name, error, file)
             now.case, now.before = now.before, None
-            return settle()
+            return current_diagnosis()
         now.refused[slot] = Refusal("", error)
         return diagnosis_of(now.good)
     now.good, now.before = now.case, None

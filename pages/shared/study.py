@@ -1,4 +1,4 @@
-"""The source study's variants, computed once and kept, and its tables."""
+"""Compute the source study's variants once, keep them, and show its tables."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en162276
 
 @st.cache_resource(max_entries=8, show_spinner="Running W1 to W8 …")
 def computed(key: str, _controller: Any, _road_test: Any) -> tuple[Any, ...]:
-    """A controller and a road test, without them the study's, with results, options and temperature curves."""
+    """Return a controller and a road test (the study's by default) with results, options and temperature curves."""
     if _controller is None:
         _controller, _road_test = controller_of(Case()), read_road_test(sample_log())
     job = _controller, _road_test
@@ -25,7 +25,7 @@ def computed(key: str, _controller: Any, _road_test: Any) -> tuple[Any, ...]:
 
 
 def table(rows: list[dict[str, Any]], digits: str = "{:.4g}") -> None:
-    """Rows with every number in one format; the first column stays in sight."""
+    """Show rows with every number in one format; the first column stays in sight."""
     frame = pd.DataFrame(rows)
     style = frame.style.format(digits, subset=frame.select_dtypes("number").columns)
     pinned = {frame.columns[0]: st.column_config.Column(pinned=True)}

@@ -1,4 +1,4 @@
-"""The sentences and rows a page shows, from the record: only words and choice of columns."""
+"""Write the sentences and rows that a page shows, from the record: only words and choice of columns."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ DIGITS = {
 
 
 def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
-    """The verdict in one paragraph, in markdown."""
+    """Return the verdict in one paragraph, in markdown."""
     lands = record["lands"]
     counts = {level: sum(land["verdict"] == level for land in lands) for level in reversed(FLAGGED)}
     flagged = " and ".join(f"**{count} {signed(name)}**" for name, count in counts.items() if count)
@@ -49,7 +49,8 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         where = f"{pairs} component{'s' * (pairs != 1)}"
         head = f"{flagged} of {whole + partly} measured land{'s' * (whole + partly != 1)}, in {where}."
     elif whole:
-        head = f"**{signed(Verdict.OK)}:** none of {whole} measured land{'s' * (whole != 1)} has reached a limit."
+        sign = "None" if isinstance(diagnosis.decided_by, Rule) else f"**{signed(Verdict.OK)}:** none"
+        head = f"{sign} of {whole} measured land{'s' * (whole != 1)} has reached a limit of its own."
     elif partly:
         head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured on both spool and sleeve."
     else:
@@ -57,6 +58,8 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured; {new}."
     if isinstance(diagnosis.decided_by, Rule):
         head = f"**{signed(diagnosis.verdict)}** because of the {plain(diagnosis.decided_by.label)}. {head}"
+    elif diagnosis.decided_by is not None:
+        head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
     if open_ones:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     points = show.points(diagnosis, record)
@@ -79,19 +82,19 @@ def _total(point: dict[str, Any], label: str) -> str:
 def land_rows(
     diagnosis: Diagnosis, record: dict[str, Any], lands: Iterable[LandDiagnosis], *, brief: bool = False
 ) -> list[dict[str, Any]]:
-    """Rows of a table of lands, the brief one narrow; columns that nothing fills are left out."""
+    """Return the rows of a table of lands, fewer columns if brief; columns without any value are left out."""
     records = {(land["component"], land["land"]): land for land in record["lands"]}
     rows = []
-    for found in lands:
-        land = records[found.key]
-        rule = None if found.verdict == Verdict.NOT_MEASURED else found.deciding
+    for diagnosed in lands:
+        land = records[diagnosed.key]
+        rule = None if diagnosed.verdict == Verdict.NOT_MEASURED else diagnosed.deciding
         rows.append(
             {
                 "Verdict": land["verdict"],
                 "Pair": pair(diagnosis.controller, land),
                 "Wear [%]": land["wear_percent"],
                 "Share [%]": land["share_percent"],
-                "Decided by": _decided_by(found, rule),
+                "Decided by": _decided_by(diagnosed, rule),
                 "Clearance [µm]": land["radial_clearance_um"],
                 "u [µm]": land["uncertainty_um"],
                 "Over it [%]": _percent(land["probability_over_limit"]),
@@ -111,24 +114,24 @@ def land_rows(
 
 
 def pair(controller: Controller, land: dict[str, Any]) -> str:
-    """``25 · 1 main pressure valve``: component, land and name, so that a narrow column cuts the name only."""
+    """Return component, land and name, so that a narrow column cuts the name only: ``25 · 1 main pressure valve``."""
     return f"{land['component']} · {land['land']} {controller.components[land['component']]}"
 
 
-def _decided_by(found: LandDiagnosis, rule: Rule | None) -> str | None:
-    """The rule, and which part of the pair was taken at its nominal diameter."""
-    missing = {"spool_only": "sleeve", "sleeve_only": found.state.land.part}.get(found.state.status)
-    said = [] if rule is None else [rule_text(rule)]
-    return "; ".join([*said, *([f"{missing} not measured"] if missing else [])]) or None
+def _decided_by(land: LandDiagnosis, rule: Rule | None) -> str | None:
+    """Return the rule, and which part of the pair was taken at its nominal diameter."""
+    missing = {"spool_only": "sleeve", "sleeve_only": land.state.land.part}.get(land.state.status)
+    reasons = [] if rule is None else [rule_text(rule)]
+    return "; ".join([*reasons, *([f"{missing} not measured"] if missing else [])]) or None
 
 
 def land_name(diagnosis: Diagnosis, key: tuple[str, int]) -> str:
-    """``25 · main pressure valve, land 1``."""
+    """Return a land in words: ``25 · main pressure valve, land 1``."""
     return f"{key[0]} · {diagnosis.controller.components[key[0]]}, land {key[1]}"
 
 
 def advice(diagnosis: Diagnosis) -> list[str]:
-    """What would settle the verdicts that hang on the measurement, one line of markdown a land."""
+    """Return what would make the open verdicts clear, one line of markdown per land."""
     return [
         f"- **component {plain(land.state.land.component)} land {land.state.land.land}**: "
         f"{plain(land.uncertainty.advice)}"
@@ -142,7 +145,7 @@ def _percent(fraction: float | None) -> float | None:
 
 
 def rule_text(rule: Rule) -> str:
-    """``share of pump flow 6.19 %, limit 4 %, hot idle``: what counts first, where a narrow column cuts the rest."""
+    """Return a rule in words, most important first: ``share of pump flow 6.19 %, limit 4 %, hot idle``."""
     kind = rule.kind
     value = f"{rule.value * kind.factor:.3g} {kind.unit}" if math.isfinite(rule.value) else "beyond the pump"
     where = f", {rule.condition.label}" if rule.condition else ""
@@ -150,7 +153,7 @@ def rule_text(rule: Rule) -> str:
 
 
 def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of the clearances as measured."""
+    """Return the rows of the clearances as measured."""
     names = {
         "wear_percent": "Wear [%]",
         "radial_clearance_um": "Clearance [µm]",

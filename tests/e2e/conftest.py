@@ -26,9 +26,9 @@ playwright_api.expect.set_options(timeout=SOON)
 
 
 def free_port() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return found.getsockname()[1]
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
 
 
 @pytest.fixture(scope="session")
@@ -72,10 +72,10 @@ def _end(process: subprocess.Popen) -> None:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[playwright_api.Browser]:
-    found = next((path for path in CHROMIUM if Path(path).is_file()), shutil.which("chromium"))
+    executable = next((path for path in CHROMIUM if Path(path).is_file()), shutil.which("chromium"))
     with playwright_api.sync_playwright() as driver:
         try:
-            opened = driver.chromium.launch(executable_path=found, args=["--no-sandbox"])
+            opened = driver.chromium.launch(executable_path=executable, args=["--no-sandbox"])
         except playwright_api.Error as error:
             pytest.skip(f"no browser to test with: {str(error).splitlines()[0]}")
         yield opened

@@ -31,12 +31,12 @@ def status(page: Page, text: str | re.Pattern[str]) -> None:
 
 def cells(page: Page, table: int = 0) -> list[str]:
     """The texts of a table's cells that are drawn."""
-    found = page.get_by_test_id("stDataFrame").nth(table).locator("[data-testid^=glide-cell]")
-    found.first.wait_for(state="attached")
-    return [text.strip() for text in found.all_inner_texts()]
+    table_cells = page.get_by_test_id("stDataFrame").nth(table).locator("[data-testid^=glide-cell]")
+    table_cells.first.wait_for(state="attached")
+    return [text.strip() for text in table_cells.all_inner_texts()]
 
 
-def settled(page: Page) -> None:
+def wait_until_idle(page: Page) -> None:
     page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
 
 
@@ -80,7 +80,7 @@ def test_sorting_by_verdict_goes_by_severity(page: Page) -> None:
 
 
 def test_both_files_give_the_flagged_table(page: Page, sample_readings: Path, sample_log: Path) -> None:
-    settled(page)
+    wait_until_idle(page)
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
     upload(page, LOG, "drive.csv", sample_log.read_bytes())
@@ -108,7 +108,7 @@ def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Pa
 def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
-    settled(page)
+    wait_until_idle(page)
     before = cells(page)
     target = io.BytesIO()
     openpyxl.Workbook().save(target)
@@ -117,7 +117,7 @@ def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, 
     expect(message).to_contain_text("empty.xlsx was not taken")
     expect(message).to_contain_text("Shown are still the results of mine.xlsx")
     status(page, "mine.xlsx")
-    settled(page)
+    wait_until_idle(page)
     assert cells(page) == before
 
 
@@ -165,13 +165,13 @@ def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_reading
     box.fill("92.715")
     box.press("Enter")
     expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
-    settled(page)
+    wait_until_idle(page)
     before = banner(page), cells(page)
     page.get_by_role("link", name="Readings").click()
     expect(page.get_by_text("376 readings in mm")).to_be_visible()
     page.get_by_role("link", name="Diagnosis").click()
     expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
-    settled(page)
+    wait_until_idle(page)
     assert (banner(page), cells(page)) == before
     status(page, "mine.xlsx")
 
@@ -218,7 +218,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     status(page, "mine.xlsx")
     page.get_by_role("link", name="Road test").click()
     expect(main.get_by_text("As understood")).to_be_visible()
-    settled(page)
+    wait_until_idle(page)
     assert "line pressure 2 [kPa]" in cells(page)
     assert page.get_by_test_id("stException").count() == 0
 
@@ -263,13 +263,13 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert box["x"] >= 0.0
     assert box["x"] + box["width"] <= 390.0
     assert {"■ replace", "25 · 1 main pressure valve"} <= set(cells(page))
-    for found, wanted in (
+    for shown, wanted in (
         (table, ["Verdict", "Pair", "Wear [%]", "Share [%]"]),
         (page.get_by_test_id("stDataFrame").nth(1), ["No.", "Pair", "Before [%]", "After [%]"]),
     ):
-        headings = [text.strip() for text in found.locator("thead th").all_inner_texts()]
+        headings = [text.strip() for text in shown.locator("thead th").all_inner_texts()]
         assert headings[:4] == wanted
-        assert sum(WIDTHS[name] for name in wanted) <= found.bounding_box()["width"] + 2.0
+        assert sum(WIDTHS[name] for name in wanted) <= shown.bounding_box()["width"] + 2.0
 
 
 @pytest.mark.parametrize("address", ["Diagnosis", "Readings", "Uncertainty", "Road_test", "Report", "Catalogue"])

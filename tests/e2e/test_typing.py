@@ -27,14 +27,14 @@ VEHICLE = {
 }
 
 
-def settled(page: Page) -> None:
+def wait_until_idle(page: Page) -> None:
     page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
 
 
 def to(page: Page, name: str) -> None:
     page.get_by_role("link", name=name).click(delay=80)  # [ms], a hand's: Streamlit misses a click that takes no time
     expect(page.get_by_role("heading", name=name, level=1)).to_be_visible()
-    settled(page)
+    wait_until_idle(page)
 
 
 def form(page: Page) -> Locator:
@@ -103,7 +103,7 @@ def test_a_vehicle_typed_with_tab_stands_in_its_fields(page: Page, delay: int) -
     for value in VEHICLE.values():
         page.keyboard.type(value, delay=delay)
         page.keyboard.press("Tab")
-    settled(page)
+    wait_until_idle(page)
     assert {label: field(page, label).input_value() for label in VEHICLE} == VEHICLE
     assert opened(form(page))
     expect_record(page, {"vehicle": {label.lower(): value for label, value in VEHICLE.items()}})
@@ -120,7 +120,7 @@ def test_a_vehicle_typed_in_another_order_is_printed_where_it_belongs(page: Page
     field(page, "Job number").click()
     page.keyboard.type("A-17", delay=60)
     page.get_by_role("textbox", name="Notes").click()
-    settled(page)
+    wait_until_idle(page)
     assert {label: field(page, label).input_value() for label in VEHICLE} == VEHICLE
     expect_record(page, {"number": "A-17", "vehicle": {label.lower(): value for label, value in VEHICLE.items()}})
     first = pypdfium2.PdfDocument(download(page, "PDF"))[0].get_textpage().get_text_range()
@@ -137,7 +137,7 @@ def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
     page.keyboard.press("Tab")
     page.keyboard.type("W210", delay=60)
     page.wait_for_timeout(500)  # the hand goes from the keyboard to the mouse
-    settled(page)
+    wait_until_idle(page)
     to(page, "Readings")  # straight from the field
     to(page, "Report")
     assert field(page, "Make").input_value() == "Mercedes"
@@ -147,29 +147,29 @@ def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
 
 def test_folds_stay_as_the_user_left_them(page: Page) -> None:
     to(page, "Report")
-    found = page.get_by_test_id("stExpander").filter(has_text="As found")
+    fold = page.get_by_test_id("stExpander").filter(has_text="As fold")
     assert opened(form(page))
-    assert not opened(found)
-    found.locator("summary").click()
+    assert not opened(fold)
+    fold.locator("summary").click()
     form(page).locator("summary").click()
-    settled(page)
-    box = found.get_by_role("textbox", name="Complaint")
+    wait_until_idle(page)
+    box = fold.get_by_role("textbox", name="Complaint")
     box.click()
     page.keyboard.type("late shift", delay=60)
     page.keyboard.press("Tab")
     page.keyboard.type("P0730", delay=60)
     page.keyboard.press("Tab")
-    settled(page)
-    assert opened(found)
+    wait_until_idle(page)
+    assert opened(fold)
     assert not opened(form(page))
     write(condition(page), "Temperature [°C]", "190")  # what is refused now stands above the form
     expect(page.get_by_text("These choices cannot be computed")).to_be_visible()
-    settled(page)
-    assert opened(found)
+    wait_until_idle(page)
+    assert opened(fold)
     assert not opened(form(page))
     to(page, "Readings")
     to(page, "Report")
-    assert opened(found)
+    assert opened(fold)
     assert not opened(form(page))
     assert box.input_value() == "late shift"
     expect_record(page, {"complaint": "late shift", "fault_codes": ["P0730"]})
@@ -188,7 +188,7 @@ def test_a_new_photo_can_be_captioned_at_once(page: Page) -> None:
     caption.click()
     page.keyboard.type("bore 25, scored", delay=60)
     page.keyboard.press("Tab")
-    settled(page)
+    wait_until_idle(page)
     assert caption.input_value() == "bore 25, scored"
     expect_record(page, {"photos": [{"file": "photos/a.png", "caption": "bore 25, scored"}]})
 
@@ -202,16 +202,16 @@ def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
     fold = condition(page)
     write(fold, "Engine speed [rpm]", "850.5")
     expect(page.get_by_text(re.compile(r"850 rpm|851 rpm")).first).to_be_visible()
-    settled(page)
+    wait_until_idle(page)
     with_point = share(page)
     write(fold, "Engine speed [rpm]", "2000")
     expect(page.get_by_test_id("stMain").get_by_test_id("stAlert").first).not_to_have_text(with_point)
     write(fold, "Engine speed [rpm]", "850,5")
-    settled(page)
+    wait_until_idle(page)
     expect(page.get_by_test_id("stMain").get_by_test_id("stAlert").first).to_have_text(
         re.compile(re.escape(with_point.split("\n")[0][:60]))
     )
-    settled(page)
+    wait_until_idle(page)
     assert share(page) == with_point
     assert fold.get_by_label("Engine speed [rpm]").input_value() == "850,5"
     assert fold.get_by_test_id("stAlert").count() == 0
@@ -240,7 +240,7 @@ def test_a_doubt_stands_beneath_its_field_and_is_there_after_another_page(
     write(fold, label, text)
     doubt = fold.get_by_test_id("stAlert")
     expect(doubt).to_contain_text(said)
-    settled(page)
+    wait_until_idle(page)
     box = fold.get_by_label(label)
     assert box.input_value() == text
     assert (share(page) == before) == ("is taken" not in said)
@@ -258,5 +258,5 @@ def test_a_temperature_is_taken_as_it_was_written(page: Page, text: str, shown: 
     fold = condition(page)
     write(fold, "Temperature [°C]", text)
     expect(page.get_by_text(re.compile(rf"gear 2, {re.escape(shown)}")).first).to_be_visible()
-    settled(page)
+    wait_until_idle(page)
     assert fold.get_by_test_id("stAlert").count() == 0

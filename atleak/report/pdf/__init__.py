@@ -1,6 +1,6 @@
-"""A diagnosis as a PDF that a workshop hands over: PDF/A-2a and PDF/UA-1 where its fonts allow.
+"""Print a diagnosis as a PDF that a workshop hands over: PDF/A-2a and PDF/UA-1 where its fonts allow.
 
-The same job gives the same bytes: nothing of the clock goes in but the job's own date.
+The same job gives the same bytes: the only date in the file is that of the job.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.errors import unknown
 from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
-from atleak.marks import KEYWORD
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
@@ -29,6 +28,7 @@ from atleak.report.pdf.front import Front
 from atleak.report.pdf.pictures import write_pictures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import FONTS, Bar, glyphs, road_chart, shares_chart
+from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
@@ -41,8 +41,8 @@ PAPERS = {"a4": "a4", "letter": "us-letter"}
 STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
 TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
 _ROAD_POINTS = 1200
-_LABEL = 48  # characters beside a bar
-_UNDATED = dt.date(2000, 1, 1)  # PDF/A wants a date; one of the clock would make every file another
+_LABEL = 48  # characters that fit beside a bar
+_UNDATED = dt.date(2000, 1, 1)  # PDF/A requires a date; today's date would make two files of one job differ
 _MISSING_NAMED = 8
 
 
@@ -54,7 +54,7 @@ def write_pdf(
     paper: str = "a4",
     sections: Iterable[str] | None = None,
 ) -> bytes:
-    """The report's bytes.
+    """Return the bytes of the report.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def write_pdf(
     Raises
     ------
     InputError
-        an unknown language, paper or section; a picture that cannot be read.
+        if the language, paper or section is unknown, or a picture cannot be read.
 
     Notes
     -----
@@ -96,7 +96,7 @@ def report_data(
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
     names = PrintedNames(diagnosis, diagnosis_record(diagnosis), job, say)
     front, body = Front(names, pictures), Body(names, series, pictures)
-    charts = _charts(names, series, chosen)
+    charts = _draw_charts(names, series, chosen)
     title = say("title.report")
     return {
         "lang": say.language,
@@ -121,7 +121,7 @@ def report_data(
 
 
 def _look(verdict: Verdict) -> dict[str, Any]:
-    """What the template needs to draw a verdict: its colours, the corners of its sign, whether its word is bold."""
+    """Return what the template needs to draw a verdict: colours, corners of its sign, whether its word is bold."""
     look = LOOKS[verdict]
     return {
         "line": look.line,
@@ -134,24 +134,25 @@ def _look(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, ...]) -> dict[str, str]:
-    """Every drawing as SVG, by name."""
+def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, ...]) -> dict[str, str]:
+    """Return every drawing of the chosen sections as SVG, by name."""
     diagnosis, say = names.diagnosis, names.say
-    at, found = diagnosis.projection, {}
+    at = diagnosis.projection
+    charts = {}
     if "picture" in chosen:
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
-        found["picture"] = controller_svg(diagnosis.controller, verdicts, columns=6)
+        charts["picture"] = controller_svg(diagnosis.controller, verdicts, columns=6)
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
-        found["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
+        charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
     if series is not None:
         marks = [
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
             for at in series.instants.values()
         ]
         bands = [(band, limit * PERCENT) for band, limit in diagnosis.limits.bands]
-        found["road"] = road_chart(series, marks, bands, say)
-    return found
+        charts["road"] = road_chart(series, marks, bands, say)
+    return charts
 
 
 def _bar(names: PrintedNames, land: LandDiagnosis) -> Bar:
@@ -170,7 +171,7 @@ def _bar(names: PrintedNames, land: LandDiagnosis) -> Bar:
 
 @cache
 def bundled_fonts() -> typst.Fonts:
-    """The fonts of the package and no others."""
+    """Return the fonts of the package and no others."""
     return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS)])
 
 
@@ -182,7 +183,7 @@ def _compile(folder: Path, data: dict[str, Any], date: dt.date | None, say: Word
         compiler = typst.Compiler(folder / TEMPLATE.name, root=folder, font_paths=fonts)
         inputs = {"data": json.dumps({**data, **changes}, ensure_ascii=False)}
         pdf = compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)
-        assert isinstance(pdf, bytes)  # one document, and no file to write it to
+        assert isinstance(pdf, bytes)  # typst returns bytes for one document that it writes to no file
         return pdf
 
     try:
@@ -200,24 +201,24 @@ def _compile(folder: Path, data: dict[str, Any], date: dt.date | None, say: Word
 
 
 def _note(missing: list[str], say: Wording) -> str:
-    """Why the file is a plain PDF, with the characters that are to blame."""
+    """Return why the file is a plain PDF, with the characters that no font has."""
     named = ", ".join(f"U+{ord(sign):04X} {sign}" for sign in missing[:_MISSING_NAMED])
     return say("title.plain", characters=f"{named}, …" if len(missing) > _MISSING_NAMED else named)
 
 
 def _missing_characters(data: Any) -> list[str]:
-    """Characters of the report that none of the bundled fonts has, in the order they come."""
+    """Return the characters of the report that none of the bundled fonts has, in their order in the text."""
     seen = dict.fromkeys(json.dumps(data, ensure_ascii=False))
     return [sign for sign in seen if ord(sign) not in glyphs() and not _invisible(sign)]
 
 
 def _invisible(sign: str) -> bool:
-    """Whether nothing is drawn for a character: joiners, signs of direction, variation selectors."""
+    """Tell whether nothing is drawn for a character: joiners, signs of direction, variation selectors."""
     return unicodedata.category(sign) in ("Cc", "Cf") or "VARIATION SELECTOR" in unicodedata.name(sign, "")
 
 
 def _cleaned(data: Any) -> Any:
-    """All text without what a PDF cannot hold."""
+    """Return the data without the characters that a PDF cannot hold."""
     if isinstance(data, str):
         return clean_text(data)
     if isinstance(data, dict):

@@ -1,4 +1,4 @@
-"""The few kinds of block a report is built of, as plain dictionaries for the template."""
+"""Make the few kinds of block that a report consists of, as plain dictionaries for the template."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ Block = dict[str, Any]
 
 
 def text(content: str, *, small: bool = False) -> Block:
-    """A paragraph."""
+    """Return a paragraph."""
     return {"kind": "text", "text": content, "small": small}
 
 
 def facts(rows: Sequence[Sequence[str]]) -> Block:
-    """Names and values side by side; nothing where there are none."""
+    """Return names and values side by side; an empty block where there are no rows."""
     return {"kind": "facts", "rows": [list(row) for row in rows]} if rows else {}
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column of a table: its title, what stands in it and how it is set.
+    """One column of a table: its title, the content of its cells and how it is set.
 
-    ``cell`` makes of a row's item what stands in the cell: a text, or a dictionary with ``sign`` and ``text`` for a
-    verdict. ``width`` is the column's share of the room that is left (0: as narrow as its content).
+    ``cell`` turns the item of a row into the content of the cell: a text, or a dictionary with ``sign`` and ``text``
+    for a verdict. ``width`` is the column's share of the remaining width (0: as narrow as its content).
     """
 
     title: str
@@ -37,12 +37,12 @@ class Column:
 
     @property
     def name(self) -> str:
-        """The title with the unit below it."""
+        """Return the title with the unit below it."""
         return f"{self.title}\n{self.unit}" if self.unit else self.title
 
 
 def table(columns: Sequence[Column], items: Iterable[Any], *, empty: bool = True) -> Block:
-    """A table with one row an item; with ``empty`` False, columns in which nothing stands are left out."""
+    """Return a table with one row per item; with ``empty`` False, empty columns are left out."""
     rows = [[column.cell(item) for column in columns] for item in items]
     kept = [
         index for index in range(len(columns)) if rows and (empty or any(row[index] not in ("", "–") for row in rows))
@@ -59,5 +59,5 @@ def table(columns: Sequence[Column], items: Iterable[Any], *, empty: bool = True
 
 
 def joined(parts: Iterable[str], between: str = ", ") -> str:
-    """Those that are not empty, one after another, each in its own direction."""
+    """Join the parts that are not empty; each keeps its own direction of writing."""
     return between.join(isolated(part) for part in parts if part)

@@ -1,4 +1,4 @@
-"""The sections of a printed report, as blocks of ready text: the template only places them."""
+"""Build the sections of a printed report as blocks of ready text: the template only places them."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ SECTIONS = (
     "provenance",
     "signatures",
 )
-BARS = 16  # of the chart of shares
+BARS = 16  # largest number of bars in the chart of shares
 
 
 def chosen_sections(sections: Iterable[str] | None) -> tuple[str, ...]:
-    """The sections asked for, in the report's order; all of them unless chosen.
+    """Return the sections asked for, in the report's order; all of them where none is chosen.
 
     Raises
     ------
     InputError
-        a section that no report has.
+        if no report has such a section.
     """
     if sections is None:
         return SECTIONS
@@ -61,7 +61,7 @@ def chosen_sections(sections: Iterable[str] | None) -> tuple[str, ...]:
 class Body:
     """The sections of one report.
 
-    ``series`` is the thinned road test, ``pictures`` the printable pictures by the job's names.
+    ``series`` is the thinned road test; ``pictures`` holds the printable pictures by their names in the job.
     """
 
     def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
@@ -71,21 +71,21 @@ class Body:
     # --- sections
 
     def sections(self, names: Iterable[str], charts: dict[str, str]) -> list[dict[str, Any]]:
-        """Title and blocks of every section that has something to say."""
-        found = []
+        """Return title and blocks of every section that has any content."""
+        filled = []
         for name in names:
             build: Callable[[dict[str, str]], Iterable[Block]] = getattr(self, f"_{name}")
             blocks = [block for block in build(charts) if block]
             if blocks:
-                found.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
-        return found
+                filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
+        return filled
 
     def _picture(self, charts: dict[str, str]) -> Iterable[Block]:
         say, diagnosis = self.say, self.diagnosis
-        flagged = joined(self.names.land_name(found) for found in diagnosis.flagged)
+        flagged = joined(self.names.land_name(land) for land in diagnosis.flagged)
         said = say("charts.picture_flagged", lands=flagged) if flagged else say("charts.picture_none")
-        components = len({found.state.land.component for found in diagnosis.lands})
-        counts = {verdict: sum(found.verdict == verdict for found in diagnosis.lands) for verdict in VERDICTS}
+        components = len({land.key[0] for land in diagnosis.lands})
+        counts = {verdict: sum(land.verdict == verdict for land in diagnosis.lands) for verdict in VERDICTS}
         legend = [
             [verdict, f"{say.level(verdict)}: {counts[verdict]}"] for verdict in reversed(VERDICTS) if counts[verdict]
         ]
@@ -104,7 +104,7 @@ class Body:
             yield text(say("texts.none_flagged"))
             return
         idle = names.idle
-        decided = any(found.decision for found in flagged)
+        decided = any(land.decision for land in flagged)
         columns = [
             Column(names.column("pair"), names.pair, width=4),
             Column(names.column("land"), names.land, side="c"),
@@ -147,20 +147,18 @@ class Body:
         return say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–"
 
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
-        """What to measure again where the readings cannot tell which side of a limit a land is on."""
+        """Name what to measure again where the readings leave open on which side of a limit a land lies."""
         say, names = self.say, self.names
         items = [
-            f"{names.land_name(found)}: {names.advice(found)}"
-            for found in self.diagnosis.flagged
-            if found.decision in _CONDITIONAL
+            f"{names.land_name(land)}: {names.advice(land)}"
+            for land in self.diagnosis.flagged
+            if land.decision in _CONDITIONAL
         ]
         if items:
             yield {"kind": "list", "items": items}
-        unsure = [
-            found for found in self.diagnosis.lands if found.verdict == Verdict.OK and found.decision in _CONDITIONAL
-        ]
+        unsure = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
         if unsure:
-            yield text(say("texts.unsure", lands=joined(names.land_number(found) for found in unsure)))
+            yield text(say("texts.unsure", lands=joined(names.land_number(land) for land in unsure)))
 
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
@@ -186,7 +184,7 @@ class Body:
             return
         say, at = self.say, self.diagnosis.projection
         top = self.diagnosis.ranked[:BARS]
-        lands = joined(f"{self.names.land_name(found)} {say.percent(found.share, 2)}" for found in top)
+        lands = joined(f"{self.names.land_name(land)} {say.percent(land.share, 2)}" for land in top)
         yield {
             "kind": "image",
             "file": charts["shares"],
@@ -218,12 +216,12 @@ class Body:
             say(
                 "charts.instant_alt",
                 instant=say(f"instants.{name}"),
-                share=say.percent(found.share)
-                if found.share is not None
-                else f"{self.names.flow(found.leakage)} dm³/min",
-                time=say.number(found.time, 1),
+                share=say.percent(instant.share)
+                if instant.share is not None
+                else f"{self.names.flow(instant.leakage)} dm³/min",
+                time=say.number(instant.time, 1),
             )
-            for _, (name, found) in numbered
+            for _, (name, instant) in numbered
         )
         thinned = ""
         if self.series.thinned:
@@ -271,7 +269,7 @@ class Body:
     def _condition(self, charts: dict[str, str]) -> Iterable[Block]:
         say, job = self.say, self.job
         oil, dirt = job.fluid_condition, job.contamination
-        found = [
+        remarks = [
             oil.product,
             say("facts.changed_at", mileage=say.number(oil.changed_at_km, 0)) if oil.changed_at_km is not None else "",
             f"{say('facts.level')}: {oil.level}" if oil.level else "",
@@ -281,7 +279,7 @@ class Body:
         ]
         grade = say.get("grades", dirt.grade) if dirt.grade else ""
         rows = [
-            [say("facts.fluid_found"), joined(found, "; ")],
+            [say("facts.fluid_found"), joined(remarks, "; ")],
             [say("facts.contamination"), joined((grade, dirt.particles, dirt.note), "; ")],
         ]
         yield facts([row for row in rows if row[1]])
@@ -317,11 +315,11 @@ class Body:
         viscosities = [
             say(
                 "facts.viscosity_at",
-                nu=say.number(fluid.kinematic_viscosity(found.condition.temperature, model) * MM2_S, 2),
-                rho=say.number(fluid.density(found.condition.temperature, model) * G_CM3, 4),
-                temperature=say.plain(found.condition.temperature),
+                nu=say.number(fluid.kinematic_viscosity(projection.condition.temperature, model) * MM2_S, 2),
+                rho=say.number(fluid.density(projection.condition.temperature, model) * G_CM3, 4),
+                temperature=say.plain(projection.condition.temperature),
             )
-            for found in diagnosis.reported
+            for projection in diagnosis.reported
         ]
         instruments = [
             joined(
@@ -339,16 +337,16 @@ class Body:
         if job.measuring_temperature_c is not None:
             temperature = say("facts.not_corrected", temperature=say.plain(job.measuring_temperature_c))
         options = joined(f"{name} = {_option(value)}" for name, value in diagnosis.profile.options.items())
-        sure = diagnosis.uncertainty
+        uncertainty = diagnosis.uncertainty
         taken = (
             say(
                 "facts.taken",
-                spool=sure.instruments.spool.name,
-                sleeve=sure.instruments.sleeve.name,
-                coverage=say.percent(sure.coverage, 0),
-                guard=say.plain(sure.guard_factor),
+                spool=uncertainty.instruments.spool.name,
+                sleeve=uncertainty.instruments.sleeve.name,
+                coverage=say.percent(uncertainty.coverage, 0),
+                guard=say.plain(uncertainty.guard_factor),
             )
-            if sure
+            if uncertainty
             else ""
         )
         yield facts(
@@ -387,21 +385,22 @@ class Body:
         say, diagnosis = self.say, self.diagnosis
         items = [diagnosis.controller.representative] if diagnosis.controller.representative else []
         by_values: dict[tuple[str, ...], list[str]] = {}
-        for found in diagnosis.lands:
-            if found.state.land.representative:
-                by_values.setdefault(found.state.land.representative, []).append(self.names.land_number(found))
+        for land in diagnosis.lands:
+            values = land.state.land.representative
+            if values:
+                by_values.setdefault(values, []).append(self.names.land_number(land))
         for values, lands in by_values.items():
-            named = joined(say.get("parts", value) for value in values)
-            said = say("texts.representative_land", values=named, lands=joined(lands))
-            items.append(say("texts.representative_lands", values=said))
+            names = joined(say.get("parts", value) for value in values)
+            values_of_lands = say("texts.representative_land", values=names, lands=joined(lands))
+            items.append(say("texts.representative_lands", values=values_of_lands))
         if diagnosis.controller.pump.representative:
-            named = joined(diagnosis.controller.pump.representative)
-            items.append(say("texts.representative_lands", values=named))
+            names = joined(diagnosis.controller.pump.representative)
+            items.append(say("texts.representative_lands", values=names))
         if diagnosis.fluid.representative:
-            named = joined(diagnosis.fluid.representative)
-            items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {named}.")
+            names = joined(diagnosis.fluid.representative)
+            items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {names}.")
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
-            lands = [self.names.land_number(found) for found in diagnosis.lands if found.state.status == status]
+            lands = [self.names.land_number(land) for land in diagnosis.lands if land.state.status == status]
             if lands:
                 items.append(say(f"texts.{key}", lands=joined(lands)))
         own = [
@@ -433,12 +432,12 @@ class Body:
     def _method(self, charts: dict[str, str]) -> Iterable[Block]:
         say, profile, diagnosis = self.say, self.diagnosis.profile, self.diagnosis
         names = [f"method_{profile.diameter}", f"method_{profile.viscosity}", f"method_{profile.pump_draw}"]
-        said = [say("texts.method"), *(say(f"texts.{name}") for name in names)]
+        sentences = [say("texts.method"), *(say(f"texts.{name}") for name in names)]
         if profile.entry_loss:
-            said.append(say("texts.method_entry_loss"))
+            sentences.append(say("texts.method_entry_loss"))
         if profile.eccentricity:
-            said.append(say("texts.method_eccentricity", value=say.plain(profile.eccentricity)))
-        yield text(" ".join((*said, say("texts.method_limits"))))
+            sentences.append(say("texts.method_eccentricity", value=say.plain(profile.eccentricity)))
+        yield text(" ".join((*sentences, say("texts.method_limits"))))
         sources = [
             say("texts.source_study"),
             diagnosis.controller.source,
@@ -471,7 +470,7 @@ class Body:
         }
 
 
-_SAID_ELSEWHERE = ("controller_representative",)  # among the representative values
+_SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
 
 

@@ -1,4 +1,4 @@
-"""A font of boxes for the characters that no bundled font has: the reader sees a box, the file keeps the text."""
+"""Make a font of boxes for the characters that no bundled font has: one sees a box, the file keeps the text."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _EM, _WIDTH, _LINE = 1000, 600, 60
 
 
 def box_font(characters: Sequence[str], text: str) -> bytes:
-    """A TrueType font in which each of the characters is a box of its own, and so is each sequence of them in a text.
+    """Return a TrueType font that draws a box for each of the characters and for each sequence of them in the text.
 
-    A sequence is what joiners, variation selectors and skin tones hold together; as one box it also is one piece of
-    text to whoever copies it.
+    Joiners, variation selectors and skin tones hold a sequence together. As it is one box, it is also copied from the
+    PDF as one piece of text.
     """
     names = {sign: f"box{number}" for number, sign in enumerate(characters)}
     joiners = {sign: f"joiner{number}" for number, sign in enumerate(_JOINERS)}
-    sequences = {found: f"sequence{number}" for number, found in enumerate(_sequences(characters, text))}
+    sequences = {sequence: f"sequence{number}" for number, sequence in enumerate(_sequences(characters, text))}
     order = [".notdef", *joiners.values(), *names.values(), *sequences.values()]
     builder = FontBuilder(_EM, isTTF=True)
     builder.setupGlyphOrder(order)
@@ -32,7 +32,7 @@ def box_font(characters: Sequence[str], text: str) -> bytes:
     builder.setupHorizontalMetrics({**dict.fromkeys(order, (_WIDTH, 60)), **dict.fromkeys(nothing, (0, 0))})
     if sequences:
         parts = joiners | names
-        rules = [f"sub {' '.join(parts[sign] for sign in found)} by {name};" for found, name in sequences.items()]
+        rules = [f"sub {' '.join(parts[sign] for sign in sequence)} by {name};" for sequence, name in sequences.items()]
         builder.addOpenTypeFeatures(f"feature ccmp {{ {' '.join(rules)} }} ccmp;")
     builder.setupHorizontalHeader(ascent=900, descent=-200)
     builder.setupNameTable(
@@ -55,11 +55,11 @@ def box_font(characters: Sequence[str], text: str) -> bytes:
 
 
 def _sequences(characters: Sequence[str], text: str) -> list[str]:
-    """The longest first, so that a short one never takes the beginning of a long one."""
+    """Return the sequences of a text, the longest first: a short one must not take the beginning of a long one."""
     known = "".join(map(re.escape, characters))
     pattern = f"[{known}](?:[\ufe0e\ufe0f\U0001f3fb-\U0001f3ff]|\u200d[{known}])+"
-    found = {each for each in re.findall(pattern, text) if set(each) <= {*characters, *_JOINERS}}
-    return sorted(found, key=lambda each: (-len(each), each))
+    sequences = {each for each in re.findall(pattern, text) if set(each) <= {*characters, *_JOINERS}}
+    return sorted(sequences, key=lambda each: (-len(each), each))
 
 
 def _box() -> object:

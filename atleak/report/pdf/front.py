@@ -1,4 +1,4 @@
-"""The first page: letterhead, whose car it is, the verdict and the totals."""
+"""Build the first page: letterhead, owner and vehicle, the verdict and the totals."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Front:
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
 
     def head(self) -> dict[str, Any]:
-        """Letterhead."""
+        """Return the letterhead."""
         shop, say = self.job.workshop, self.say
         lines = [
             *shop.address.splitlines(),
@@ -35,7 +35,7 @@ class Front:
         }
 
     def facts(self) -> list[list[str]]:
-        """Whose car and which box; nothing that was not filled in."""
+        """Return owner, vehicle and transmission; fields that were not filled in are left out."""
         job, say = self.job, self.say
         customer, vehicle, box = job.customer, job.vehicle, job.transmission
         mileage = self.record["mileage_km"] if self.record["mileage_km"] is not None else vehicle.mileage_km
@@ -60,7 +60,7 @@ class Front:
         return [[say(f"facts.{name}"), value] for name, value in rows if value]
 
     def verdict(self) -> dict[str, Any]:
-        """The verdict in one sentence, and the totals under it."""
+        """Return the verdict in one sentence, and the totals below it."""
         diagnosis, say = self.diagnosis, self.say
         decided_by = diagnosis.decided_by
         by_total = isinstance(decided_by, Rule)
@@ -80,11 +80,15 @@ class Front:
             flagged=len(diagnosis.flagged),
             repair=sum(land.verdict.calls_for_repair for land in diagnosis.lands),
             watch=sum(land.verdict.flagged and not land.verdict.calls_for_repair for land in diagnosis.lands),
-            measured=diagnosis.measured,
+            measured=diagnosis.judged,
         )
-        more = [say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0))] if at.pump_capacity > 0.0 else []
+        more = []
+        if decided_by is not None and not isinstance(decided_by, Rule):
+            more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
+        if at.pump_capacity > 0.0:
+            more.append(say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0)))
         missing = len(diagnosis.lands) - diagnosis.measured
-        if missing and diagnosis.measured:
+        if missing and diagnosis.judged:
             more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))
         return {
             "key": diagnosis.verdict,
@@ -116,8 +120,8 @@ class Front:
         return self.say.number(at.condition.main_pressure * KPA, 0)
 
     def _share(self, at: Projection) -> str:
-        sure = self.diagnosis.uncertainty
-        total = sure.total(at.condition.name) if sure else None
+        uncertainty = self.diagnosis.uncertainty
+        total = uncertainty.total(at.condition.name) if uncertainty else None
         low, high = total.share_interval if total else (None, None)
         return self.say.number(at.share * PERCENT, 1) + self.names.interval(_percent(low), _percent(high), 1)
 

@@ -1,4 +1,4 @@
-"""The job's pictures as a report can print them."""
+"""Prepare the pictures of a job for printing."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from PIL import Image, ImageOps
 from atleak.errors import InputError
 from atleak.job.record import Job
 
-_PHOTO_PIXELS = 1400  # of the longer side: sharp at the size it is printed
-_PICTURE_LIMIT = 80_000_000  # pixels of a picture that is opened at all
+_PHOTO_PIXELS = 1400  # of the longer side: enough to be sharp at the printed size
+_PICTURE_LIMIT = 80_000_000  # a picture with more pixels is not opened
 
 
 def write_pictures(job: Job, folder: Path) -> dict[str, str]:
-    """The job's pictures beside the template, turned upright and no larger than they are printed."""
-    found = {}
+    """Write the job's pictures beside the template, upright and no larger than they are printed; return their files."""
+    files = {}
     for number, (name, content) in enumerate(job.pictures.items()):
         suffix, content = printable_picture(name, content)
-        found[name] = f"picture{number}.{suffix}"
-        (folder / found[name]).write_bytes(content)
-    return found
+        files[name] = f"picture{number}.{suffix}"
+        (folder / files[name]).write_bytes(content)
+    return files
 
 
 def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
-    """A picture as PNG or JPEG without its metadata (a phone writes the place into it), upright and scaled down.
+    """Return a picture as PNG or JPEG, upright, scaled down and without its metadata (a phone writes the place there).
 
     Raises
     ------
     InputError
-        what is no PNG, JPEG or WebP, or is damaged or too large.
+        if the picture is no PNG, JPEG or WebP file, is damaged or is too large.
     """
     try:
         with warnings.catch_warnings():

@@ -1,4 +1,4 @@
-"""A diagnosis as an Excel workbook that an auditor can recompute.
+"""Write a diagnosis as an Excel workbook that an auditor can recompute.
 
 Diameters, clearances, flows, shares and verdicts are live formulas with cached values: changing a diameter changes what
 follows from it. Text is always written as text: nothing a user typed becomes a formula or a link.
@@ -13,10 +13,10 @@ import xlsxwriter
 
 from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
-from atleak.marks import PROPERTY, sealed, unsealed
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.live import LiveSheets, write_readings
 from atleak.report.xlsx.sheets import Sheets
+from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
 
@@ -27,7 +27,7 @@ _OPTIONS = {"in_memory": True, "strings_to_formulas": False, "strings_to_urls": 
 
 
 def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str = "a4") -> bytes:
-    """The workbook's bytes.
+    """Return the bytes of the workbook.
 
     Parameters
     ----------

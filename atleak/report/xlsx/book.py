@@ -1,4 +1,4 @@
-"""Cells, formats and pages: how anything gets into the workbook."""
+"""Write cells, formats and pages: everything that gets into the workbook passes here."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
 
 
 def _or_words(limit: str, words: str, digits: str) -> str:
-    """A number format that says words from a limit on; negative numbers keep their sign in every office suite."""
+    """Return a number format that shows words from a limit on; negative numbers keep their sign everywhere."""
     return f'[>={limit}]"{words}";[<0]-{digits};{digits}'
 
 
@@ -45,7 +45,7 @@ NUMBER_FORMATS = {
 
 
 class Book:
-    """The workbook with its formats; text always goes in as text."""
+    """The workbook with its formats; text is always written as text."""
 
     def __init__(self, workbook: xlsxwriter.Workbook, paper: str) -> None:
         self.workbook, self.paper = workbook, paper
@@ -53,7 +53,7 @@ class Book:
         self.sheets: dict[str, Worksheet] = {}
 
     def form(self, number: str = "plain", **properties: Any) -> Format:
-        """A format for a kind of number, made once."""
+        """Return the format for a kind of number; each is made once."""
         wanted = {"num_format": NUMBER_FORMATS[number], "valign": "top", **properties}
         key = tuple(sorted(wanted.items()))
         if key not in self._formats:
@@ -77,7 +77,7 @@ class Book:
         return self.form(text_wrap=True)
 
     def sheet(self, name: str, *, frozen: tuple[int, int] = (0, 0), landscape: bool = True) -> Worksheet:
-        """A new sheet, ready to print: one page wide, headings repeated, page numbers."""
+        """Add a sheet, ready to print: one page wide, headings repeated, page numbers."""
         sheet = self.workbook.add_worksheet(name)
         self.sheets[name] = sheet
         sheet.set_paper(1 if self.paper == "letter" else 9)
@@ -92,13 +92,13 @@ class Book:
         return sheet
 
     def headings(self, sheet: Worksheet, row: int, names: Iterable[str], lines: int = 2) -> None:
-        """A row of headings with room for so many lines."""
+        """Write a row of headings, high enough for so many lines."""
         sheet.set_row(row, 15.0 * lines)
         for column, name in enumerate(names):
             sheet.write_string(row, column, name, self.heading)
 
     def pairs(self, sheet: Worksheet, row: int, pairs: Iterable[tuple[str, Any]], width: int | None = None) -> int:
-        """Names and values below one another, unknown and empty values left out; the next free row.
+        """Write names and values below one another, without unknown and empty values; return the next free row.
 
         Text is wrapped to ``width`` characters where given, else it runs over the empty cells to its right.
         """
@@ -116,7 +116,7 @@ class Book:
     def records(
         self, sheet: Worksheet, row: int, records: Sequence[dict[str, Any]], kinds: dict[str, str] | None = None
     ) -> int:
-        """A heading row and a row per record, numbers formatted by ``kinds``; the next free row."""
+        """Write a heading row and a row per record, numbers formatted by ``kinds``; return the next free row."""
         if not records:
             return row
         names = list(dict.fromkeys(name for record in records for name in record))
@@ -129,7 +129,7 @@ class Book:
     def colour_words(
         self, sheet: Worksheet, first: tuple[int, int], last: tuple[int, int], levels: Iterable[Verdict | Band]
     ) -> None:
-        """Colour cells that say a verdict or a band; the word and the sign stand for themselves in greyscale."""
+        """Colour cells that hold a verdict or a band; in greyscale the word and the sign still say it."""
         if last[0] < first[0]:
             return
         for level in levels:
@@ -142,7 +142,7 @@ class Book:
 
 
 def put(sheet: Worksheet, row: int, column: int, value: Any, form: Format | None = None) -> None:
-    """A value in a cell: numbers as numbers, everything else as text, unknown as an empty cell."""
+    """Write a value in a cell: numbers as numbers, everything else as text, an unknown value as an empty cell."""
     if isinstance(value, bool):
         sheet.write_string(row, column, "yes" if value else "no", form)
     elif isinstance(value, int | float):
@@ -159,7 +159,7 @@ def put(sheet: Worksheet, row: int, column: int, value: Any, form: Format | None
 def put_text(
     sheet: Worksheet, row: int, column: int, text: str, form: Format | None = None, width: int | None = None
 ) -> int:
-    """Text of any length, continued in the cells below where one cell cannot hold it; the last row used.
+    """Write text of any length, continued in the cells below where one cell cannot hold it; return the last row used.
 
     With a ``width`` in characters the row is made as high as the wrapped text needs.
     """
@@ -175,20 +175,20 @@ def put_text(
 
 
 def formula(sheet: Worksheet, row: int, column: int, text: str, value: float | str, form: Format | None = None) -> None:
-    """A live formula with the value it gives, so that a preview or pandas sees it without calculating."""
+    """Write a live formula with the value it gives, so that a preview or pandas sees it without calculating."""
     if isinstance(value, float) and not math.isfinite(value):
         value = NO_DELIVERY
     sheet.write_formula(row, column, f"={text}", form, value)
 
 
 def cell(row: int, column: int, sheet: str | None = None) -> str:
-    """The address of a cell, fixed in row and column: ``Lands!$D$3``."""
+    """Return the address of a cell, fixed in row and column: ``Lands!$D$3``."""
     address = xl_rowcol_to_cell(row, column, row_abs=True, col_abs=True)
     return address if sheet is None else f"{quoted(sheet)}!{address}"
 
 
 def span(first: int, last: int, column: int, sheet: str | None = None) -> str:
-    """The address of a stretch of one column."""
+    """Return the address of several cells of one column."""
     name = xl_col_to_name(column)
     address = f"${name}${first + 1}:${name}${last + 1}"
     return address if sheet is None else f"{quoted(sheet)}!{address}"
@@ -199,6 +199,6 @@ def quoted(sheet: str) -> str:
 
 
 def exact(value: float) -> str:
-    """A number as a formula takes it, with every digit; negative ones in brackets."""
+    """Return a number as a formula takes it, with every digit; negative ones in brackets."""
     text = repr(float(value)).upper()
     return f"({text})" if value < 0 else text

@@ -1,4 +1,4 @@
-"""The columns of the sheet of lands: each knows its heading, its width and what stands in a land's cell.
+"""Define the columns of the sheet of lands: each knows its heading, its width and the content of a land's cell.
 
 A column is added in `land_columns`. A cell with a formula holds atleak's own number as its cached value.
 """
@@ -39,13 +39,13 @@ class SheetCondition:
     title: str
 
     def __call__(self, name: str) -> str:
-        """The workbook's name for one of the condition's quantities."""
+        """Return the workbook's name for one of the condition's quantities."""
         return f"{self.prefix}_{name}"
 
 
 @dataclass(frozen=True)
 class Cell:
-    """What stands in a cell: a value and, where it follows from other cells, the formula that gives it."""
+    """The content of a cell: a value and, where it follows from other cells, the formula that gives it."""
 
     kind: str  # of number, one of the workbook's formats
     value: Any
@@ -55,7 +55,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class LandRow:
-    """One land on the sheet: its number, its record, and the address of any of its cells."""
+    """One land on the sheet: its diagnosis, its record, and the address of any of its cells."""
 
     land: LandDiagnosis
     record: Mapping[str, Any]
@@ -74,7 +74,7 @@ class LandColumn:
 
 @dataclass(frozen=True)
 class LandSheet:
-    """What the sheet's formulas point to on the other sheets."""
+    """The places on other sheets to which the formulas of this sheet point."""
 
     lands: Sequence[LandDiagnosis]
     records: Sequence[Mapping[str, Any]]
@@ -86,7 +86,7 @@ class LandSheet:
 
 
 def land_columns(sheet: LandSheet) -> list[LandColumn]:
-    """Every column that this unit has something for, in its order."""
+    """Return every column that has a value for this unit, in order."""
     uncertain = any(record["uncertainty_um"] is not None for record in sheet.records)
     columns = [*_names(sheet), *_clearances(sheet, uncertain=uncertain)]
     for condition in sheet.conditions:
@@ -97,7 +97,7 @@ def land_columns(sheet: LandSheet) -> list[LandColumn]:
 def _names(sheet: LandSheet) -> Iterable[LandColumn]:
     def verdict(row: LandRow) -> Cell:
         land = row.land
-        # ok is not claimed of half a pair
+        # half a pair is never called ok
         fine = Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
         ranks = sheet.ranks.get(land.key)
         formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine)
@@ -175,7 +175,7 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 
 
 def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
-    """Results of the program that no formula of the workbook gives."""
+    """Return the columns with results of the program that no formula of the workbook gives."""
 
     def recorded(key: str, kind: str, factor: float = 1.0) -> Callable[[LandRow], Cell]:
         def issued(row: LandRow) -> Cell:
@@ -209,16 +209,16 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
 
 def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:
-    """The formula of a verdict's sign and word, by its rank among those that can be given."""
+    """Return the formula of a verdict's sign and word, by its rank among those that can be given."""
     words = ",".join(f'"{signed(verdict)}"' for verdict in (fine, *RANKED[1:]))
     return f"CHOOSE({rank},{words})"
 
 
 def share_of(leakage: str, capacity: str) -> str:
-    """A share [%]; no leakage has no share of a pump that delivers nothing, any other has one without bounds."""
+    """Return the formula of a share [%]: 0 without leakage, infinite where a pump without flow feeds any leakage."""
     return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,9.99E99,0))"
 
 
 def address(row: int, column: int) -> str:
-    """The address of a cell of the same sheet, free to move with its row."""
+    """Return the address of a cell of the same sheet, free to move with its row."""
     return cell(row, column).replace("$", "")

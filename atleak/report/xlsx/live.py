@@ -1,4 +1,4 @@
-"""The sheets that compute: conditions, lands, gaps and rules, from diameters to verdicts.
+"""Write the sheets that compute: conditions, lands, gaps and rules, from diameters to verdicts.
 
 A cell that atleak computed holds the formula an auditor would write and, as its cached value, atleak's own number. What
 an auditor may change (diameters, contact lengths, conditions, limits) is blue.
@@ -45,16 +45,17 @@ _VERDICT = _FIRST_LEVEL + len(FLAGGED)  # and of the verdict, behind the limits
 
 
 class LiveSheets:
-    """Conditions, Lands, Gaps and Rules of one diagnosis."""
+    """The sheets Conditions, Lands, Gaps and Rules of one diagnosis."""
 
     def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         self.book, self.diagnosis, self.record = book, diagnosis, record
         self.lands = diagnosis.lands
         self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
-        first = diagnosis.projection
-        self.conditions = [SheetCondition(first, "stated", "Gaps", "stated condition")]
-        if diagnosis.hot_idle is not None and diagnosis.hot_idle is not first:
-            self.conditions.append(SheetCondition(diagnosis.hot_idle, "hot_idle", "Gaps hot idle", "hot idle"))
+        self.conditions = [SheetCondition(diagnosis.projection, "stated", "Gaps", "stated condition")]
+        for projection in diagnosis.reported[1:]:
+            name = projection.condition.name
+            title = name.replace("_", " ")
+            self.conditions.append(SheetCondition(projection, name, f"Gaps {title}"[:31], title))
         self.gaps = {at.prefix: self._by_land(at.projection.gaps) for at in self.conditions}
         self.rule_rows = self._rule_rows()
         self.limit_cells: dict[tuple[RuleKind, Level], str] = {}  # their addresses in the sheet of limits
@@ -73,14 +74,14 @@ class LiveSheets:
         self.column_of = {column.key: number for number, column in enumerate(self.columns)}
 
     def _by_land(self, gaps: Iterable[GapLeakage]) -> list[GapLeakage]:
-        """The gaps of a land below one another, so that a land's leakage is the sum of one stretch."""
+        """Return the gaps sorted by land, so that a land's leakage is the sum of neighbouring cells."""
         return sorted(gaps, key=lambda leak: self.row_of[leak.gap.key])
 
     def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> Cell:
-        """What stands in one of a land's cells."""
+        """Return the content of one of a land's cells."""
         row = self.row_of[land.key]
-        there = LandRow(land, self.record["lands"][row - 1], lambda column: address(row, self.column_of[column]))
-        return self.columns[self.column_of[key]].cell(there)
+        row_of_land = LandRow(land, self.record["lands"][row - 1], lambda column: address(row, self.column_of[column]))
+        return self.columns[self.column_of[key]].cell(row_of_land)
 
     def _rule_rows(self) -> dict[tuple[str, int], tuple[int, int]]:
         rows, row = {}, 1
@@ -93,7 +94,7 @@ class LiveSheets:
     # --- conditions
 
     def write_conditions(self, sheet: Worksheet) -> None:
-        """Temperature, pressures, fluid and pump of every condition, each quantity a name that the gaps use."""
+        """Write temperature, pressures, fluid and pump of every condition; the gaps use each by its name."""
         book, fluid, profile = self.book, self.diagnosis.fluid, self.diagnosis.profile
         book.headings(sheet, 0, ["quantity", "unit", *(at.projection.condition.label for at in self.conditions)])
         sheet.set_column(0, 0, 34)
@@ -128,15 +129,15 @@ class LiveSheets:
     def _viscosity_note(self) -> str:
         model = self.diagnosis.profile.viscosity
         low, high = self.diagnosis.fluid.span(model)
-        said = {
+        sentence = {
             "d341": "ASTM D341 through two points of the data sheet",
             "regression": "the source study's regressions, eqs. (29) and (30)",
             "tabulated": "read from the fluid's table at this temperature: change it with the temperature",
         }[model]
-        return f"{said}; answers from {low:g} to {high:g} °C"
+        return f"{sentence}; answers from {low:g} to {high:g} °C"
 
     def _condition(self, at: SheetCondition) -> Iterable[tuple[str, str, str, str | None, Any, str]]:
-        """(label, unit, name, formula or None for an input, value, kind of number)."""
+        """Return one condition's quantities: label, unit, name, formula (None for an input), value, kind of number."""
         projection, condition = at.projection, at.projection.condition
         yield "gear", "", "gear", None, condition.gear, "count"
         yield "temperature", "°C", "T", None, condition.temperature, "temperature"
@@ -208,7 +209,7 @@ class LiveSheets:
     # --- lands
 
     def write_lands(self, sheet: Worksheet) -> None:
-        """One row per land: D, d → c_r → c_re → q → share → verdict."""
+        """Write one row per land: D, d → c_r → c_re → q → share → verdict."""
         book, last = self.book, len(self.lands)
         book.headings(sheet, 0, [column.heading for column in self.columns], lines=4)
         sheet.repeat_columns(0, 3)
@@ -216,12 +217,12 @@ class LiveSheets:
         for land in self.lands:
             row = self.row_of[land.key]
             for number, column in enumerate(self.columns):
-                there = self.land_cell(land, column.key)
-                form = book.form(there.kind, **there.look)
-                if there.formula is None:
-                    put(sheet, row, number, there.value, form)
-                elif there.value is not None:
-                    formula(sheet, row, number, there.formula, there.value, form)
+                content = self.land_cell(land, column.key)
+                form = book.form(content.kind, **content.look)
+                if content.formula is None:
+                    put(sheet, row, number, content.value, form)
+                elif content.value is not None:
+                    formula(sheet, row, number, content.formula, content.value, form)
         for number, column in enumerate(self.columns):
             sheet.set_column(number, number, column.width)
         sheet.autofilter(0, 0, last, len(self.columns) - 1)
@@ -235,7 +236,7 @@ class LiveSheets:
     # --- gaps
 
     def write_gaps(self, sheet: Worksheet, at: SheetCondition) -> None:
-        """One row per gap of the condition's gear, its flow from the other cells of the row."""
+        """Write one row per gap of the condition's gear, its flow computed from the other cells of the row."""
         names = [
             "component",
             "land",
@@ -280,7 +281,7 @@ class LiveSheets:
         return f"{spool}+I{row + 1}*0.001" if self.diagnosis.profile.diameter == "mean" else spool
 
     def _flow(self, row: int) -> str:
-        """The gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
+        """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
         profile, r = self.diagnosis.profile, row + 1
         eccentric = f"(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2)*" if profile.eccentricity else ""
         if profile.entry_loss:
@@ -294,7 +295,7 @@ class LiveSheets:
     # --- rules
 
     def write_rules(self, sheet: Worksheet) -> None:
-        """Which rule says what of which land; the worst gives the land's verdict."""
+        """Write what each rule says of each land; the worst gives the land's verdict."""
         names = ["component", "land", "rule", "unit", "value", *(f"{level} from" for level in FLAGGED)]
         names += ["verdict", "rank", "origin of the limit", "source"]
         self.book.headings(sheet, 0, names)
@@ -334,7 +335,7 @@ class LiveSheets:
         put(sheet, row, _VERDICT + 3, rule.source)
 
     def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str | None:
-        """Where the rule's value stands among the lands; None where the workbook holds no such condition."""
+        """Return the cell with the rule's value on the sheet of lands; None where the workbook lacks the condition."""
         row, at = self.row_of[judged.key], self.column_of
         if rule.kind is RuleKind.WEAR:
             return cell(row, at["wear"], "Lands")
@@ -347,7 +348,7 @@ class LiveSheets:
 
 
 def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:
-    """Every reading as entered, sorted by land; the lands' diameters become means of these cells."""
+    """Write every reading as entered, sorted by land; the lands' diameters become means of these cells."""
     names = ["component", "land", "part", "plane", "direction [°]", "repeat", "diameter [mm]"]
     names += ["coordinate 1 [mm]", "coordinate 2 [mm]", "sheet", "row", "column"]
     book.headings(sheet, 0, names)
@@ -382,7 +383,7 @@ def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:
 
 
 def _means(rows: dict[tuple[Any, ...], list[int]]) -> Iterable[tuple[Any, str]]:
-    """The mean over repeats, then directions, then planes, as a formula per land and part."""
+    """Return the mean over repeats, then directions, then planes, as a formula per land and part."""
     for (key, part), stations in groupby(rows, key=lambda station: station[:2]):
         planes = [
             _average([_average([span(rows[s][0], rows[s][-1], 6, "Readings")]) for s in group])
@@ -392,7 +393,7 @@ def _means(rows: dict[tuple[Any, ...], list[int]]) -> Iterable[tuple[Any, str]]:
 
 
 def _average(terms: list[str]) -> str:
-    """A mean of numbers; one number is its own mean."""
+    """Return the formula of a mean of numbers; one number is its own mean."""
     if len(terms) == 1 and terms[0].startswith("AVERAGE("):
         return terms[0]
     return f"AVERAGE({','.join(terms)})"

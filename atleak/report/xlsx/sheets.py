@@ -1,4 +1,4 @@
-"""The sheets that say what was found and where it comes from: summary, road test, limits, job, messages, provenance."""
+"""Write the sheets around the computation: summary, road test, limits, job, messages, provenance."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from atleak.views.road_series import road_series
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM
 
-ROAD_ROWS = 2000  # of the thinned road test
+ROAD_ROWS = 2000  # rows of the thinned road test
 _KINDS = {  # of numbers, by their unit
     "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
 }  # fmt: skip
@@ -34,7 +34,7 @@ _INSTANTS = {"max_leakage": "largest leakage", "min_leakage": "smallest leakage"
 
 
 class Sheets:
-    """What stands around the sheets that compute."""
+    """The sheets around those that compute."""
 
     def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any], job: Job, live: LiveSheets) -> None:
         self.book, self.diagnosis, self.record, self.job, self.live = book, diagnosis, record, job, live
@@ -42,7 +42,7 @@ class Sheets:
     # --- summary
 
     def write_summary(self, sheet: Worksheet) -> None:
-        """The verdict first, then totals, flagged lands and the order of repair."""
+        """Write the verdict first, then totals, flagged lands and the order of repair."""
         book, record, diagnosis = self.book, self.record, self.diagnosis
         for column, width in enumerate((26, 32, 16, 8, 14, 14, 14, 14, 14, 44, 24)):
             sheet.set_column(column, column, width)
@@ -86,9 +86,12 @@ class Sheets:
         total = f"At “{worst.condition.label}” leakage takes {share} ({diagnosis.band(worst)})."
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
-        lands = f"{len(flagged)} of {diagnosis.measured} measured lands have reached a limit"
+        lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
         if isinstance(decided_by, Rule):
             return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
+        if decided_by is not None:
+            component, number = decided_by.key
+            lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"
         return f"{signed(diagnosis.verdict)}: {lands}. {total}"
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
@@ -136,10 +139,10 @@ class Sheets:
             formula(sheet, row, 2, verdict, signed(flag.verdict), book.bold)
             put(sheet, row, 3, number, book.form(align="left"))
             for column, key in enumerate(keys, start=4):
-                there = live.land_cell(flag, key)
-                if there.value is not None:
+                content = live.land_cell(flag, key)
+                if content.value is not None:
                     address = cell(at, live.column_of[key], "Lands")
-                    formula(sheet, row, column, address, there.value, book.form(there.kind, align="left"))
+                    formula(sheet, row, column, address, content.value, book.form(content.kind, align="left"))
             if flag.deciding is not None:
                 put(sheet, row, because, flag.deciding.label)
                 put(sheet, row, because + 1, flag.deciding.origin)
@@ -167,7 +170,7 @@ class Sheets:
     # --- road test
 
     def write_road(self, sheet: Worksheet) -> None:
-        """What the log says in short, two charts, and the series thinned."""
+        """Write the main results of the road test, two charts, and the thinned series."""
         road, record, book = self.diagnosis.road, self.record["road_test"], self.book
         if road is None:
             return
@@ -181,13 +184,13 @@ class Sheets:
         row = book.pairs(sheet, 0, rows)
         instants = [
             {
-                "instant": said,
+                "instant": label,
                 "time [s]": record[name]["time_s"],
                 "leakage [dm³/min]": record[name]["leakage_dm3_min"],
                 "pump capacity [dm³/min]": record[name]["pump_capacity_dm3_min"],
                 "share [%]": record[name]["share_percent"],
             }
-            for name, said in _INSTANTS.items()
+            for name, label in _INSTANTS.items()
             if record[name]
         ]
         kinds = {"time [s]": "time", "share [%]": "percent"}
@@ -198,7 +201,7 @@ class Sheets:
         if series.thinned:
             text = f"{kept} of {series.samples} samples: every stretch keeps its lowest and highest values."
             put(sheet, row, 0, text)
-        row += 34  # room for two charts
+        row += 34  # the two charts take so many rows
         names = list(series.columns)
         book.headings(sheet, row, [f"{label} [{unit}]" if unit else label for label, unit in series.labels.values()])
         for column, (name, values) in enumerate(series.columns.items()):
@@ -242,7 +245,7 @@ class Sheets:
     # --- limits, job, messages, provenance
 
     def write_limits(self, sheet: Worksheet) -> None:
-        """Every limit in a cell that rules and bands point to."""
+        """Write every limit in a cell that rules and bands point to."""
         names = ["rule", *dict.fromkeys([*FLAGGED, *BANDS[1:]]), "origin", "source"]
         origin = len(names) - 2
         book = self.book
@@ -263,7 +266,7 @@ class Sheets:
         sheet.set_column(origin + 1, origin + 1, 70)
 
     def write_job(self, sheet: Worksheet) -> None:
-        """The job record: what was filled in and nothing else."""
+        """Write the job record: only what was filled in."""
         sheet.set_column(0, 0, 24)
         sheet.set_column(1, 1, 90)
         row = 0
@@ -300,7 +303,7 @@ class Sheets:
             put_text(sheet, line, 2, row["text"], self.book.wrapped, 100)
 
     def write_provenance(self, sheet: Worksheet) -> None:
-        """Which program, options and files, and their SHA-256."""
+        """Write which program, options and files gave the result, with their SHA-256."""
         record = self.record
         row = self.book.pairs(sheet, 0, [("atleak", record["atleak"]), ("format", str(record["format"]))]) + 1
         for name in ("profile", "controller", "fluid", "limits", "readings", "road_test"):
@@ -338,7 +341,7 @@ def _field(name: str, value: Any) -> str:
 
 
 def _words(name: str) -> str:
-    """A field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
+    """Return a field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
     for ending, unit in (("_km", "km"), ("_c", "°C")):
         if name.endswith(ending):
             name = f"{name.removesuffix(ending)} [{unit}]"

@@ -65,9 +65,9 @@ def error_of(path: Path) -> CatalogueError:
     ],
 )
 def test_pressure_is_a_share_of_a_section(text: str, coefficient: float, section: str | None, shown: str) -> None:
-    found = Pressure.parse(text)
-    assert (found.coefficient, found.section, str(found)) == (coefficient, section, shown)
-    assert Pressure.parse(str(found)) == found
+    pressure = Pressure.parse(text)
+    assert (pressure.coefficient, pressure.section, str(pressure)) == (coefficient, section, shown)
+    assert Pressure.parse(str(pressure)) == pressure
 
 
 @pytest.mark.parametrize("text", ["", "p_q", "p_g*0.1", "0,1*p_g", "-0.1*p_g", "0.1 p_g", "1e-1*p_g", "2*p_g", "0*p_g"])
@@ -96,8 +96,8 @@ def test_gear_2_has_the_published_components_in_every_section(four_speed: Contro
         "p_k": "20 22 23",
     }
     for section, components in published.items():
-        found = {gap.component for gap in four_speed.gaps_in(2) if gap.section == section}
-        assert found == set(components.split())
+        leaking = {gap.component for gap in four_speed.gaps_in(2) if gap.section == section}
+        assert leaking == set(components.split())
 
 
 def test_gear_2_has_the_published_pressures(four_speed: Controller) -> None:
@@ -163,7 +163,7 @@ def test_lands_are_found_by_component_and_plane(four_speed: Controller) -> None:
     assert land.key == ("12'", 1)
     assert four_speed.land_of_plane("12'", "9") is None
     assert four_speed.land_of_plane("99", "1") is None
-    assert [found.land for found in four_speed.lands_of("26")] == [1, 2, 3, 4]
+    assert [land.land for land in four_speed.lands_of("26")] == [1, 2, 3, 4]
     with pytest.raises(KeyError):
         four_speed.land("99", 1)
 
@@ -374,21 +374,21 @@ def test_the_document_s_examples_load_and_give_a_diagnosis(root: Path, tmp_path:
         path.write_text(block, encoding="utf-8")
     controller, fluid, limits = load_controller(paths[0]), load_fluid(paths[1]), load_limits(paths[2])
     assert (controller.id, fluid.id, limits.id) == ("my_box", "my_atf", "my_limits")
-    found = diagnose(controller, fluid, limits)
-    assert found.hot_idle is found.projection
-    assert found.projection.leakage > 0.0
+    diagnosis = diagnose(controller, fluid, limits)
+    assert diagnosis.hot_idle is diagnosis.projection
+    assert diagnosis.projection.leakage > 0.0
 
 
 def keys_of(model: type[BaseModel]) -> set[str]:
     """Every key of a file's tables, however deep."""
-    found: set[str] = set()
+    keys: set[str] = set()
     for name, field in model.model_fields.items():
         inner = [table for table in models_in(field.annotation) if table is not model]
         if not inner:
-            found.add(field.alias or name)
+            keys.add(field.alias or name)
         for table in inner:
-            found |= keys_of(table)
-    return found
+            keys |= keys_of(table)
+    return keys
 
 
 def models_in(annotation: Any) -> list[type[BaseModel]]:
@@ -398,6 +398,6 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
 
 
 def test_keys_are_collected_from_the_deepest_table() -> None:
-    found = keys_of(ControllerFile)
-    assert {"gears", "expansion_per_k", "nominal_diameter_mm", "from", "to", "shear_modulus_mpa", "p_k_kpa"} <= found
-    assert len(found) > 50
+    keys = keys_of(ControllerFile)
+    assert {"gears", "expansion_per_k", "nominal_diameter_mm", "from", "to", "shear_modulus_mpa", "p_k_kpa"} <= keys
+    assert len(keys) > 50

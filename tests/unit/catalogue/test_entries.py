@@ -45,14 +45,14 @@ def controller_error(edited: Edited, *changes: tuple[str, str]) -> CatalogueErro
 
 @pytest.mark.parametrize(("kind", "name"), SHIPPED)
 def test_every_shipped_file_loads_and_states_source_and_day(kind: str, name: str) -> None:
-    found = LOADERS[kind](name)
-    assert found.id == name
-    assert found.name
-    assert len(found.source) > 10
-    assert date(2000, 1, 1) < date.fromisoformat(found.date)
+    entry = LOADERS[kind](name)
+    assert entry.id == name
+    assert entry.name
+    assert len(entry.source) > 10
+    assert date(2000, 1, 1) < date.fromisoformat(entry.date)
     content = catalogue_files(kind)[name].read_bytes()
-    assert found.origin.sha256 == hashlib.sha256(content).hexdigest()
-    assert found.origin.file == f"{name}.toml"
+    assert entry.origin.sha256 == hashlib.sha256(content).hexdigest()
+    assert entry.origin.file == f"{name}.toml"
 
 
 @pytest.mark.parametrize(("kind", "name"), SHIPPED)
@@ -62,9 +62,9 @@ def test_every_shipped_file_says_its_source_in_its_head_too(kind: str, name: str
 
 
 def test_lists_hold_every_shipped_entry() -> None:
-    assert [found.id for found in controllers()] == list(catalogue_files("controllers"))
-    assert [found.id for found in fluids()] == list(catalogue_files("fluids"))
-    assert [found.id for found in limit_sets()] == list(catalogue_files("limits"))
+    assert [entry.id for entry in controllers()] == list(catalogue_files("controllers"))
+    assert [entry.id for entry in fluids()] == list(catalogue_files("fluids"))
+    assert [entry.id for entry in limit_sets()] == list(catalogue_files("limits"))
     assert len(fluids()) >= 17
 
 

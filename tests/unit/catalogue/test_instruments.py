@@ -11,14 +11,14 @@ from atleak.errors import CatalogueError, InputError
 
 
 def test_shipped_instruments_state_their_source_and_what_is_representative() -> None:
-    shipped = {found.id: found for found in instruments()}
+    shipped = {instrument.id: instrument for instrument in instruments()}
     assert set(shipped) == {"air_gauge", "bore_gauge", "micrometer", "workshop_microscope"}
-    for found in shipped.values():
-        assert found.source
-        assert found.date
-        assert 0.0 < found.resolution <= 1e-6
-        assert found.common**2 + found.own**2 == pytest.approx(found.calibration**2, rel=1e-12, abs=0.0)
-        assert found.representative, found.id
+    for instrument in shipped.values():
+        assert instrument.source
+        assert instrument.date
+        assert 0.0 < instrument.resolution <= 1e-6
+        assert instrument.common**2 + instrument.own**2 == pytest.approx(instrument.calibration**2, rel=1e-12, abs=0.0)
+        assert instrument.representative, instrument.id
     assert "resolution_um" not in shipped["workshop_microscope"].representative  # published by the source study
     assert shipped["workshop_microscope"].resolution == pytest.approx(1e-6, rel=1e-12, abs=0.0)
 

@@ -19,7 +19,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture(autouse=True)
 def own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Columns that someone settled on this machine must not decide a test."""
+    """Keep columns that someone chose on this machine from deciding a test."""
     home = tmp_path / "home"
     monkeypatch.setenv("APPDATA", str(home))
     monkeypatch.setenv("XDG_CONFIG_HOME", str(home))

@@ -58,8 +58,8 @@ def test_rows_of_one_inspection(run: Run, tmp_path: Path, record_of: RecordOf) -
     assert "--where Inspection=May" in err
     job = tmp_path / "job.zip"
     record = record_of(sheet, "--controller", "minimal_example", "--where", "Inspection=May", "--job-file", job)
-    found = {land["component"]: land for land in record["lands"]}["accumulator"]
-    assert found["radial_clearance_um"] == pytest.approx(21.5, abs=1e-6)
+    land = {land["component"]: land for land in record["lands"]}["accumulator"]
+    assert land["radial_clearance_um"] == pytest.approx(21.5, abs=1e-6)
     again = read_job_file(job)
     assert again.case.sheet_where == (("Inspection", "May"),)
     assert [reading.diameter for reading in again.diagnose().readings.readings] == pytest.approx(
@@ -109,8 +109,8 @@ def test_fail_on_watch_follows_the_verdict(
     text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
     own.write_text(text[: text.index("# One pair")] + text[text.index("# Total leakage") :], encoding="utf-8")
     sheet = small_sheet(sleeve)
-    found = run("diagnose", sheet, "--controller", "minimal_example", "--limits", own, "--fail-on", "watch")
-    assert found[0] == status
+    outcome = run("diagnose", sheet, "--controller", "minimal_example", "--limits", own, "--fail-on", "watch")
+    assert outcome[0] == status
 
 
 @pytest.mark.parametrize(
@@ -272,8 +272,8 @@ def test_a_stated_condition_reaches_the_projection_and_leaves_hot_idle(
 ) -> None:
     plain = record_of(sample_readings)
     stated = record_of(sample_readings, "--gear", "3", "--temperature", "60", "--rpm", "2000")
-    found = stated["projection"]
-    assert (found["gear"], found["temperature_c"], found["engine_rpm"]) == (
+    projection = stated["projection"]
+    assert (projection["gear"], projection["temperature_c"], projection["engine_rpm"]) == (
         3,
         60.0,
         pytest.approx(2000.0, rel=1e-12, abs=0.0),
@@ -291,14 +291,14 @@ def test_profile_and_set_reach_the_engine(sample_readings: Path, record_of: Reco
 
 
 def test_the_last_of_an_option_set_twice_counts(sample_readings: Path, record_of: RecordOf) -> None:
-    found = record_of(sample_readings, "--set", "diameter=spool", "--set", "diameter=mean")
-    assert found["profile"]["diameter"] == "mean"
+    record = record_of(sample_readings, "--set", "diameter=spool", "--set", "diameter=mean")
+    assert record["profile"]["diameter"] == "mean"
 
 
 def test_mileage_reaches_the_record(sample_readings: Path, record_of: RecordOf) -> None:
-    found = record_of(sample_readings, "--mileage", "106315")
-    assert found["mileage_km"] == 106315.0
-    assert any(land["replace_mileage_km"] for land in found["lands"])
+    record = record_of(sample_readings, "--mileage", "106315")
+    assert record["mileage_km"] == 106315.0
+    assert any(land["replace_mileage_km"] for land in record["lands"])
 
 
 def test_own_files_by_path(tmp_path: Path, record_of: RecordOf, small_sheet: SmallSheet) -> None:
@@ -306,16 +306,16 @@ def test_own_files_by_path(tmp_path: Path, record_of: RecordOf, small_sheet: Sma
     for kind, name in (("controllers", "minimal_example"), ("fluids", "mobil_atf_220"), ("limits", "project_default")):
         own[kind] = tmp_path / f"{kind}.toml"
         own[kind].write_bytes(catalogue_files(kind)[name].read_bytes().replace(b'id = "', b'id = "own_', 1))
-    found = record_of(
+    record = record_of(
         small_sheet(),
         *("--controller", own["controllers"], "--fluid", own["fluids"], "--limits", own["limits"]),
     )
-    assert [found[key]["id"] for key in ("controller", "fluid", "limits")] == [
+    assert [record[key]["id"] for key in ("controller", "fluid", "limits")] == [
         "own_minimal_example",
         "own_mobil_atf_220",
         "own_project_default",
     ]
-    assert found["readings"]["lands_measured"] == 1
+    assert record["readings"]["lands_measured"] == 1
 
 
 def test_columns_settled_earlier_travel_with_the_job(run: Run, sample_readings: Path, tmp_path: Path) -> None:
@@ -336,12 +336,12 @@ def test_constants_stand_for_channels_the_log_lacks(sample_readings: Path, tmp_p
     log.write_text(
         "time [s],engine_speed [rpm],p_g [kPa]\n" + "".join(f"{i / 10},1500,800\n" for i in range(20)), encoding="utf-8"
     )
-    told = ("--constant", "atf_temperature=90", "--constant", "converter_pressure=300,5", "--constant", "gear=3")
-    record = record_of(sample_readings, "--road-test", log, *told)
+    constants = ("--constant", "atf_temperature=90", "--constant", "converter_pressure=300,5", "--constant", "gear=3")
+    record = record_of(sample_readings, "--road-test", log, *constants)
     assert record["road_test"]["gears"] == [3]
     assert not {message["code"] for message in record["messages"]} & {"assumed_gear", "assumed_converter_pressure"}
-    hotter = record_of(sample_readings, "--road-test", log, *told[2:], "--constant", "atf_temperature=100")
-    most = [found["road_test"]["max_leakage"]["leakage_dm3_min"] for found in (hotter, record)]
+    hotter = record_of(sample_readings, "--road-test", log, *constants[2:], "--constant", "atf_temperature=100")
+    most = [each["road_test"]["max_leakage"]["leakage_dm3_min"] for each in (hotter, record)]
     assert most[0] > most[1]
 
 

@@ -14,12 +14,12 @@ Run = Callable[..., tuple[int, str, str]]
 def test_import_log_writes_the_record_alone(run: Run, sample_log: Path, tmp_path: Path) -> None:
     status, out, err = run("import-log", sample_log, "--json", "-", "--csv", tmp_path / "plain.csv")
     assert (status, err) == (0, "")
-    found = json.loads(out)
+    record = json.loads(out)
     promised = (
         "file sha256 format encoding delimiter decimal rows duration_s segments columns ambiguous unused messages"
     )
-    assert [key for key in promised.split() if key not in found] == []
-    quantities = {column["quantity"] for column in found["columns"]}
+    assert [key for key in promised.split() if key not in record] == []
+    quantities = {column["quantity"] for column in record["columns"]}
     assert quantities == {"time", "engine_speed", "main_pressure", "converter_pressure", "atf_temperature", "gear"}
     assert (tmp_path / "plain.csv").stat().st_size > 1000
 

@@ -54,16 +54,16 @@ def test_python_m_is_the_same_and_survives_a_windows_code_page(
     run: Run, sample_readings: Path, process: Process
 ) -> None:
     _, here, _ = run("diagnose", sample_readings, "--json", "-")
-    found = process("diagnose", sample_readings, "--json", "-", PYTHONIOENCODING="cp1252")
-    assert (found.returncode, found.stderr) == (0, b"")
-    assert json.loads(found.stdout.decode("utf-8")) == json.loads(here)
+    finished = process("diagnose", sample_readings, "--json", "-", PYTHONIOENCODING="cp1252")
+    assert (finished.returncode, finished.stderr) == (0, b"")
+    assert json.loads(finished.stdout.decode("utf-8")) == json.loads(here)
 
 
 def test_a_message_survives_a_windows_code_page(tmp_path: Path, process: Process) -> None:
-    found = process("diagnose", tmp_path / "Messblatt Łódź µm.xlsx", PYTHONIOENCODING="cp1252", PYTHONUTF8="0")
-    assert found.returncode == 2
-    assert "Messblatt Łódź µm.xlsx" in found.stderr.decode("utf-8")
-    assert b"Traceback" not in found.stderr
+    finished = process("diagnose", tmp_path / "Messblatt Łódź µm.xlsx", PYTHONIOENCODING="cp1252", PYTHONUTF8="0")
+    assert finished.returncode == 2
+    assert "Messblatt Łódź µm.xlsx" in finished.stderr.decode("utf-8")
+    assert b"Traceback" not in finished.stderr
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a closed pipe is reported otherwise on Windows")
@@ -163,14 +163,14 @@ def test_a_file_name_that_is_no_text_is_no_fault(
     log = tmp_path / os.fsdecode(b"caf\xe9.csv")
     log.write_bytes(sample_log.read_bytes())
     written = target if target == "-" else tmp_path / target
-    found = process("import-log", log, "--json", written, PYTHONUTF8="1")
-    assert found.returncode == 0
-    record = json.loads(found.stdout if target == "-" else Path(written).read_bytes())
+    finished = process("import-log", log, "--json", written, PYTHONUTF8="1")
+    assert finished.returncode == 0
+    record = json.loads(finished.stdout if target == "-" else Path(written).read_bytes())
     assert record["file"] == log.name
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a stream is closed otherwise on Windows")
 def test_a_closed_standard_output_is_no_fault() -> None:
     code = "import os, sys; os.close(1); os.execv(sys.executable, [sys.executable, '-m', 'atleak', 'fluids'])"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
-    assert (found.returncode, found.stderr) == (0, b"")
+    finished = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert (finished.returncode, finished.stderr) == (0, b"")

@@ -37,10 +37,10 @@ def test_a_filled_template_is_diagnosed(run: Run, tmp_path: Path, name: str, rec
             filled += 1
     assert filled > 0
     book.save(sheet)
-    found = record_of(sheet, "--controller", name)
-    assert found["readings"]["lands_measured"] == found["readings"]["lands_total"]
-    assert {land["verdict"] for land in found["lands"]} == {"ok"}
-    for land in found["lands"]:
+    record = record_of(sheet, "--controller", name)
+    assert record["readings"]["lands_measured"] == record["readings"]["lands_total"]
+    assert {land["verdict"] for land in record["lands"]} == {"ok"}
+    for land in record["lands"]:
         assert land["wear_percent"] == pytest.approx(0.0, abs=0.5)
 
 
@@ -56,7 +56,7 @@ def test_a_template_wants_a_workbook_s_name(run: Run, tmp_path: Path, output: st
 
 
 def test_a_file_written_by_a_process_reads_back(tmp_path: Path, four_speed: Controller, process: Process) -> None:
-    found = process("template", "-o", tmp_path / "sheet.xlsx")
-    assert found.returncode == 0
+    finished = process("template", "-o", tmp_path / "sheet.xlsx")
+    assert finished.returncode == 0
     with pytest.raises(Exception, match="sheet"):  # nothing is filled in yet
         read_readings(tmp_path / "sheet.xlsx", four_speed)

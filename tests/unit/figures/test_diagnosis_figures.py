@@ -15,11 +15,11 @@ from atleak.figures import uncertainty_figures as of_uncertainty
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 ALL = {
-    "ranking": lambda found: figures.leakage_ranking(found),
-    "share": lambda found: figures.total_share(found),
-    "road": lambda found: figures.road_leakage(found.road, found.limits),
-    "wear": lambda found: figures.wear(found),
-    "channels": lambda found: figures.road_channels(found.road.road_test, {}),
+    "ranking": lambda diagnosis: figures.leakage_ranking(diagnosis),
+    "share": lambda diagnosis: figures.total_share(diagnosis),
+    "road": lambda diagnosis: figures.road_leakage(diagnosis.road, diagnosis.limits),
+    "wear": lambda diagnosis: figures.wear(diagnosis),
+    "channels": lambda diagnosis: figures.road_channels(diagnosis.road.road_test, {}),
 }
 
 
@@ -85,10 +85,10 @@ def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Di
 
 def test_a_log_without_engine_speed_shows_leakage_alone(four_speed, hipol, limits, log_of) -> None:
     log = log_of(np.arange(50.0), main_pressure=600e3, converter_pressure=300e3, atf_temperature=80.0, gear=2.0)
-    found = diagnose(four_speed, hipol, limits, road_test=log)
-    figure = figures.road_leakage(found.road, found.limits)
+    diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
+    figure = figures.road_leakage(diagnosis.road, diagnosis.limits)
     assert {one.name for one in figure.data if one.mode == "lines"} == {"leakage"}
-    assert all(one.error_x.array is None for one in figures.leakage_ranking(found).data)
+    assert all(one.error_x.array is None for one in figures.leakage_ranking(diagnosis).data)
 
 
 def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(four_speed, hipol, limits, log_of) -> None:
@@ -103,11 +103,11 @@ def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(four_speed, hipol,
         atf_temperature=80.0,
         gear=2.0,
     )
-    found = diagnose(four_speed, hipol, limits, road_test=log)
-    for figure in (figures.road_leakage(found.road, found.limits), figures.road_channels(log, {})):
+    diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
+    for figure in (figures.road_leakage(diagnosis.road, diagnosis.limits), figures.road_channels(log, {})):
         assert all(len(one.x) <= 4000 for one in figure.data)
-    leakage = trace(figures.road_leakage(found.road, found.limits), "leakage")
-    assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(found.road.leakage) * DM3_MIN, rel=1e-9, abs=0.0)
+    leakage = trace(figures.road_leakage(diagnosis.road, diagnosis.limits), "leakage")
+    assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(diagnosis.road.leakage) * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.isclose(leakage.x, 312.34).any()
     channel = next(one for one in figures.road_channels(log, {}).data if np.nanmax(one.y) == 950e3)
     assert np.isnan(np.asarray(channel.y, dtype=float)).any()
@@ -139,8 +139,8 @@ def test_a_pump_that_delivers_nothing_leaves_no_point(sample: Diagnosis) -> None
 
 def test_events_are_marked_where_they_begin_and_shaded_where_they_last(log_of) -> None:
     log = log_of(np.arange(20.0), main_pressure=600e3, engine_speed=20.0)
-    found = [Event("gear_shift", 3.0, 3.5, 1, 2), Event("hot_idle", 8.0, 12.0), Event("stall", 40.0, 41.0)]
-    figure = figures.road_channels(log, {}, found)
+    events = [Event("gear_shift", 3.0, 3.5, 1, 2), Event("hot_idle", 8.0, 12.0), Event("stall", 40.0, 41.0)]
+    figure = figures.road_channels(log, {}, events)
     assert [note.text for note in figure.layout.annotations] == ["1→2", "hot idle"]
     assert {shape.x0 for shape in figure.layout.shapes if shape.type == "line"} == {3.0, 8.0}
     assert {(shape.x0, shape.x1) for shape in figure.layout.shapes if shape.type == "rect"} == {(8.0, 12.0)}
@@ -159,13 +159,13 @@ def test_another_log_is_laid_over_it_dashed_and_shifted(log_of) -> None:
 def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -> None:
     """A stated condition besides the controller's own points must not shift the bars."""
     stated = stated_condition(sample.controller, temperature=120.0)
-    found = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, condition=stated)
-    points = next(one for one in figures.total_share(found).data if one.error_x.array is not None)
-    assert len(points.x) == len(found.reported) == 2
+    diagnosis = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, condition=stated)
+    points = next(one for one in figures.total_share(diagnosis).data if one.error_x.array is not None)
+    assert len(points.x) == len(diagnosis.reported) == 2
     for projection, x, low, high in zip(
-        found.reported, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
+        diagnosis.reported, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
     ):
-        interval = found.uncertainty.total(projection.condition.name).share_interval
+        interval = diagnosis.uncertainty.total(projection.condition.name).share_interval
         assert x - low == pytest.approx(interval[0] * PERCENT, rel=1e-9, abs=0.0)
         assert x + high == pytest.approx(interval[1] * PERCENT, rel=1e-9, abs=0.0)
 

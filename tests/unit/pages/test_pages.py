@@ -49,19 +49,19 @@ def go(app: AppTest, page: str) -> AppTest:
 
 def texts(app: AppTest) -> str:
     kinds = (*app.markdown, *app.caption, *app.error, *app.warning, *app.info, *app.success, *app.title)
-    return "\n".join(found.value for found in kinds).replace("\\", "")
+    return "\n".join(widget.value for widget in kinds).replace("\\", "")
 
 
 def uploader(app: AppTest, label: str):
-    return next(found for found in app.sidebar.file_uploader if found.label == label)
+    return next(widget for widget in app.sidebar.file_uploader if widget.label == label)
 
 
 def choice(app: AppTest, label: str):
-    return next(found for found in app.sidebar.selectbox if found.label == label)
+    return next(widget for widget in app.sidebar.selectbox if widget.label == label)
 
 
 def number(app: AppTest, label: str):
-    return next(found for found in app.sidebar.text_input if found.label == label)
+    return next(widget for widget in app.sidebar.text_input if widget.label == label)
 
 
 def flagged(app: AppTest) -> list[str]:
@@ -72,7 +72,7 @@ def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> No
     assert not app.exception
     assert set(flagged(app)) == {"■ replace", "▲ watch"}
     assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
-    assert [found.value for found in app.title] == ["Diagnosis"]
+    assert [widget.value for widget in app.title] == ["Diagnosis"]
     assert re.match(r"\*\*\d+ ■ replace\*\* and \*\*\d+ ▲ watch\*\* of 47 measured lands, in", app.error[0].value)
     assert "for this leakage alone the pump needs" in texts(app)
     assert "Representative" in texts(app) or "representative" in texts(app)
@@ -88,9 +88,9 @@ def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: st
 
 
 def test_every_page_has_a_number_of_its_own() -> None:
-    found = sorted(path.stem for path in (ROOT / "pages").glob("[0-9]*.py"))
-    assert found == sorted(PAGES)
-    assert [int(name.split("_")[0]) for name in found] == list(range(1, len(found) + 1))
+    stems = sorted(path.stem for path in (ROOT / "pages").glob("[0-9]*.py"))
+    assert stems == sorted(PAGES)
+    assert [int(name.split("_")[0]) for name in stems] == list(range(1, len(stems) + 1))
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -161,16 +161,16 @@ def test_an_unfilled_template_is_refused_by_name(app: AppTest, four_speed) -> No
 
 def test_own_files_replace_the_sample_one_by_one(app: AppTest, sample_readings: Path, sample_log: Path) -> None:
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
-    assert "Over the road test" not in [found.value for found in app.subheader]
+    assert "Over the road test" not in [widget.value for widget in app.subheader]
     uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
     assert not app.exception
-    assert "Over the road test" in [found.value for found in app.subheader]
+    assert "Over the road test" in [widget.value for widget in app.subheader]
     assert "1201 rows" in texts(app)
     uploader(app, "Road-test log").set_value(None).run()
-    assert "Over the road test" not in [found.value for found in app.subheader]
-    next(found for found in app.button if found.label == "Take the sample job").click().run()
+    assert "Over the road test" not in [widget.value for widget in app.subheader]
+    next(widget for widget in app.button if widget.label == "Take the sample job").click().run()
     assert "Sample job" in texts(app)
-    assert "Over the road test" in [found.value for found in app.subheader]
+    assert "Over the road test" in [widget.value for widget in app.subheader]
 
 
 def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
@@ -198,7 +198,7 @@ def test_a_temperature_outside_the_fluid_keeps_the_last_result(app: AppTest) -> 
 
 
 def doubts(app: AppTest) -> list[str]:
-    return [found.value.replace("\\", "") for found in (*app.sidebar.error, *app.sidebar.warning)]
+    return [widget.value.replace("\\", "") for widget in (*app.sidebar.error, *app.sidebar.warning)]
 
 
 def test_a_mileage_that_can_be_read_in_two_ways_is_asked_and_the_last_one_stays(app: AppTest) -> None:
@@ -249,12 +249,12 @@ def test_profile_options_reach_the_engine(app: AppTest) -> None:
 def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> None:
     text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
     choice(app, "Limits").select("own file (TOML) …").run()
-    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
     own.upload("strict.toml", text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain").run()
     assert not app.exception
     more = len(flagged(app))
     assert more > 8
-    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
     own.set_value(("bad.toml", text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
     assert not app.exception
     assert "bad.toml" in texts(app)
@@ -269,13 +269,13 @@ def test_an_own_files_name_is_shown_and_never_a_path(app: AppTest, name: str, mo
     monkeypatch.setattr(Path, "write_bytes", lambda path, data: written.append(path.name) or write(path, data))
     text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
     choice(app, "Limits").select("own file (TOML) …").run()
-    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
     own.set_value((name, text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain")).run()
     assert not app.exception
     assert len(flagged(app)) > 8
-    own = next(found for found in app.sidebar.file_uploader if "limits" in found.label)
+    own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
     own.set_value((name, text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
-    assert any(name.replace("\n", "  \n") in found.value.replace("\\", "") for found in app.error)
+    assert any(name.replace("\n", "  \n") in widget.value.replace("\\", "") for widget in app.error)
     assert len(written) == 2
     assert {name} & set(written) == set()
 
@@ -286,8 +286,8 @@ def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
     go(app, "4_Road_test")
     assert not app.exception
     assert "Which column is it?" in texts(app)
-    next(found for found in app.main.selectbox if found.label.startswith("main")).select("line pressure 2 [kPa]")
-    next(found for found in app.button if found.label.startswith("Use and remember")).click().run()
+    next(widget for widget in app.main.selectbox if widget.label.startswith("main")).select("line pressure 2 [kPa]")
+    next(widget for widget in app.button if widget.label.startswith("Use and remember")).click().run()
     assert not app.exception
     assert "not taken" not in texts(app)
     taken = app.dataframe[0].value.set_index("quantity")["column"]
@@ -295,11 +295,11 @@ def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
 
 
 def column_box(app: AppTest, start: str):
-    return next(found for found in app.main.selectbox if found.label.startswith(start))
+    return next(widget for widget in app.main.selectbox if widget.label.startswith(start))
 
 
 def use_columns(app: AppTest) -> AppTest:
-    return next(found for found in app.button if found.label.startswith("Use and remember")).click().run()
+    return next(widget for widget in app.button if widget.label.startswith("Use and remember")).click().run()
 
 
 def most_leakage(app: AppTest) -> float:
@@ -357,7 +357,7 @@ def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch
 
     log = SourceFile("two.csv", TWO_PRESSURES.encode())
     cases.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
-    chosen = cases.settled(cases.PageCase(road_test=log)).log_choices
+    chosen = cases.case_with_columns(cases.PageCase(road_test=log)).log_choices
     assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}}
 
 
@@ -379,16 +379,16 @@ def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
 
 def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) -> None:
     go(app, "4_Road_test")
-    next(found for found in app.main.file_uploader if found.label == "Other road-test log").upload(
+    next(widget for widget in app.main.file_uploader if widget.label == "Other road-test log").upload(
         "after.csv", sample_log.read_bytes(), "text/csv"
     ).run()
-    next(found for found in app.main.text_input if found.label == "Shifted by [s]").set_value("1,25").run()
+    next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
     assert not app.exception
     go(app, "1_Diagnosis")
     go(app, "4_Road_test")
     assert "after.csv" in texts(app)
-    assert next(found for found in app.main.text_input if found.label == "Shifted by [s]").value == "1,25"
-    next(found for found in app.button if found.label == "Take it away").click().run()
+    assert next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").value == "1,25"
+    next(widget for widget in app.button if widget.label == "Take it away").click().run()
     assert "after.csv" not in texts(app)
 
 
@@ -400,8 +400,8 @@ def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, 
     uploader(app, "Measuring sheet").upload("two.xlsx", target.getvalue(), XLSX).run()
     assert "2 sheets hold readings" in texts(app)
     go(app, "2_Readings")
-    next(found for found in app.main.text_input if found.label == "Sheet").set_value("Second try")
-    next(found for found in app.button if found.label == "Read two.xlsx again").click().run()
+    next(widget for widget in app.main.text_input if widget.label == "Sheet").set_value("Second try")
+    next(widget for widget in app.button if widget.label == "Read two.xlsx again").click().run()
     assert not app.exception
     assert "not taken" not in texts(app)
     assert "two.xlsx**, sheet Second try" in texts(app)
@@ -411,7 +411,7 @@ def test_a_files_name_is_shown_sign_for_sign(app: AppTest, sample_log: Path) -> 
     name = "<b>x $y$ :red[z] *w* [a](b) `c`.csv"
     uploader(app, "Road-test log").upload(name, sample_log.read_bytes(), "text/csv").run()
     assert not app.exception
-    shown = next(found.value for found in app.sidebar.caption if "1201 rows" in found.value)
+    shown = next(widget.value for widget in app.sidebar.caption if "1201 rows" in widget.value)
     for sign in ("\\<b\\>", "\\$y\\$", "\\:red\\[z\\]", "\\*w\\*", "\\`c\\`"):
         assert sign in shown
 
@@ -440,7 +440,7 @@ def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
     mine = "mine.xlsx" if slot == "Measuring sheet" else "drive.csv"
     assert f"Shown are still the results of {mine}" in texts(app)
     assert app.dataframe[0].value.equals(before)
-    assert said in [found.value for found in app.error]
+    assert said in [widget.value for widget in app.error]
     uploader(app, slot).set_value(None).run()
     assert "was not taken" not in texts(app)
     assert app.dataframe[0].value.equals(before)
@@ -458,7 +458,7 @@ def test_a_sheet_taken_away_long_ago_does_not_come_back(app: AppTest, sample_rea
 
 
 def press(app: AppTest, label: str) -> AppTest:
-    return next(found for found in app.button if found.label == label).click().run()
+    return next(widget for widget in app.button if widget.label == label).click().run()
 
 
 @pytest.mark.parametrize("label", ["New, empty job", "Take the sample job"])
@@ -467,11 +467,11 @@ def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, la
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
     number(app, "Mileage [km]").set_value("120000.0").run()
     go(app, "5_Report")
-    next(found for found in app.text_input if found.label == "Technician").set_value("T. Old").run()
+    next(widget for widget in app.text_input if widget.label == "Technician").set_value("T. Old").run()
     assert app.session_state["job"].technician == "T. Old"
     press(app, label)
     assert not app.exception
-    assert next(found for found in app.text_input if found.label == "Technician").value == ""
+    assert next(widget for widget in app.text_input if widget.label == "Technician").value == ""
     assert app.session_state["job"].empty
     assert number(app, "Mileage [km]").value == ""
     case = app.session_state["atleak"].good
@@ -491,16 +491,16 @@ def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: Ap
 
 
 def test_steps_that_change_nothing_are_told(app: AppTest) -> None:
-    steps = next(found.value for found in app.dataframe if "After [%]" in found.value)
+    steps = next(widget.value for widget in app.dataframe if "After [%]" in widget.value)
     idle = steps[steps["Before [%]"].round(1) == steps["After [%]"].round(1)]["No."]
     assert len(idle)
     assert f"Steps {', '.join(map(str, idle[:-1]))} and {idle.iloc[-1]} change this total by less than" in texts(app)
 
 
 def test_options_have_plain_labels_and_keep_their_value_in_the_help(app: AppTest) -> None:
-    found = choice(app, "Viscosity")
-    assert found.options[0] == "ASTM D341"
-    assert "viscosity=d341" in found.help
+    box = choice(app, "Viscosity")
+    assert box.options[0] == "ASTM D341"
+    assert "viscosity=d341" in box.help
     assert choice(app, "Pump efficiency").options[0] == "Wilson slip"
     for label in ("Diameter in the gap law", "Viscosity", "Counted as drawn from the pump", "Pump efficiency"):
         assert not any("_" in option for option in choice(app, label).options)
@@ -560,7 +560,7 @@ def test_moving_the_cursors_diagnoses_and_reads_nothing_again(app: AppTest, monk
     for reading in ("understand", "read_readings"):
         monkeypatch.setattr(f"pages.shared.cases.{reading}", again)
     whole = app.dataframe[-1].value
-    cursors = next(found for found in app.main.slider if "cursors" in found.label)
+    cursors = next(widget for widget in app.main.slider if "cursors" in widget.label)
     cursors.set_value((3.0, 9.0)).run()
     assert not app.exception
     assert not app.dataframe[-1].value.equals(whole)

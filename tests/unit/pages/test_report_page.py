@@ -33,13 +33,13 @@ def go(app: AppTest, page: str) -> AppTest:
 
 
 def field(app: AppTest, label: str):
-    return next(found for found in (*app.text_input, *app.text_area) if found.label == label)
+    return next(widget for widget in (*app.text_input, *app.text_area) if widget.label == label)
 
 
 def test_opens_without_a_word_and_offers_everything(app: AppTest) -> None:
     assert not app.exception
     assert not app.error
-    labels = {found.proto.label for found in app.get("download_button")}
+    labels = {widget.proto.label for widget in app.get("download_button")}
     assert labels == {"PDF", "Excel workbook", "JSON", "Job record", "Job file"}
 
 
@@ -87,7 +87,7 @@ def test_no_column_to_type_into_drops_a_decimal_comma(app: AppTest) -> None:
 
 def test_a_record_fills_the_form(app: AppTest) -> None:
     record = {"number": "9", "vehicle": {"vin": "W1"}, "notes": "seen"}
-    uploader = next(found for found in app.file_uploader if found.label == "Job record")
+    uploader = next(widget for widget in app.file_uploader if widget.label == "Job record")
     uploader.set_value(("job.json", json.dumps(record).encode(), "application/json")).run()
     assert not app.exception
     assert field(app, "VIN").value == "W1"
@@ -95,9 +95,9 @@ def test_a_record_fills_the_form(app: AppTest) -> None:
 
 
 def test_a_record_that_cannot_be_used_is_refused_with_its_reason(app: AppTest) -> None:
-    uploader = next(found for found in app.file_uploader if found.label == "Job record")
+    uploader = next(widget for widget in app.file_uploader if widget.label == "Job record")
     uploader.set_value(("job.toml", b"numbr = 1", "application/toml")).run()
-    assert any("did you mean" in found.value for found in app.error)
+    assert any("did you mean" in widget.value for widget in app.error)
     assert app.session_state["job"].empty
 
 
@@ -106,12 +106,12 @@ def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(
     Image.new("RGB", (40, 30)).save(target, "PNG")
 
     def folds() -> list[tuple[str, bool]]:
-        return [(found.label, found.proto.expanded) for found in app.expander]
+        return [(widget.label, widget.proto.expanded) for widget in app.expander]
 
     before = folds()
     field(app, "Make").set_value("Mercedes").run()
     assert folds() == before
-    uploader = next(found for found in app.file_uploader if found.label == "Photos")
+    uploader = next(widget for widget in app.file_uploader if widget.label == "Photos")
     uploader.set_value([("a.png", target.getvalue(), "image/png")]).run()
     field(app, "Caption").set_value("scored").run()
     assert app.session_state["job"].photos[0].caption == "scored"
@@ -120,10 +120,10 @@ def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(
 def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     target = io.BytesIO()
     Image.new("RGB", (40, 30)).save(target, "PNG")
-    uploader = next(found for found in app.file_uploader if found.label == "Photos")
+    uploader = next(widget for widget in app.file_uploader if widget.label == "Photos")
     uploader.set_value([("a.png", target.getvalue(), "image/png"), ("b.png", b"no picture", "image/png")]).run()
     assert not app.exception
-    assert any("b.png" in found.value.replace("\\", "") for found in app.error)
+    assert any("b.png" in widget.value.replace("\\", "") for widget in app.error)
     job: Job = app.session_state["job"]
     assert list(job.pictures) == ["photos/a.png"]
     go(app, "2_Readings")
@@ -142,6 +142,6 @@ def test_the_example_of_the_documentation_runs(tmp_path: Path, monkeypatch: pyte
 
 
 def test_sections_are_all_chosen_and_paper_is_named_as_people_do(app: AppTest) -> None:
-    assert next(found for found in app.selectbox if found.label == "Paper").options == ["A4", "Letter"]
+    assert next(widget for widget in app.selectbox if widget.label == "Paper").options == ["A4", "Letter"]
     (sections,) = app.get("button_group")
     assert list(sections.value) == list(SECTIONS)

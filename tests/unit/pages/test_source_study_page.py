@@ -13,9 +13,9 @@ testing = pytest.importorskip("streamlit.testing.v1")
 
 @pytest.fixture
 def page(root: Path):
-    found = testing.AppTest.from_file(str(root / "pages" / "6_Source_study.py"), default_timeout=240)
-    found.session_state["framed"] = True  # as app.py has it before it runs a page
-    return found
+    app = testing.AppTest.from_file(str(root / "pages" / "6_Source_study.py"), default_timeout=240)
+    app.session_state["framed"] = True  # as app.py has it before it runs a page
+    return app
 
 
 def test_study_is_shown_beside_its_printed_tables(page) -> None:
@@ -23,7 +23,7 @@ def test_study_is_shown_beside_its_printed_tables(page) -> None:
     assert not page.exception
     assert page.title[0].value == "The source study, reproduced"
     assert not page.radio
-    table_2, table_3, points = (found.value for found in page.dataframe[:3])
+    table_2, table_3, points = (widget.value for widget in page.dataframe[:3])
     assert table_2["variant"].tolist() == [f"W{number}" for number in range(1, 9)]
     assert table_3["q printed [dm³/min]"].tolist() == [2.16, 2.81, 3.64, 8.56, 0.021, 0.38, 1.43, 11.23]
     assert table_3["q digits"].tolist() == ["✓"] * 8
@@ -31,7 +31,7 @@ def test_study_is_shown_beside_its_printed_tables(page) -> None:
     assert len(points) == 9
     assert len(page.table[0].value) == 23
     assert len(page.get("plotly_chart")) == 3
-    assert any("56.2" in found.value for found in page.markdown)
+    assert any("56.2" in widget.value for widget in page.markdown)
 
 
 def test_a_job_of_ones_own_runs_through_the_same_variants(page, root: Path) -> None:
@@ -48,4 +48,4 @@ def test_a_job_of_ones_own_runs_through_the_same_variants(page, root: Path) -> N
     assert not page.exception
     table_3 = page.dataframe[1].value
     assert table_3["q computed"].iloc[3] < 2.0  # W4 of the small controller, not the study's 8.56
-    assert "every number" in " ".join(found.value for found in page.caption).lower()
+    assert "every number" in " ".join(widget.value for widget in page.caption).lower()

@@ -16,10 +16,10 @@ from openpyxl.utils import range_boundaries
 
 
 def _flat(values: tuple[Any, ...]) -> list[Any]:
-    found: list[Any] = []
+    flat: list[Any] = []
     for value in values:
-        found += _flat(tuple(value)) if isinstance(value, list) else [] if value is None else [value]
-    return found
+        flat += _flat(tuple(value)) if isinstance(value, list) else [] if value is None else [value]
+    return flat
 
 
 _FUNCTIONS = {
@@ -63,8 +63,8 @@ class SheetCalculator:
         key = (sheet, address.replace("$", ""))
         if key not in self.known:
             cell = self.book[sheet][key[1]]
-            found = self._calculate(sheet, cell.value) if cell.data_type == "f" else cell.value
-            self.known[key] = np.float64(found) if isinstance(found, int | float) else found
+            result = self._calculate(sheet, cell.value) if cell.data_type == "f" else cell.value
+            self.known[key] = np.float64(result) if isinstance(result, int | float) else result
         return self.known[key]
 
     def _calculate(self, sheet: str, formula: str) -> Any:

@@ -16,12 +16,12 @@ def test_every_job_gets_its_reports_and_progress_is_told(unmeasured, tmp_path):
         sources.append(tmp_path / folder / "job.zip")
         sources[-1].write_bytes(write_job_file(unmeasured, Job(number=folder)))
     sources[1].write_bytes(b"no job at all")
-    told: list[tuple[int, int, Reported]] = []
+    calls: list[tuple[int, int, Reported]] = []
     done = write_reports(
-        sources, tmp_path / "out", formats=("pdf", "xlsx", "json"), progress=lambda *found: told.append(found)
+        sources, tmp_path / "out", formats=("pdf", "xlsx", "json"), progress=lambda *each: calls.append(each)
     )
-    assert [found[:2] for found in told] == [(1, 3), (2, 3), (3, 3)]
-    assert [found.error is None for found in done] == [True, False, True]
+    assert [each[:2] for each in calls] == [(1, 3), (2, 3), (3, 3)]
+    assert [each.error is None for each in done] == [True, False, True]
     assert "no sound zip" in str(done[1].error)
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
         f"{stem}.{form}" for stem in ("job-3", "job") for form in ("json", "pdf", "xlsx")

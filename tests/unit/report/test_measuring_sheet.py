@@ -45,7 +45,7 @@ def test_the_same_controller_gives_the_same_bytes(controller, template):
 
 def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats(controller, template):
     sheet = opened(template)[SHEET]
-    found = [
+    rows = [
         tuple(merged_value(sheet, row, column) for column in (COMPONENT, PART, PLANE, DIRECTION, REPEAT))
         for row in range(HEADER + 1, sheet.max_row + 1)
     ]
@@ -57,8 +57,8 @@ def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats
         for direction in (0, 90)
         for repeat in (1, 2)
     }
-    assert {(str(component), part, str(plane), *rest) for component, part, plane, *rest in found} == wanted
-    assert len(found) == len(wanted)
+    assert {(str(component), part, str(plane), *rest) for component, part, plane, *rest in rows} == wanted
+    assert len(rows) == len(wanted)
 
 
 def test_names_nominal_diameters_and_clearances_stand_beside_and_say_where_they_are_representative(
@@ -131,11 +131,11 @@ def test_filled_in_it_reads_back(controller, template, with_coordinates):
             sheet.cell(row, DIAMETER, diameter)
     buffer = io.BytesIO()
     book.save(buffer)
-    found = read_readings(buffer.getvalue(), controller, name="sheet.xlsx")
-    assert (found.sheet, found.unit, found.unit_assumed) == (SHEET, "mm", False)
-    assert found.layout == ("table" if with_coordinates else "tidy")
-    assert len(found.readings) == sheet.max_row - HEADER
-    for state in clearances(found, controller):
+    readings = read_readings(buffer.getvalue(), controller, name="sheet.xlsx")
+    assert (readings.sheet, readings.unit, readings.unit_assumed) == (SHEET, "mm", False)
+    assert readings.layout == ("table" if with_coordinates else "tidy")
+    assert len(readings.readings) == sheet.max_row - HEADER
+    for state in clearances(readings, controller):
         assert state.status == "measured"
         rounding = 0.5e-6  # the sheet takes micrometres
         assert state.radial_clearance == pytest.approx(state.land.mounting_clearance + 2e-6, abs=1.01 * rounding)
@@ -154,13 +154,13 @@ def test_readings_are_written_and_read_back_with_their_places(controller):
     ]
     for blank_rows in (True, False):
         data = write_readings(controller, given, blank_rows=blank_rows)
-        found = read_readings(data, controller)
-        assert {(one.part, one.direction, one.repeat) for one in found.readings} == {
+        read_back = read_readings(data, controller)
+        assert {(one.part, one.direction, one.repeat) for one in read_back.readings} == {
             ("spool", 0.0, 1),
             ("spool", 45.0, 1),
             ("sleeve", 0.0, 3),
         }
-        for one in found.readings:
+        for one in read_back.readings:
             wanted = given[[(each.part, each.direction) for each in given].index((one.part, one.direction))]
             assert one.diameter == pytest.approx(wanted.diameter, rel=1e-12, abs=0.0)
             sheet = opened(data)[SHEET]

@@ -94,11 +94,11 @@ def test_claims_archival_and_accessible(printed):
 def test_says_every_flagged_pair_with_its_numbers(worn, printed):
     text = text_of(printed)
     say = wording("en")
-    for found in worn.flagged:
-        name = worn.controller.components[found.state.land.component]
-        assert f"{found.state.land.component} {name}" in text
-        assert say.number(found.state.radial_clearance * 1e6, 1) in text
-        assert say.number(found.share * 100, 2) in text
+    for land in worn.flagged:
+        name = worn.controller.components[land.state.land.component]
+        assert f"{land.state.land.component} {name}" in text
+        assert say.number(land.state.radial_clearance * 1e6, 1) in text
+        assert say.number(land.share * 100, 2) in text
     for word in ("replace", "watch", "not measured", "fail", "published"):
         assert word in text
     repair = sum(land.verdict in {"replace", "critical"} for land in worn.lands)
@@ -313,13 +313,13 @@ def test_names_of_a_workshops_own_controller_stay_text(worn, hostile):
 
 @pytest.mark.parametrize("language", languages())
 def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
-    doubtful = [found for found in worn.flagged if found.decision == "conditional_fail"]
+    doubtful = [land for land in worn.flagged if land.decision == "conditional_fail"]
     assert doubtful
     text = text_of(write_pdf(worn, language=language, sections=["again"]))
     say = wording(language)
     assert say("sections.again") in text
-    for found in doubtful:
-        assert f"{found.state.land.component} {worn.controller.components[found.state.land.component]}" in text
+    for land in doubtful:
+        assert f"{land.state.land.component} {worn.controller.components[land.state.land.component]}" in text
     assert (
         say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
         in text

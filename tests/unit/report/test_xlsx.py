@@ -26,9 +26,9 @@ SHEETS = ["Summary", "Lands", "Gaps", "Gaps hot idle", "Rules", "Readings", "Roa
 
 def column_of(book: openpyxl.Workbook, sheet: str, heading: str) -> str:
     """The letter of the column under a heading."""
-    found = [cell.column_letter for cell in book[sheet][1] if str(cell.value).startswith(heading)]
-    assert found, (heading, [cell.value for cell in book[sheet][1]])
-    return found[0]
+    letters = [cell.column_letter for cell in book[sheet][1] if str(cell.value).startswith(heading)]
+    assert letters, (heading, [cell.value for cell in book[sheet][1]])
+    return letters[0]
 
 
 def same(left: object, right: object) -> bool:
@@ -46,10 +46,10 @@ def test_sheets_and_numbers_are_read_by_pandas(worn, content):
     sheets = pd.read_excel(io.BytesIO(content), sheet_name=None, engine="calamine")
     assert list(sheets) == [*SHEETS, "Messages", "Provenance"]
     lands = sheets["Lands"]
-    assert lands["component"].astype(str).tolist() == [found.state.land.component for found in worn.lands]
-    clearances = [found.state.radial_clearance * 1e6 for found in worn.lands]
+    assert lands["component"].astype(str).tolist() == [land.state.land.component for land in worn.lands]
+    clearances = [land.state.radial_clearance * 1e6 for land in worn.lands]
     assert lands["radial clearance c_r [µm]"].tolist() == pytest.approx(clearances, rel=1e-12, abs=0.0)
-    shares = [found.share * 100 for found in worn.lands]
+    shares = [land.share * 100 for land in worn.lands]
     assert lands["share of pump capacity [%], stated condition"].tolist() == pytest.approx(shares, rel=1e-12, abs=0.0)
     assert len(sheets["Gaps"]) == len(worn.projection.gaps)
     assert sheets["Gaps"]["leakage q [mm³/s]"].sum() == pytest.approx(
@@ -116,8 +116,8 @@ def test_a_changed_diameter_changes_clearance_flow_share_and_verdict(worn, conte
         "wear Z": other.lands[0].wear * 100,
     }
     for heading, value in expected.items():
-        found = sheets.value("Lands", f"{column_of(sheets.book, 'Lands', heading)}{row}")
-        assert found == pytest.approx(value, rel=1e-9, abs=0.0), heading
+        computed = sheets.value("Lands", f"{column_of(sheets.book, 'Lands', heading)}{row}")
+        assert computed == pytest.approx(value, rel=1e-9, abs=0.0), heading
     assert worn.lands[0].verdict == "ok"
     assert other.lands[0].verdict != "ok"
     assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == signed(other.lands[0].verdict)
@@ -211,10 +211,10 @@ def test_nothing_a_user_typed_becomes_a_formula(worn, hostile):
         book = openpyxl.load_workbook(
             io.BytesIO(write_workbook(replace(worn, readings=readings, road=None), job)), rich_text=False
         )
-        found = [cell for sheet in book for row in sheet.iter_rows() for cell in row if cell.value == text.strip()]
-        assert len(found) >= 3, text
-        assert {cell.data_type for cell in found} == {"s"}
-        assert all(cell.hyperlink is None for cell in found)
+        cells = [cell for sheet in book for row in sheet.iter_rows() for cell in row if cell.value == text.strip()]
+        assert len(cells) >= 3, text
+        assert {cell.data_type for cell in cells} == {"s"}
+        assert all(cell.hyperlink is None for cell in cells)
 
 
 def test_long_notes_are_not_cut(unmeasured):

@@ -49,8 +49,8 @@ def record(sample: Diagnosis) -> dict[str, Any]:
     return json.loads(to_json(diagnosis_record(sample)))
 
 
-def lacking(promised: str, found: dict[str, Any]) -> list[str]:
-    return [key for key in promised.split() if key not in found]
+def lacking(promised: str, record: dict[str, Any]) -> list[str]:
+    return [key for key in promised.split() if key not in record]
 
 
 def numbers(value: Any) -> Iterator[float]:
@@ -125,8 +125,8 @@ def test_every_gap_recomputes_with_other_options_and_a_reversed_drop(
 ) -> None:
     # over 50 bar of main pressure 0.1 p_g passes the limit of p_s
     condition = replace(four_speed.operating_points[0], name="stated", main_pressure=60e5)
-    found = diagnose(four_speed, hipol, limits, profile=WORKSHOP.with_options(**options), condition=condition)
-    record = diagnosis_record(found)
+    diagnosis = diagnose(four_speed, hipol, limits, profile=WORKSHOP.with_options(**options), condition=condition)
+    record = diagnosis_record(diagnosis)
     assert min(gap["pressure_drop_kpa"] for gap in record["gaps"]) < 0.0
     for gap in record["gaps"]:
         assert gap["leakage_mm3_s"] == pytest.approx(flow_by_hand(gap, record["profile"]), rel=1e-9, abs=0.0)
@@ -173,12 +173,12 @@ def test_numbers_of_a_land_follow_from_one_another(record: dict[str, Any]) -> No
 
 def test_shares_and_bands_of_the_conditions(record: dict[str, Any]) -> None:
     for name in ("projection", "hot_idle"):
-        found = record[name]
-        share = 100.0 * found["leakage_dm3_min"] / found["pump_capacity_dm3_min"]
-        assert found["share_percent"] == pytest.approx(share, rel=1e-12, abs=0.0)
+        projection = record[name]
+        share = 100.0 * projection["leakage_dm3_min"] / projection["pump_capacity_dm3_min"]
+        assert projection["share_percent"] == pytest.approx(share, rel=1e-12, abs=0.0)
         bands = [(50.0, "critical"), (20.0, "red"), (10.0, "amber"), (0.0, "green")]
-        assert found["band"] == next(band for limit, band in bands if share >= limit)
-        assert 0.0 < found["minimum_engine_rpm"] < found["engine_rpm"]
+        assert projection["band"] == next(band for limit, band in bands if share >= limit)
+        assert 0.0 < projection["minimum_engine_rpm"] < projection["engine_rpm"]
 
 
 def test_road_test_sections_are_parts_of_one_whole(record: dict[str, Any]) -> None:
@@ -203,8 +203,8 @@ def test_no_number_is_rounded_or_infinite(record: dict[str, Any], sample: Diagno
 
 def test_what_is_infinite_is_null(four_speed: Controller, hipol: Fluid, limits: Limits, sample: Diagnosis) -> None:
     condition = stated_condition(four_speed, engine_speed=1.0 / 60.0)
-    found = diagnose(four_speed, hipol, limits, readings=sample.readings, condition=condition)
-    record = json.loads(to_json(diagnosis_record(found)))
+    diagnosis = diagnose(four_speed, hipol, limits, readings=sample.readings, condition=condition)
+    record = json.loads(to_json(diagnosis_record(diagnosis)))
     assert record["projection"]["share_percent"] is None
     assert record["projection"]["band"] == "critical"
     rule = next(rule for rule in record["lands"][0]["rules"] if rule["rule"] == "share_stated_percent")

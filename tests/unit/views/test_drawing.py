@@ -24,7 +24,7 @@ def test_every_land_is_drawn_in_the_shade_of_its_verdict():
     controller = load_controller("four_speed_2023")
     order = list(LOOKS)
     verdicts = {land.key: order[number % 5] for number, land in enumerate(controller.lands)}
-    fills = [found["fill"] for found in rectangles(controller_svg(controller, verdicts))]
+    fills = [rectangle["fill"] for rectangle in rectangles(controller_svg(controller, verdicts))]
     for verdict in ("watch", "replace", "critical"):
         expected = sum(given == verdict for given in verdicts.values())
         assert fills.count(LOOKS[verdict].fill) == expected > 0
@@ -34,8 +34,8 @@ def test_every_land_is_drawn_in_the_shade_of_its_verdict():
 def test_nothing_lies_beside_the_sheet(columns):
     svg = controller_svg(load_controller("four_speed_2023"), columns=columns)
     width, height = (float(ElementTree.fromstring(svg).attrib[name]) for name in ("width", "height"))
-    for found in rectangles(svg):
-        x, y, w, h = (float(found[name]) for name in ("x", "y", "width", "height"))
+    for rectangle in rectangles(svg):
+        x, y, w, h = (float(rectangle[name]) for name in ("x", "y", "width", "height"))
         assert min(x, y) >= 0.0
         assert x + w <= width
         assert y + h <= height

@@ -1,4 +1,4 @@
-"""What people are told of a stretch of a road test."""
+"""Events and values of a part of a road test, as people read them."""
 
 from __future__ import annotations
 

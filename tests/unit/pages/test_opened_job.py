@@ -31,7 +31,7 @@ LOG = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];gear\n"
     + "".join(f"{step / 10};{800 + step};{600 + step};{900 - step};2\n" for step in range(100))
 ).encode()
-TOLD = {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {"atf_temperature": 81.5}}
+CHOICES = {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {"atf_temperature": 81.5}}
 SHEET = {"sheet": "Second try", "unit": None}
 
 
@@ -60,7 +60,7 @@ def diagnosis(sheet: bytes, own_limits: bytes) -> Diagnosis:
         load_fluid("mobil_atf_220"),
         load_source(load_limits, SourceFile("our limits.toml", own_limits)),
         readings=read_readings(sheet, controller, name="two.xlsx", **SHEET),
-        road_test=read_road_test(LOG, name="drive.csv", **TOLD),
+        road_test=read_road_test(LOG, name="drive.csv", **CHOICES),
         profile=PROFILES["paper"].with_options(diameter="mean", eccentricity=0.33, entry_loss=True),
         condition=stated_condition(controller, temperature=92.715, engine_speed=1234.5 / 60.0, gear=1),
         mileage=106_315.0,
@@ -85,9 +85,9 @@ def packed(diagnosis: Diagnosis, sheet: bytes, own_limits: bytes) -> bytes:
             limits=SourceFile("our limits.toml", own_limits),
             sheet_name=SHEET.get("sheet"),
             sheet_unit=SHEET.get("unit"),
-            columns=pairs_of(TOLD.get("mapping")),
-            units=pairs_of(TOLD.get("units")),
-            constants=pairs_of(TOLD.get("constants")),
+            columns=pairs_of(CHOICES.get("mapping")),
+            units=pairs_of(CHOICES.get("units")),
+            constants=pairs_of(CHOICES.get("constants")),
         ),
     )
 
@@ -123,24 +123,24 @@ def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_wit
         encoding="utf-8",
     )
     form = AppTest.from_file(str(script), default_timeout=240).run()
-    by_label = {found.label: found for found in form.text_input}
+    by_label = {widget.label: widget for widget in form.text_input}
     by_label["Only rows where column"].set_value("Inspection")
     by_label["says"].set_value("November")
     form.button[0].click().run()
     assert not form.exception
-    from pages.shared.cases import diagnosis_of, opened_case, settled
+    from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
 
     case = form.session_state["atleak"].case
     assert case.sheet_where == (("Inspection", "November"),)
-    found = diagnosis_of(case)
-    assert [reading.place.row for reading in found.readings.readings] == [4, 5]
-    again = opened_case(read_job_file(write_job_file(found, case=settled(case))).case)
+    diagnosis = diagnosis_of(case)
+    assert [reading.place.row for reading in diagnosis.readings.readings] == [4, 5]
+    again = opened_case(read_job_file(write_job_file(diagnosis, case=case_with_columns(case))).case)
     assert again.sheet_where == case.sheet_where
     assert again.with_file("readings", None).sheet_where == ()
 
 
 def open_job(app: AppTest, content: bytes, name: str = "job.zip") -> AppTest:
-    place = next(found for found in app.sidebar.file_uploader if found.label == "Job file")
+    place = next(widget for widget in app.sidebar.file_uploader if widget.label == "Job file")
     return place.set_value((name, content, "application/zip")).run()
 
 
@@ -152,7 +152,7 @@ def shown(app: AppTest) -> dict:
 
 def field(app: AppTest, label: str):
     kinds = (*app.sidebar.selectbox, *app.sidebar.text_input, *app.sidebar.slider, *app.sidebar.toggle)
-    return next(found for found in kinds if found.label == label)
+    return next(widget for widget in kinds if widget.label == label)
 
 
 def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content: bytes, diagnosis: Diagnosis) -> None:
@@ -170,7 +170,7 @@ def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content:
 
 def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
     open_job(app, content)
-    found = {
+    expected = {
         "Valve body": "four_speed_2023",
         "Fluid": "mobil_atf_220",
         "Limits": "own file (TOML) …",
@@ -184,20 +184,20 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
         "Gear": 1,
         "Mileage [km]": "106315",
     }
-    assert {label: field(app, label).value for label in found} == found
+    assert {label: field(app, label).value for label in expected} == expected
     assert field(app, "Engine speed [rpm]").value == "1234.5"
-    said = "\n".join(found.value for found in app.sidebar.caption).replace("\\", "")
+    said = "\n".join(widget.value for widget in app.sidebar.caption).replace("\\", "")
     for text in ("two.xlsx", "drive.csv", "our limits.toml", "guard factor, assumptions, values for the log"):
         assert text in said
     assert app.session_state["job"].number == "A-17"
 
 
 def test_a_job_file_written_again_holds_the_same_choices(app: AppTest, content: bytes) -> None:
-    from pages.shared.cases import diagnosis_of, settled
+    from pages.shared.cases import case_with_columns, diagnosis_of
 
     open_job(app, content)
     good = app.session_state["atleak"].good
-    again = write_job_file(diagnosis_of(good), app.session_state["job"], settled(good))
+    again = write_job_file(diagnosis_of(good), app.session_state["job"], case_with_columns(good))
     assert read_job_file(again).case == read_job_file(content).case
 
 
@@ -246,7 +246,7 @@ def test_what_is_no_job_file_is_refused_and_the_job_stays(app: AppTest, content:
 
 def test_a_sheet_of_ones_own_takes_the_place_of_the_jobs(app: AppTest, content: bytes, sample_readings: Path) -> None:
     open_job(app, content)
-    place = next(found for found in app.sidebar.file_uploader if found.label == "Measuring sheet")
+    place = next(widget for widget in app.sidebar.file_uploader if widget.label == "Measuring sheet")
     place.upload("mine.xlsx", sample_readings.read_bytes(), "application/octet-stream").run()
     assert not app.exception
     good = app.session_state["atleak"].good
