@@ -279,7 +279,10 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Contro
         last[station] = entry.row
     if back:
         earlier, row, station = back[0]
-        largest = max(_spread(entries, each[2], controller) for each in back)
+        stations: dict[StationKey, list[DiameterCell]] = defaultdict(list)
+        for entry in entries:
+            stations[_station(entry)].append(entry)
+        largest = max(_spread(stations[each], each, controller) for each in {station for *_, station in back})
         differ = f", up to {largest * 1e6:.0f} µm apart" if largest > _AS_ONE else ""
         apart = any(all(is_blank(cell) for cell in sheet.rows[between]) for between in range(earlier, row))
         yield Message(
@@ -294,11 +297,7 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Contro
 
 def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Controller) -> float:
     """Return how far the diameters of a station are apart [m], by the nominal one: the unit may not be known yet."""
-    sizes = [
-        each.raw.unit.to_si(each.raw.size) if each.raw.unit else each.raw.size
-        for each in entries
-        if _station(each) == station
-    ]
+    sizes = [each.raw.unit.to_si(each.raw.size) if each.raw.unit else each.raw.size for each in entries]
     land = controller.land_of_plane(station[0], station[2])
     return 0.0 if land is None else (max(sizes) / min(sizes) - 1.0) * land.nominal_diameter
 
