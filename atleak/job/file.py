@@ -20,7 +20,8 @@ from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
-from atleak.job.record import Job, picture_name
+from atleak.job.record import Job, picture_name, without_surrogates
+from atleak.marks import NO_SOUND_ZIP, PACKINGS
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
@@ -185,11 +186,13 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     place = Place(file=name)
     try:
         content = source if isinstance(source, bytes) else Path(source).read_bytes()
+    except (OSError, ValueError) as error:
+        problem = f"cannot be read: {getattr(error, 'strerror', error)}"
+        raise InputError(problem, place=place, expected="a job file (zip)") from error
+    try:
         with zipfile.ZipFile(io.BytesIO(content)) as bundle:
             entries = dict(_entries(bundle, name, size_limit))
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", place=place, expected="a job file (zip)") from error
-    except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, RuntimeError, ValueError) as error:
+    except NO_SOUND_ZIP as error:
         raise InputError(
             f"is no sound zip: {str(error)[:100]}", place=place, expected="a job file of atleak"
         ) from error
@@ -323,10 +326,12 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
         expected = f"at most {size_limit} bytes unpacked"
         raise InputError("too large", place=place, value=total, expected=expected)
     for info in infos:
-        if info.is_dir():
+        if info.filename.endswith("/"):
             continue  # left by programs that zip folders
         if info.flag_bits & 0x1:
             raise InputError("is encrypted", place=place, value=info.filename)
+        if info.compress_type not in PACKINGS:
+            raise InputError("is packed in a way that no job is", place=place, value=info.filename, expected="deflate")
         if not _known_entry(info.filename):
             raise InputError("holds a file that no job has", place=place, value=info.filename)
         yield info.filename, bundle.read(info)
@@ -394,6 +399,15 @@ def _json(content: bytes, name: str) -> Any:
     if len(content) > _RECORD_LIMIT:
         raise InputError("too large", place=Place(file=name))
     try:
-        return json.loads(content.decode("utf-8-sig"))
+        return _encodable(json.loads(content.decode("utf-8-sig")))
     except (ValueError, RecursionError) as error:
         raise InputError(f"is not valid JSON: {str(error)[:200]}", place=Place(file=name)) from error
+
+
+def _encodable(value: Any) -> Any:
+    """Return what JSON holds with every text and key encodable, so that any report can be written of it."""
+    if isinstance(value, dict):
+        return {without_surrogates(key): _encodable(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_encodable(each) for each in value]
+    return without_surrogates(value) if isinstance(value, str) else value
