@@ -88,13 +88,14 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Diagnose the job, write the reports that were asked for and show the verdict."""
+    from atleak.job.case import SLOTS
     from atleak.verdicts import Verdict
 
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
-    inputs = (options.readings, options.road_test, options.job, options.controller, options.fluid, options.limits)
+    inputs = (options.readings, options.road_test, options.job, *(getattr(options, name) for name in SLOTS))
     targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
     check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     job = None

@@ -12,11 +12,19 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
+from atleak.job.case import SLOTS, Case
 from atleak.job.file import read_job_file
 
 Run = Callable[..., tuple[int, str, str]]
 RecordOf = Callable[..., dict[str, Any]]
 SmallSheet = Callable[..., Path]
+OWN_FILES = {
+    "controller": "minimal_example",
+    "fluid": Case.fluid,
+    "limits": Case.limits,
+    "spool_instrument": Case.spool_instrument,
+    "sleeve_instrument": Case.sleeve_instrument,
+}
 
 
 def test_json_stands_alone_on_standard_output(sample_readings: Path, sample_log: Path, record_of: RecordOf) -> None:
@@ -349,3 +357,17 @@ def test_a_constant_of_no_quantity_is_refused(run: Run, sample_readings: Path, s
     status, _, err = run("diagnose", sample_readings, "--road-test", sample_log, "--constant", "atf_temp=90")
     assert status == 2
     assert "did you mean 'atf_temperature'?" in err
+
+
+@pytest.mark.parametrize("slot", SLOTS)
+def test_force_never_writes_over_a_catalogue_file_of_the_command(run: Run, small_sheet: SmallSheet, slot: str) -> None:
+    sheet = small_sheet()
+    own = sheet.with_name("mine.toml")
+    own.write_bytes(catalogue_files(SLOTS[slot].folder)[OWN_FILES[slot]].read_bytes())
+    before = own.read_bytes()
+    controller = () if slot == "controller" else ("--controller", "minimal_example")
+    option = f"--{slot.replace('_', '-')}"
+    status, out, err = run("diagnose", sheet, *controller, option, own, "--json", own, "--force")
+    assert (status, out) == (2, "")
+    assert "would be written over another file of this command" in err
+    assert own.read_bytes() == before
