@@ -100,12 +100,14 @@ def number(text: str) -> float:
 
 
 def number_of(asked: AskedNumber) -> Callable[[str], float]:
-    """Return the reader of an option that takes this number."""
+    """Return the reader of an option that takes this number; one that is accepted with a doubt is doubted aloud."""
 
     def read(text: str) -> float:
         written = read_number(text, asked)
         if written.value is None:
             raise argparse.ArgumentTypeError(written.doubt)
+        if written.doubt:
+            print(f"atleak: {written.doubt}", file=sys.stderr)
         return written.value
 
     return read

@@ -371,3 +371,18 @@ def test_force_never_writes_over_a_catalogue_file_of_the_command(run: Run, small
     assert (status, out) == (2, "")
     assert "would be written over another file of this command" in err
     assert own.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("option", "typed", "shown"),
+    [("--rpm", "8505", "8505 rpm"), ("--temperature", "160", "160 °C"), ("--mileage", "106", "106 km")],
+)
+def test_an_unusual_number_is_taken_and_doubted_in_one_line(
+    run: Run, small_sheet: SmallSheet, option: str, typed: str, shown: str
+) -> None:
+    status, out, err = run("diagnose", small_sheet(), "--controller", "minimal_example", "--json", "-", option, typed)
+    assert status == 0
+    assert json.loads(out)["format"] == 1
+    assert err.startswith("atleak: ")
+    assert shown in err
+    assert err.count("\n") == 1
