@@ -20,7 +20,7 @@ from atleak.cli.shared import (
     write,
     write_json,
 )
-from atleak.errors import InputError
+from atleak.errors import InputError, unknown
 from atleak.verdicts import FLAGGED
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 
@@ -52,7 +52,7 @@ def add_parser(commands: Any) -> None:
     add_controller(parser)
     parser.add_argument("--fluid", metavar="ID|FILE")
     parser.add_argument("--limits", metavar="ID|FILE")
-    parser.add_argument("--profile", choices=["workshop", "paper"], default="workshop")
+    parser.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
     parser.add_argument(
         "--set",
         metavar="OPTION=VALUE",
@@ -84,6 +84,14 @@ def add_parser(commands: Any) -> None:
         help="end with status 1 where a land or a total is at or past this level",
     )
     add_force(parser)
+
+
+def _profile(text: str) -> str:
+    from atleak.engine.profile import PROFILES
+
+    if text not in PROFILES:
+        raise argparse.ArgumentTypeError(str(unknown("no such profile", text, PROFILES)))
+    return text
 
 
 def run(options: argparse.Namespace) -> int:
@@ -124,8 +132,7 @@ def _case(options: argparse.Namespace) -> Case:
     return Case(
         readings=SourceFile.at(options.readings),
         road_test=None if options.road_test is None else SourceFile.at(options.road_test),
-        **{name: chosen for name in SLOTS if (chosen := getattr(options, name)) is not None},
-        profile=options.profile,
+        **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
         options=tuple(options.set),
         temperature=options.temperature,
         engine_speed=None if options.rpm is None else options.rpm / 60.0,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from atleak.errors import unknown
 from atleak.files import replace_file
+from atleak.paper import DEFAULT_PAPER, PAPERS
 from atleak.printable import unguarded
 from atleak.wording import languages
 from atleak.written_numbers import AskedNumber, decimal_number, read_number
@@ -56,7 +57,7 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 def add_print(parser: argparse.ArgumentParser) -> None:
     """Add the options of printing: language and paper."""
     parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
-    parser.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
+    parser.add_argument("--paper", choices=list(PAPERS), default=DEFAULT_PAPER, help="of the PDF and the workbook")
 
 
 def add_columns(parser: argparse.ArgumentParser) -> None:

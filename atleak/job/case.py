@@ -21,6 +21,7 @@ from atleak.catalogue.instruments import (
     DEFAULT_SLEEVE_INSTRUMENT,
     DEFAULT_SPOOL_INSTRUMENT,
     Instruments,
+    Part,
     load_instrument,
 )
 from atleak.catalogue.limits import load_limits
@@ -99,6 +100,7 @@ class Slot:
     folder: str  # folder of the catalogue
     load: Callable[[str | Path], Any]
     required: bool  # in a job file: an instrument may have been made in Python
+    part: Part | None = None  # that an instrument measures
 
 
 SLOTS: Mapping[str, Slot] = MappingProxyType(
@@ -108,8 +110,8 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
             Slot("controller", "Valve body", "controllers", load_controller, True),
             Slot("fluid", "Fluid", "fluids", load_fluid, True),
             Slot("limits", "Limits", "limits", load_limits, True),
-            Slot("spool_instrument", "Spools measured with", "instruments", load_instrument, False),
-            Slot("sleeve_instrument", "Sleeves measured with", "instruments", load_instrument, False),
+            Slot("spool_instrument", "Spools measured with", "instruments", load_instrument, False, "spool"),
+            Slot("sleeve_instrument", "Sleeves measured with", "instruments", load_instrument, False, "sleeve"),
         )
     }
 )

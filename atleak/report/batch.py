@@ -13,6 +13,7 @@ from atleak.files import replace_file
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
 from atleak.marks import Kind
+from atleak.paper import DEFAULT_PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
@@ -43,7 +44,7 @@ def write_reports(
     *,
     formats: Iterable[str] = ("pdf",),
     language: str = "en",
-    paper: str = "a4",
+    paper: str = DEFAULT_PAPER,
     progress: Callable[[int, int, Reported], None] | None = None,
 ) -> list[Reported]:
     """Write the reports of every job file; a job that fails, in whatever way, is reported and stops no other.

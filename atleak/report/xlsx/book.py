@@ -13,6 +13,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.job.record import clean_text
 from atleak.look import HEADING, LOOKS, look_of
+from atleak.paper import Paper
 from atleak.verdicts import Band, Verdict
 from atleak.wording import wording
 
@@ -47,7 +48,7 @@ NUMBER_FORMATS = {
 class Book:
     """The workbook with its formats; text is always written as text."""
 
-    def __init__(self, workbook: xlsxwriter.Workbook, paper: str) -> None:
+    def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper) -> None:
         self.workbook, self.paper = workbook, paper
         self._formats: dict[tuple[tuple[str, Any], ...], Format] = {}
         self.sheets: dict[str, Worksheet] = {}
@@ -80,7 +81,7 @@ class Book:
         """Add a sheet, ready to print: one page wide, headings repeated, page numbers."""
         sheet = self.workbook.add_worksheet(name)
         self.sheets[name] = sheet
-        sheet.set_paper(1 if self.paper == "letter" else 9)
+        sheet.set_paper(self.paper.excel)
         if landscape:
             sheet.set_landscape()
         sheet.fit_to_pages(1, 0)

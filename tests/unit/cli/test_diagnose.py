@@ -375,14 +375,27 @@ def test_force_never_writes_over_a_catalogue_file_of_the_command(run: Run, small
 
 @pytest.mark.parametrize(
     ("option", "typed", "shown"),
-    [("--rpm", "8505", "8505 rpm"), ("--temperature", "160", "160 °C"), ("--mileage", "106", "106 km")],
+    [("--rpm", "8505", "8505 rpm"), ("--temperature", "-35", "−35 °C"), ("--mileage", "106", "106 km")],
 )
 def test_an_unusual_number_is_taken_and_doubted_in_one_line(
     run: Run, small_sheet: SmallSheet, option: str, typed: str, shown: str
 ) -> None:
-    status, out, err = run("diagnose", small_sheet(), "--controller", "minimal_example", "--json", "-", option, typed)
+    job = ("diagnose", small_sheet(), "--controller", "minimal_example", "--fluid", "mobil_atf_220", "--json", "-")
+    status, out, err = run(*job, option, typed)
     assert status == 0
     assert json.loads(out)["format"] == 1
     assert err.startswith("atleak: ")
     assert shown in err
     assert err.count("\n") == 1
+
+
+def test_without_options_the_command_line_takes_every_default_of_a_job(
+    small_sheet: SmallSheet, record_of: RecordOf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Case, "__init__", _with_other_defaults(Case.__init__))
+    record = record_of(small_sheet(), "--controller", "minimal_example")
+    assert record["profile"]["name"] == "paper"
+
+
+def _with_other_defaults(make: Callable[..., None]) -> Callable[..., None]:
+    return lambda case, **fields: make(case, **{"profile": "paper", **fields})
