@@ -16,8 +16,10 @@ from atleak.look import HEADING, LOOKS, look_of
 from atleak.paper import Paper
 from atleak.verdicts import Band, Verdict
 from atleak.wording import wording
+from atleak.written_numbers import MILEAGE
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
+_TOO_FAR = MILEAGE.limits[1] + 1.0  # [km] the first mileage that no vehicle has
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
 
 
@@ -40,7 +42,7 @@ NUMBER_FORMATS = {
     "time": "0.00",
     "count": "0",
     "scientific": "0.00E+00",
-    "mileage": _or_words("10000000", "beyond 10 million", "0"),
+    "mileage": _or_words(f"{_TOO_FAR:.0f}", f"beyond {_TOO_FAR / 1e6:.0f} million", "0"),
     "plain": "General",
 }
 
