@@ -20,6 +20,7 @@ from atleak.readings import LandClearance, Readings, clearances
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
 from atleak.uncertainty import (
+    DECISIONS,
     DEFAULTS,
     GUARD_FACTOR,
     Assumptions,
@@ -121,9 +122,12 @@ class Diagnosis:
 
     @property
     def reported(self) -> tuple[Projection, ...]:
-        """Return the projections that reports show: the stated condition and hot idle, one if both are the same."""
-        idle = self.hot_idle
-        return (self.projection,) if idle is None or idle is self.projection else (self.projection, idle)
+        """Return the projections that reports show: the stated condition, hot idle, and the one that decided."""
+        shown = [self.projection, self.hot_idle]
+        decided_by = self.decided_by
+        if isinstance(decided_by, Rule) and decided_by.condition is not None:
+            shown.append(self.at(decided_by.condition))
+        return tuple(each for each in self.projections if any(each is other for other in shown))
 
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
@@ -140,8 +144,8 @@ class Diagnosis:
         return evaluate_road_test(self.model, road_test, self.projection.condition)
 
     def band(self, projection: Projection) -> Band:
-        """Return the band of a projection's total share."""
-        return self.limits.band(projection.share)
+        """Return the band that the total share of one of the projections has reached."""
+        return Band(next(rule.level for rule in self.total_rules if rule.condition == projection.condition))
 
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
@@ -160,17 +164,31 @@ class Diagnosis:
 
     @property
     def decided_by(self) -> LandDiagnosis | Rule | None:
-        """Return what put the unit past a limit: a land, or a total where that is worse; None within all limits.
+        """Return what put the unit past a limit: a land or a total, the worst; None within all limits.
 
+        Of several that are equally bad one that is sure is named before one that is not, a land before a total.
         Without any reading nothing is decided: the totals are those of a new unit.
         """
-        if not any(land.state.measured for land in self.lands):
+        if not self.judged:
             return None
-        land = next(iter(self.flagged), None)
-        total = self.worst_total
-        if total.verdict.flagged and (land is None or total.verdict.rank > land.verdict.rank):
-            return total
-        return land
+        candidates: list[LandDiagnosis | Rule] = [*self.flagged]
+        candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
+        return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
+
+    @property
+    def decision(self) -> Decision | None:
+        """Return how sure the verdict of the unit is; within all limits, how sure the least sure of it is."""
+        decided_by = self.decided_by
+        if decided_by is not None:
+            return self._decision_on(decided_by)
+        every: list[LandDiagnosis | Rule] = [*self.lands, *self.total_rules]
+        return max((self._decision_on(each) for each in every), key=_certainty, default=None)
+
+    def _decision_on(self, each: LandDiagnosis | Rule) -> Decision | None:
+        if not isinstance(each, Rule):
+            return each.decision
+        totals = self.uncertainty.totals if self.uncertainty else ()
+        return next((total.decision.decision for total in totals if total.decision.rule == each), None)
 
     @property
     def verdict(self) -> Verdict:
@@ -179,6 +197,11 @@ class Diagnosis:
         if decided_by is not None:
             return decided_by.verdict
         return worst([land.verdict for land in self.lands if land.verdict == Verdict.OK] or [Verdict.NOT_MEASURED])
+
+    @property
+    def judged(self) -> int:
+        """Count the lands that were measured, on both parts or on one."""
+        return sum(land.state.measured for land in self.lands)
 
     @property
     def measured(self) -> int:
@@ -269,6 +292,11 @@ def diagnose(
         total_rules=rules.totals,
         messages=tuple(messages),
     )
+
+
+def _certainty(decision: Decision | None) -> int:
+    """Rank a decision: the surer a limit is passed, the higher."""
+    return -1 if decision is None else DECISIONS.index(decision)
 
 
 def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:

@@ -1,1 +1,1 @@
-"""Pages of the dashboard; ``app.py`` finds them by their names."""
+"""Hold the pages of the dashboard; ``app.py`` finds them by their names."""

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from atleak.cli import app, catalogue, diagnose, import_log, report, template, variants
 from atleak.cli.shared import without_colours
 from atleak.errors import AtleakError
-from atleak.printable import printable_streams
+from atleak.system.printable import printable_streams
 from atleak.version import __version__
 
 _BROKEN_PIPE = 141  # the status by which a shell reports a program whose reader went away

@@ -13,7 +13,7 @@ from typing import Any
 
 from atleak.cli.shared import add_command
 from atleak.errors import InputError
-from atleak.shipped import shipped
+from atleak.system.shipped import shipped
 
 _PORTS = range(1, 65536)
 

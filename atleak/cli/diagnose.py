@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
     from atleak.job.case import Case
     from atleak.job.record import Job
-    from atleak.marks import Kind
+    from atleak.system.marks import Kind
 
 
 def add_parser(commands: Any) -> None:

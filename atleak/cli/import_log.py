@@ -48,7 +48,9 @@ def run(options: argparse.Namespace) -> int:
     if options.json is not None:
         written += write_json(options.json, record)
     if understood.road_test is None:
-        raise understood.problem or InputError("the log's columns cannot be told", place=Place(file=understood.file))
+        raise understood.problem or InputError(
+            "the log's columns cannot be identified", place=Place(file=understood.file)
+        )
     if options.csv is not None:
         written += write_text(options.csv, tidy_csv(understood.road_test))
     if (mapping or units) and not options.forget:

@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.errors import unknown
-from atleak.files import replace_file
 from atleak.paper import DEFAULT_PAPER, PAPERS
-from atleak.printable import unguarded
+from atleak.system.files import replace_file
+from atleak.system.printable import unguarded
 from atleak.wording import languages
 from atleak.written_numbers import AskedNumber, decimal_number, read_number
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
-    from atleak.marks import Kind
     from atleak.road_test import RoadTest
+    from atleak.system.marks import Kind
 
 
 def add_command(commands: Any, name: str, run: Callable[..., int], about: str) -> argparse.ArgumentParser:
@@ -158,7 +158,7 @@ def check_targets(
     options: argparse.Namespace, inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str | None]]
 ) -> None:
     """Refuse, before anything is computed, to write over a file that must not be replaced."""
-    from atleak import marks
+    from atleak.system import marks
 
     marks.check_targets(inputs, targets, force=options.force)
 

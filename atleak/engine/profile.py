@@ -1,4 +1,4 @@
-"""Profiles: how the engine computes. ``paper`` as the source study printed, ``workshop`` the better physics."""
+"""Define profiles, which say how the engine computes: ``paper`` as the study, ``workshop`` with better physics."""
 
 from __future__ import annotations
 

@@ -268,7 +268,7 @@ class Case:
 def _road_test(log: Understood) -> RoadTest:
     """Return the road test of a log, or raise the reason why there is none."""
     if log.road_test is None:
-        raise log.problem or InputError("the log's columns cannot be told", place=Place(file=log.file))
+        raise log.problem or InputError("the log's columns cannot be identified", place=Place(file=log.file))
     return log.road_test
 
 

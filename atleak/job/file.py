@@ -21,7 +21,7 @@ from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
 from atleak.job.record import Job, picture_name, without_surrogates
-from atleak.marks import NO_SOUND_ZIP, PACKINGS
+from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record

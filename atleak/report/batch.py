@@ -9,13 +9,13 @@ from pathlib import Path
 from atleak.catalogue.limits import Verdict
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, InputError, Place
-from atleak.files import replace_file
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
-from atleak.marks import Kind
 from atleak.paper import DEFAULT_PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
+from atleak.system.files import replace_file
+from atleak.system.marks import Kind
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 
 KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}

@@ -20,8 +20,8 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Part
 from atleak.look import SHEET_COLOURS
-from atleak.marks import PROPERTY, sealed, unsealed
 from atleak.readings import NOMINAL_HEADING, Reading
+from atleak.system.marks import PROPERTY, sealed, unsealed
 
 SHEET = "Measurements"
 INSTRUCTIONS = "How to measure"

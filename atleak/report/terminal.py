@@ -15,8 +15,8 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
-from atleak.printable import printable, unguarded
 from atleak.rules import Rule
+from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
 from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM

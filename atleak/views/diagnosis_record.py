@@ -58,11 +58,12 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "uncertainty": _uncertainty(diagnosis.uncertainty),
         "verdict": diagnosis.verdict,
-        "unit": {"verdict": diagnosis.verdict, **_decided_by(diagnosis)},
+        "unit": _unit(diagnosis),
         "lands": [_land(land) for land in diagnosis.lands],
         "gaps": [_gap(gap) for gap in projection.gaps],
         "projection": _projection(diagnosis, projection),
         "hot_idle": None if idle is None else _projection(diagnosis, idle),
+        "conditions": [_projection(diagnosis, each) for each in diagnosis.projections],
         "repair_plan": [
             {
                 "component": step.land.state.land.component,
@@ -79,20 +80,27 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def _decided_by(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return how sure the unit's verdict is, and whether a land or a total gave it."""
-    decided_by, uncertainty = diagnosis.decided_by, diagnosis.uncertainty
+def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the verdict of the unit, how sure it is, and the land or total that gave it."""
+    decided_by = diagnosis.decided_by
+    verdict = {"verdict": diagnosis.verdict, "decision": diagnosis.decision}
     if decided_by is None:
-        return {"decision": None, "decided_by": None}
-    if isinstance(decided_by, Rule):
-        at = decided_by.condition.name if decided_by.condition else None
-        total = uncertainty.total(at) if uncertainty and at else None
-        where: dict[str, str | int | None] = {"kind": "total", "condition": at, "component": None, "land": None}
-        return {"decision": total.decision.decision if total else None, "decided_by": where}
-    rule, (component, land) = decided_by.deciding, decided_by.key
-    at = rule.condition.name if rule and rule.condition else None
-    where = {"kind": "land", "condition": at, "component": component, "land": land}
-    return {"decision": decided_by.decision, "decided_by": where}
+        return {**verdict, "decided_by": None}
+    is_total = isinstance(decided_by, Rule)
+    rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding
+    component, land = (None, None) if isinstance(decided_by, Rule) else decided_by.key
+    return {
+        **verdict,
+        "decided_by": {
+            "kind": "total" if is_total else "land",
+            "condition": rule.condition.name if rule and rule.condition else None,
+            "component": component,
+            "land": land,
+            "rule": rule.id if rule else None,
+            "value": _finite(rule.value * rule.kind.factor) if rule else None,
+            "limit": rule.limit * rule.kind.factor if rule else None,
+        },
+    }
 
 
 def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
@@ -205,6 +213,7 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
     low, high = total.leakage_interval if total else (None, None)
     return {
         "name": at.name,
+        "label": at.label,
         "temperature_c": at.temperature,
         "engine_rpm": at.engine_speed * RPM,
         "gear": at.gear,

@@ -38,7 +38,7 @@ def event_rows(events: Iterable[Event]) -> list[dict[str, Any]]:
             "start [s]": event.start,
             "end [s]": event.stop,
             "lasts [s]": event.duration,
-            "recognised by": event.source,
+            "source": event.source,
             "note": event.note or None,
         }
         for event in events

@@ -18,7 +18,7 @@ from atleak.engine.projection import Projection
 from atleak.errors import AtleakError, Message
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
-from atleak.verdicts import Verdict, worst
+from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
 from atleak.wording import signed
 from pages.shared.state import Refusal
@@ -181,9 +181,9 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
 
 
 def points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projection, dict[str, Any]]]:
-    """Return the stated condition and, where the controller states it, hot idle; each with its record."""
-    rows = [record["projection"], record["hot_idle"]][: len(diagnosis.reported)]
-    return list(zip(diagnosis.reported, rows, strict=True))
+    """Return the projections that are reported, the stated condition first; each with its record."""
+    every = zip(diagnosis.projections, record["conditions"], strict=True)
+    return [(at, row) for at, row in every if any(at is shown for shown in diagnosis.reported)]
 
 
 def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
@@ -200,7 +200,8 @@ def repair_plan(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show flagged lands in order of repair, with the total share before and after each."""
     steps = record["repair_plan"]
     if not steps:
-        st.write("Nothing to repair.")
+        nothing = "No land has reached a limit of its own: what decides is the total of many that leak a little."
+        st.write(nothing if diagnosis.decided_by is not None else "Nothing to repair.")
         return
     rows = [
         {
@@ -286,6 +287,5 @@ def controller_picture(diagnosis: Diagnosis) -> None:
 
 
 def banner(diagnosis: Diagnosis, sentence: str) -> None:
-    """Show the verdict in a box of its colour, or the worse verdict of a total."""
-    level = worst([diagnosis.verdict, *(rule.verdict for rule in diagnosis.total_rules)])
-    _BOX[look_of(level).box](sentence)
+    """Show the verdict in a box of its colour."""
+    _BOX[look_of(diagnosis.verdict).box](sentence)

@@ -49,7 +49,8 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         where = f"{pairs} component{'s' * (pairs != 1)}"
         head = f"{flagged} of {whole + partly} measured land{'s' * (whole + partly != 1)}, in {where}."
     elif whole:
-        head = f"**{signed(Verdict.OK)}:** none of {whole} measured land{'s' * (whole != 1)} has reached a limit."
+        sign = "None" if isinstance(diagnosis.decided_by, Rule) else f"**{signed(Verdict.OK)}:** none"
+        head = f"{sign} of {whole} measured land{'s' * (whole != 1)} has reached a limit of its own."
     elif partly:
         head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured on both spool and sleeve."
     else:
@@ -57,6 +58,8 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured; {new}."
     if isinstance(diagnosis.decided_by, Rule):
         head = f"**{signed(diagnosis.verdict)}** because of the {plain(diagnosis.decided_by.label)}. {head}"
+    elif diagnosis.decided_by is not None:
+        head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
     if open_ones:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     points = show.points(diagnosis, record)

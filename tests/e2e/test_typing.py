@@ -62,7 +62,7 @@ IDLE = """() => new Promise(done => {
 def download(page: Page, button: str) -> bytes:
     """What a button gives; a click that goes astray, because the page is drawn anew meanwhile, is made again."""
     for _ in range(6):
-        wait_until_idle(page)
+        page.evaluate(IDLE)
         with contextlib.suppress(TooLate):
             with page.expect_download(timeout=15_000) as waiting:
                 page.get_by_role("button", name=button).click(delay=80)

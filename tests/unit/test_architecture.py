@@ -33,8 +33,8 @@ def test_core_never_imports_streamlit(path: Path) -> None:
 # From the ground up. A module imports its own room and the floors below: nothing from above, and nothing from another
 # room of its own floor. `docs/architecture.md` draws them. A room is a module or a folder; the longest name counts.
 FLOORS = (
-    ("errors", "printable", "version", "verdicts", "workshop_units", "written_numbers", "thinning"),
-    ("equations", "faults", "files", "shipped", "marks", "look", "paper"),
+    ("errors", "system.printable", "version", "verdicts", "workshop_units", "written_numbers", "thinning"),
+    ("equations", "faults", "system.files", "system.shipped", "system.marks", "look", "paper"),
     ("catalogue", "wording"),
     ("readings", "road_test"),
     ("events", "engine.profile"),
@@ -127,7 +127,7 @@ def test_every_room_of_the_floors_is_there() -> None:
         ("views.window", "intake.units"),  # sideways
         ("intake.readings.rows", "engine.leakage"),  # the intake knows no engine
         ("diagnosis", "intake.readings"),  # and the engine no intake
-        ("files", "__init__"),  # the public names are for users
+        ("system.files", "__init__"),  # the public names are for users
     ],
 )
 def test_an_import_that_leads_up_or_sideways_is_noticed(module: str, taken: str) -> None:

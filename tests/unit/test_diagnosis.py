@@ -21,6 +21,7 @@ from atleak.errors import DomainError
 from atleak.readings import Readings
 from atleak.rules import Rule
 from atleak.verdicts import Verdict
+from atleak.views.diagnosis_record import diagnosis_record
 
 Edited = Callable[..., Path]
 Build = Callable[..., Readings]
@@ -397,3 +398,47 @@ def test_the_worst_of_lands_and_totals_is_the_verdict_of_the_unit(
     assert diagnosis.decided_by.condition is not None
     assert diagnosis.at(diagnosis.decided_by.condition).share == diagnosis.decided_by.value
     assert all(land.verdict.rank < diagnosis.verdict.rank for land in diagnosis.lands)
+
+
+def test_a_total_at_a_third_condition_that_decides_is_reported(
+    four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    """At stall the pump is slow and the pressure high: what decides must stand in every table of totals."""
+    idle = four_speed.operating_points[1]
+    stall = replace(idle, name="stall", label="stall, 100 °C", engine_speed=idle.engine_speed / 2.0)
+    unit = replace(four_speed, operating_points=(*four_speed.operating_points, stall))
+    diameters = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 3.0 * land.mounting_clearance) for land in unit.lands
+    }
+    found = diagnose(unit, hipol, limits, readings=readings_of(unit, diameters))
+    assert isinstance(found.decided_by, Rule)
+    assert found.decided_by.condition == stall
+    assert [at.condition.name for at in found.reported] == ["driving_second", "hot_idle", "stall"]
+    record = diagnosis_record(found)
+    assert record["unit"]["decided_by"]["value"] == pytest.approx(record["conditions"][2]["share_percent"], abs=1e-9)
+    assert record["unit"]["decided_by"]["limit"] == 50.0
+
+
+def test_of_equally_bad_lands_the_surest_decides(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    """The costlier land comes first in the repairs, but a verdict is not reported as open where one land is sure."""
+    wear = limits.wear
+    assert wear is not None
+    lands = [land for land in minimal.lands if land.land == 1][:2]
+    worn = {lands[0].component: 0.52, lands[1].component: 1.5}
+    only_wear = replace(limits, pair_share=None)
+    found = diagnose(minimal, hipol, only_wear, readings=readings_of(minimal, at_wear(minimal, **worn)))
+    assert {land.decision for land in found.flagged} == {"conditional_fail", "fail"}
+    assert found.decision == "fail"
+    assert found.decided_by is not None
+    assert not isinstance(found.decided_by, Rule)
+    assert found.decided_by.key == lands[1].key
+
+
+def test_a_unit_within_its_limits_says_how_sure_that_is(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    just_under = {minimal.lands[0].component: 0.097}
+    found = diagnose(minimal, hipol, limits, readings=readings_of(minimal, at_wear(minimal, **just_under)))
+    assert (found.verdict, found.decided_by, found.decision) == ("ok", None, "conditional_pass")

@@ -57,7 +57,7 @@ def read_readings(
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
 ) -> Readings:
-    """The readings of a measuring sheet.
+    """Return the readings of a measuring sheet.
 
     Parameters
     ----------
@@ -99,11 +99,11 @@ def read_readings(
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
     problems += require_one_measurement(read, file)
-    first = next((rows.table for rows in read if rows.found), chosen.tables[0])
-    converted = convert([entry for rows in read for entry in rows.found], controller, first.headings)
+    first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
+    converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
     account = _account(chosen, read, names, converted, given_unit)
     account.close([each for each in sheets if not each.hidden])
-    read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.found))
+    read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
     result = Readings(
         file=file,
         sha256=hashlib.sha256(data).hexdigest(),
@@ -116,9 +116,9 @@ def read_readings(
             *chosen.messages,
             *(message for rows in read for message in rows.messages),
             *converted.messages,
-            *_about(read, first.sheet),
+            *_about_sheet(read, first.sheet),
             *account.messages,
-            *_agreement(read, converted),
+            *_contradictions(read, converted),
         ),
     )
     problems += [*converted.problems, *account.problems, *check(result, controller)]
@@ -133,22 +133,22 @@ def read_readings(
     return result
 
 
-def _agreement(read: Sequence[Rows], converted: Converted) -> list[Message]:
-    found = [
+def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]:
+    repeated = [
         message
         for rows in read
-        for message in agreement.messages(rows.table, rows.columns, rows.found, converted.readings)
+        for message in agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
     ]
-    return list(dict.fromkeys(found))  # what stands above several tables is said once
+    return list(dict.fromkeys(repeated))  # a message about what stands above several tables is given once
 
 
 def _none_left(result: Readings) -> ReadingsError | None:
-    """Where every reading was left aside."""
-    said = [message.text for message in result.messages if message.code in LEFT_ASIDE]
-    if not said:
+    """Return the error where every reading was left aside, else None."""
+    reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
+    if not reasons:
         return None
     return ReadingsError(
-        f"no reading is left: {'; '.join(said)}",
+        f"no reading is left: {'; '.join(reasons)}",
         place=Place(result.file, result.sheet),
         expected="at least one diameter, or two coordinates",
     )
@@ -190,13 +190,13 @@ def _layout(converted: Converted, read: Sequence[Rows]) -> Literal["table", "tid
     return "columns" if any(len({each.group for each in rows.table.header.values}) > 1 for rows in read) else "tidy"
 
 
-def _about(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
+def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
     messages = []
     if sheet.note:
         messages.append(Message("info", "read_as", sheet.note, Place(sheet.file)))
     for rows in read:
         table = rows.table
-        if table.said_by and rows.found:
+        if table.said_by and rows.entries:
             said = " and ".join(str(each) for each in (table.component, table.part) if each is not None)
             text = f"{table.where}: {said}, as {table.said_by} says"
             messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))

@@ -33,7 +33,7 @@ from atleak.intake.units import Unit, find_unit
 from atleak.readings import Reading
 
 _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
-_SHOWN = 5  # rows that are told one by one
+_SHOWN = 5  # rows that are named one by one
 _PAIRS = 400  # at most so many pairs of diameters are compared with a clearance
 _UNITS = ("mm", "µm", "inch")  # that a clearance without a unit may be in
 _CONTROLLER = re.compile(r"\bcontroller\b[\s:=]*([A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+)?", re.IGNORECASE)
@@ -43,7 +43,7 @@ _ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
 def messages(
     table: Table, columns: Columns, entries: Sequence[DiameterCell], readings: Sequence[Reading]
 ) -> Iterator[Message]:
-    """Clearances and means that contradict the diameters beside them, and corrections that were not applied."""
+    """Yield a message for each clearance or mean that contradicts its diameters, and each correction not applied."""
     sheet, header = table.sheet, table.header
     by_place = {reading.place: reading for reading in readings}
     rows: dict[int, list[Reading]] = defaultdict(list)
@@ -61,21 +61,22 @@ def messages(
         unit = _unit(heading)
         if any(word in CLEARANCES for word in words) and not any(word in NOT_MEASURED for word in words):
             radial = any(word in RADIAL for word in words)
-            yield from _warnings(
-                sheet, index, heading, _clearances(sheet, index, rows, lands, unit, radial), "clearance"
-            )
+            contradictions = list(_clearances(sheet, index, rows, lands, unit, radial))
+            yield from _warnings(sheet, index, heading, contradictions, "clearance")
         elif _is_correction(words):
             yield from _correction(sheet, header, index, rows, columns)
         elif any(column.index == index and column.role == "mean" for column in header.columns):
-            yield from _warnings(sheet, index, heading, _means(sheet, index, heading, rows, lands, unit), "mean")
+            contradictions = list(_means(sheet, index, heading, rows, lands, unit))
+            yield from _warnings(sheet, index, heading, contradictions, "mean")
     yield from _correction_above(sheet, header)
 
 
 Contradiction = tuple[int, str, str]  # row, what is stated, what follows from the diameters
 
 
-def _warnings(sheet: Sheet, index: int, heading: str, found: Iterator[Contradiction], what: str) -> Iterator[Message]:
-    contradictions = list(found)
+def _warnings(
+    sheet: Sheet, index: int, heading: str, contradictions: Sequence[Contradiction], what: str
+) -> Iterator[Message]:
     for row, stated, computed in contradictions[:_SHOWN]:
         yield Message(
             "warning",
@@ -95,8 +96,8 @@ def _warnings(sheet: Sheet, index: int, heading: str, found: Iterator[Contradict
 
 
 def _unit(heading: str) -> Unit | None:
-    for found in re.finditer(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading):
-        unit = find_unit(found[1].strip(), "length")
+    for bracketed in re.finditer(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading):
+        unit = find_unit(bracketed[1].strip(), "length")
         if unit is not None:
             return unit
     words = plain(heading).replace("_", " ").replace(",", " ").split()
@@ -132,7 +133,7 @@ def _clearances(
         if not known:
             continue
         value, written = stated
-        units = [found for found in (written or unit, *(() if written or unit else map(_length, _UNITS))) if found]
+        units = [each for each in (written or unit, *(() if written or unit else map(_length, _UNITS))) if each]
         sizes = [difference * share for difference in known for share in ((0.5,) if radial else (1.0, 0.5))]
         if any(abs(value * each.factor - size) <= _rounded(value, each) for each in units for size in sizes):
             continue
@@ -142,14 +143,16 @@ def _clearances(
 
 
 def _differences(readings: Sequence[Reading]) -> list[float]:
-    """D − d of the means first, then of single readings [m]; empty where one part is missing."""
-    spools, sleeves = ([found.diameter for found in readings if found.part == part] for part in ("spool", "sleeve"))
+    """Return D − d [m] of the means, then of single readings; nothing where one part is missing."""
+    spools, sleeves = (
+        [reading.diameter for reading in readings if reading.part == part] for part in ("spool", "sleeve")
+    )
     if not spools or not sleeves:
         return []
-    found = [fmean(sleeves) - fmean(spools), min(sleeves) - max(spools), max(sleeves) - min(spools)]
+    differences = [fmean(sleeves) - fmean(spools), min(sleeves) - max(spools), max(sleeves) - min(spools)]
     if len(spools) * len(sleeves) <= _PAIRS:
-        found += [sleeve - spool for sleeve in sleeves for spool in spools]
-    return found
+        differences += [sleeve - spool for sleeve in sleeves for spool in spools]
+    return differences
 
 
 def _length(name: str) -> Unit | None:
@@ -157,7 +160,7 @@ def _length(name: str) -> Unit | None:
 
 
 def _rounded(value: float, unit: Unit) -> float:
-    """How far a stated number may be off by its own rounding and by that of the diameters [m]."""
+    """Return how far rounding may move a stated number away from that of the diameters [m]."""
     decimals = len(f"{value:.6f}".rstrip("0").partition(".")[2])
     return max(0.5 * 10.0**-decimals * unit.factor if decimals else 0.0, _ROUNDED) + 1e-9
 
@@ -176,29 +179,30 @@ def _means(
         if stated is None:
             continue
         value, written = stated
-        found = written or unit or _length("mm")
+        stated_unit = written or unit or _length("mm")
         wanted = [reading for reading in readings if len(parts) != 1 or reading.part in parts]
-        if not wanted or found is None:
+        if not wanted or stated_unit is None:
             continue
         sets = [means for reading in wanted for means in _sets(reading, wanted, lands)]
-        if any(abs(value * found.factor - fmean(each)) <= _rounded(value, found) for each in sets):
+        if any(abs(value * stated_unit.factor - fmean(each)) <= _rounded(value, stated_unit) for each in sets):
             continue
-        yield row, f"{value:.7g} {found.name}", f"{found.from_si(fmean(sets[0])):.7g} {found.name}"
+        expected = fmean(sets[0])
+        yield row, f"{value:.7g} {stated_unit.name}", f"{stated_unit.from_si(expected):.7g} {stated_unit.name}"
 
 
 def _sets(
     reading: Reading, beside: Sequence[Reading], lands: dict[tuple[str, str], list[Reading]]
 ) -> Iterator[list[float]]:
-    """Diameters that a mean beside this reading may be of: of its row, direction, plane; the closest first."""
-    same = [found for found in lands[reading.component, reading.plane] if found.part == reading.part]
-    in_row = [found.diameter for found in beside if found.part == reading.part]
-    direction = [found.diameter for found in same if found.direction == reading.direction]
+    """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
+    same = [each for each in lands[reading.component, reading.plane] if each.part == reading.part]
+    in_row = [each.diameter for each in beside if each.part == reading.part]
+    direction = [each.diameter for each in same if each.direction == reading.direction]
     if len(in_row) > 1:
         yield in_row
     yield direction
-    yield [found.diameter for found in same]
+    yield [each.diameter for each in same]
     yield in_row
-    yield [found.diameter for found in beside]
+    yield [each.diameter for each in beside]
 
 
 # --- corrections ------------------------------------------------------------------------------------------------------
@@ -217,15 +221,15 @@ def _correction(sheet: Sheet, header: Header, index: int, rows: Collection[int],
     read = [column.heading for group in columns.groups for column in group.values()]
     if any(word in CORRECTED for heading in read for word in letters(heading)):
         return
-    found = [(row, stated[0]) for row in rows if (stated := _stated(sheet, row, index)) is not None and stated[0]]
-    if found:
-        row, largest = max(found, key=lambda each: abs(each[1]))
+    nonzero = [(row, stated[0]) for row in rows if (stated := _stated(sheet, row, index)) is not None and stated[0]]
+    if nonzero:
+        row, largest = max(nonzero, key=lambda each: abs(each[1]))
         heading = header.text(index)
         yield Message(
             "warning",
             "correction_not_applied",
-            f"column {heading!r} is not zero in {len(found)} row{'s' if len(found) > 1 else ''} (up to {largest:g}, "
-            f"row {sheet.row_number(row)}): it was not applied to the diameters",
+            f"column {heading!r} is not zero in {len(nonzero)} row{'s' if len(nonzero) > 1 else ''} (up to "
+            f"{largest:g}, row {sheet.row_number(row)}): it was not applied to the diameters",
             sheet.place(row, index, heading),
         )
 
@@ -252,16 +256,16 @@ def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
 
 
 def other_controller(sheet: Sheet, header: Header, controller: Controller) -> ReadingsError | None:
-    """Whether the head of the sheet names another controller than the one it is read for."""
+    """Return an error where the head of the sheet names another controller than the one it is read for."""
     known = {plain(name) for name in catalogue_files("controllers")}
     mine = {plain(controller.id), plain(controller.name)}
     for row in range(max(header.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):
             if not isinstance(cell, str) or not letters(cell) or "controller" not in plain(cell):
                 continue
-            found = _CONTROLLER.search(cell)
-            named = found[1] if found else None
-            if found and named is None and not cell[found.end() :].strip(" .:"):
+            match = _CONTROLLER.search(cell)
+            named = match[1] if match else None
+            if match and named is None and not cell[match.end() :].strip(" .:"):
                 beside = text_of(sheet.cell(row, index + 1))
                 named = beside if _ID.fullmatch(beside) else None
             if named is None or plain(named) in mine or (plain(named) not in known and "_" not in named):

@@ -60,19 +60,19 @@ _COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """A row that sums others up, and whether its own labels or only a remark says so."""
+    """A row that gives the mean, sum, largest, smallest, spread or count of other rows."""
 
     row: int
     kind: Summary
 
     @property
     def name(self) -> str:
-        """What one such number is called."""
+        """Return what one such number is called."""
         return _NAMES[self.kind].removesuffix("s")
 
 
 class Asides:
-    """Which rows under the headings are left aside, and why."""
+    """Decides which rows under the headings are left aside, and why."""
 
     def __init__(self, table: Table, columns: Columns, names: ControllerNames) -> None:
         self.sheet, self.header, self.columns, self.names = table.sheet, table.header, columns, names
@@ -102,7 +102,7 @@ class Asides:
         return [cell for row in rows if not is_blank(cell := self.sheet.filled(row, index))]
 
     def takes(self, row: int) -> bool:
-        """Whether a row that holds numbers is no reading."""
+        """Return whether a row that holds numbers is no reading, and note why."""
         hidden = self.sheet.marks.hidden_rows.get(row)
         if hidden is not None:
             self._hidden[hidden].append(row)
@@ -125,14 +125,14 @@ class Asides:
         return specified is not None
 
     def _specification(self, row: int) -> str | None:
-        """The word that says of a row that its number is what should be, beside rows of what is."""
+        """Return the word that calls the row's number a nominal or specified one, None where no word does."""
         for index, cell in enumerate(self.sheet.rows[row]):
             if isinstance(cell, str) and says_specification(cell) and self._is_label(index, cell):
                 return cell
         return None
 
     def _is_label(self, index: int, cell: str) -> bool:
-        """Whether a cell stands where rows are named: in a key's column, or one that holds no numbers."""
+        """Return whether a cell names its row: in a key's column, or in one that holds no numbers."""
         if index in self._keys:
             return self.names.component(cell) is None
         return index in self._others and not any(
@@ -185,11 +185,11 @@ class Asides:
     # --- what is said of them -----------------------------------------------------------------------------------------
 
     def messages(self, entries: Sequence[DiameterCell]) -> Iterator[Message]:
-        """What was left aside, and summaries that are not those of the readings above them."""
+        """Yield what was left aside, and which means or sums disagree with the readings above them."""
         place = self.sheet.place()
         by_kind: dict[Summary, list[int]] = defaultdict(list)
-        for found in self.summaries:
-            by_kind[found.kind].append(found.row)
+        for summary in self.summaries:
+            by_kind[summary.kind].append(summary.row)
         for kind, rows in by_kind.items():
             text = f"{_count(rows)} of {_NAMES[kind]} left aside ({rows_named(self.sheet, rows)})"
             yield Message("info", "summaries_left_aside", text, place)
@@ -207,74 +207,74 @@ class Asides:
             done = "left aside: show them, and they are read" if way == "by hand" else "read all the same"
             text = f"{_count(rows)} with readings, hidden {way}: {done} ({rows_named(self.sheet, rows)})"
             yield Message("warning" if way == "by hand" else "info", "hidden_rows", text, place)
-        for found in self.summaries:
-            yield from self._disagreement(found, entries)
+        for summary in self.summaries:
+            yield from self._disagreement(summary, entries)
 
-    def stands_alone(self, found: SummaryRow, entries: Sequence[DiameterCell]) -> bool:
-        """Whether a row of means says what it is of, and no single readings of that stand on the sheet."""
-        labels = self._labels(found.row)
+    def stands_alone(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> bool:
+        """Return whether a row of means says what it is of, and the sheet holds no single readings of that."""
+        labels = self._labels(summary.row)
         return (
-            found.kind in ("mean", "largest", "smallest")
+            summary.kind in ("mean", "largest", "smallest")
             and "component" in labels
             and not any(_matches(entry, labels) for entry in entries)
         )
 
     def _labels(self, row: int) -> Mapping[str, object]:
-        """What the row's labels say as far as they are understood."""
+        """Return what the row's labels say, as far as they are understood."""
         columns, cell = self.columns, self.sheet.filled
-        said: dict[str, object] = {}
+        labels: dict[str, object] = {}
         component = self.names.component(cell(row, columns.component.index)) if columns.component else None
         if component is not None:
-            said["component"] = component
+            labels["component"] = component
             try:
                 if columns.plane is not None and not is_blank(cell(row, columns.plane.index)):
-                    said["plane"] = self.names.plane(component, cell(row, columns.plane.index))
+                    labels["plane"] = self.names.plane(component, cell(row, columns.plane.index))
                 elif columns.land is not None and not is_blank(cell(row, columns.land.index)):
-                    said["plane"] = self.names.land(component, cell(row, columns.land.index)).planes[0]
+                    labels["plane"] = self.names.land(component, cell(row, columns.land.index)).planes[0]
             except ReadingsError:
                 pass
         if columns.part is not None:
-            said["part"] = part_of(text_of(cell(row, columns.part.index)))
+            labels["part"] = part_of(text_of(cell(row, columns.part.index)))
         if columns.direction is not None:
-            said["direction"] = direction_of(cell(row, columns.direction.index))
-        return {name: value for name, value in said.items() if value is not None}
+            labels["direction"] = direction_of(cell(row, columns.direction.index))
+        return {name: value for name, value in labels.items() if value is not None}
 
-    def _disagreement(self, found: SummaryRow, entries: Sequence[DiameterCell]) -> Iterator[Message]:
-        compute = _COMPUTED.get(found.kind)
+    def _disagreement(self, summary: SummaryRow, entries: Sequence[DiameterCell]) -> Iterator[Message]:
+        compute = _COMPUTED.get(summary.kind)
         if compute is None:
             return
-        before = max((other.row for other in self.summaries if other.row < found.row), default=-1)
-        labels = self._labels(found.row)
+        before = max((other.row for other in self.summaries if other.row < summary.row), default=-1)
+        labels = self._labels(summary.row)
         for group in self.columns.groups:
             column = group.get("diameter")
-            if column is None or is_blank(self.sheet.cell(found.row, column.index)):
+            if column is None or is_blank(self.sheet.cell(summary.row, column.index)):
                 continue
             try:
-                stated, _ = number(self.sheet.cell(found.row, column.index))
+                stated, _ = number(self.sheet.cell(summary.row, column.index))
             except ReadingsError:
                 continue
-            above = [entry for entry in entries if entry.row < found.row and entry.column == column.index]
+            above = [entry for entry in entries if entry.row < summary.row and entry.column == column.index]
             same = [entry for entry in above if labels and _matches(entry, labels)]
             sets = [same, [entry for entry in above if entry.row > before], above]
             sizes = [[entry.raw.size for entry in each] for each in sets if each]
             if not sizes or any(_agree(stated, compute(each)) for each in sizes):
                 continue
-            if found.kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
+            if summary.kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
                 continue
             rows = [entry.row for entry in next(each for each in sets if each)]
             yield Message(
                 "warning",
                 "summary_disagrees",
-                f"{_said(found.kind)} {stated:.7g} stands in row {self.sheet.row_number(found.row)}, but that of "
+                f"{_said(summary.kind)} {stated:.7g} stands in row {self.sheet.row_number(summary.row)}, but that of "
                 f"{rows_named(self.sheet, rows)} is {compute(sizes[0]):.7g}: a slip in one of them",
-                self.sheet.place(found.row, column.index, self.header.text(column.index)),
+                self.sheet.place(summary.row, column.index, self.header.text(column.index)),
             )
 
 
 def _asks(heading: str, words: Vocabulary) -> bool:
-    """Whether a heading is a question of whether the row counts: such a word, and little else."""
-    said = letters(heading)
-    return len(said) <= 4 and any(word in words for word in said)
+    """Return whether a heading asks if the row counts: it holds such a word, and little else."""
+    words_of_heading = letters(heading)
+    return len(words_of_heading) <= 4 and any(word in words for word in words_of_heading)
 
 
 def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:
@@ -282,7 +282,7 @@ def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:
 
 
 def _agree(stated: float, computed: float) -> bool:
-    """Whether two numbers are one, rounded as the stated one is."""
+    """Return whether two numbers are equal after rounding to the decimals of the stated one."""
     decimals = len(f"{stated:.6f}".rstrip("0").partition(".")[2])
     return abs(stated - computed) <= max(0.5 * 10.0**-decimals if decimals <= 3 else 0.0, _HALF_A_MICROMETRE) + 1e-9
 

@@ -20,7 +20,7 @@ _WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, no
 
 
 def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
-    """Everything that makes readings unusable, in the order of the sheet; empty where they can be used.
+    """Return everything that makes readings unusable, in the order of the sheet; nothing where they can be used.
 
     Refused are diameters off their nominal one by a factor of 10, 25.4, 1000 and other factors between units, or more
     than twice too large or small, repeats more than 0.5 mm apart, a sleeve that measures smaller than its spool, and a
@@ -36,21 +36,21 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
         land = controller.land_of_plane(reading.component, reading.plane)
         if land is not None:
             by_land[land.key].append(reading)
-    whole = [found for found in clearances(readings, controller) if found.status == "measured"]
-    swapped = [found for found in whole if _looks_swapped(found)]
-    if len(swapped) > 1 and len(swapped) >= _WHOLE_SHEET * len(whole):
-        first = min((by_land[found.land.key][0].place for found in swapped), key=lambda place: place.row or 0)
+    both_measured = [gap for gap in clearances(readings, controller) if gap.status == "measured"]
+    swapped = [gap for gap in both_measured if _looks_swapped(gap)]
+    if len(swapped) > 1 and len(swapped) >= _WHOLE_SHEET * len(both_measured):
+        first = min((by_land[gap.land.key][0].place for gap in swapped), key=lambda place: place.row or 0)
         problems.append(
             ReadingsError(
-                f"in {len(swapped)} of {len(whole)} lands the sleeve measures smaller than the spool, and the other "
-                "way round they would fit: spool and sleeve swapped in the whole sheet?",
+                f"in {len(swapped)} of {len(both_measured)} lands the sleeve measures smaller than the spool, and the "
+                "other way round they would fit: spool and sleeve swapped in the whole sheet?",
                 place=Place(first.file, first.sheet, first.row),
                 expected="in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger",
             )
         )
-    for found in clearances(readings, controller):
-        if found.measured and found.land.key not in doubtful:
-            problems += _clearance(found, by_land[found.land.key], readings)
+    for gap in clearances(readings, controller):
+        if gap.measured and gap.land.key not in doubtful:
+            problems += _clearance(gap, by_land[gap.land.key], readings)
     problems.sort(key=lambda problem: problem.place.row or 0)
     return problems
 
@@ -60,7 +60,7 @@ def _nominal(land: Land, reading: Reading) -> float:
 
 
 def _factor(ratio: float) -> float | None:
-    """The factor nearest to a ratio, above or below 1, if one is near."""
+    """Return the known factor nearest to a ratio, above or below 1; None where none is near."""
     for factor in FACTORS:
         for candidate in (factor, 1.0 / factor):
             if 1.0 / _FACTOR_TOLERANCE < ratio / candidate < _FACTOR_TOLERANCE:
@@ -154,7 +154,7 @@ def _repeats(
         low, high = min(group, key=_diameter), max(group, key=_diameter)
         spread = high.diameter - low.diameter
         land = controller.land_of_plane(high.component, high.plane)
-        if spread <= REPEAT_LIMIT or land is None or land.key in doubtful:  # what is off by a factor is told already
+        if spread <= REPEAT_LIMIT or land is None or land.key in doubtful:  # what is off by a factor is refused already
             continue
         yield (
             ReadingsError(
@@ -173,31 +173,31 @@ def _diameter(reading: Reading) -> float:
     return reading.diameter
 
 
-def _clearance(found: LandClearance, readings: list[Reading], all_readings: Readings) -> list[ReadingsError]:
-    land = found.land
+def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> list[ReadingsError]:
+    land = gap.land
     name = f"component {land.component} land {land.land}"
-    spool, sleeve = (_written(all_readings, size) for size in (found.spool_diameter, found.sleeve_diameter))
+    spool, sleeve = (_written(all_readings, size) for size in (gap.spool_diameter, gap.sleeve_diameter))
     place = _place(readings, "sleeve") or _place(readings, "spool")
-    rows = _swapped_rows(found, readings, all_readings)
-    if rows is not None:
-        return [rows]
-    if found.radial_clearance < 0.0:
-        return [_smaller(found, name, spool, sleeve, place)]
-    if found.radial_clearance > CLEARANCE_LIMIT:
+    swapped = _swapped_rows(gap, readings, all_readings)
+    if swapped is not None:
+        return [swapped]
+    if gap.radial_clearance < 0.0:
+        return [_smaller(gap, name, spool, sleeve, place)]
+    if gap.radial_clearance > CLEARANCE_LIMIT:
         return [
             ReadingsError(
-                f"{name}: radial clearance {found.radial_clearance * 1e3:.3f} mm between {land.part} {spool} and "
-                f"sleeve {sleeve}{_unmeasured(found)}",
+                f"{name}: radial clearance {gap.radial_clearance * 1e3:.3f} mm between {land.part} {spool} and "
+                f"sleeve {sleeve}{_unmeasured(gap)}",
                 place=place,
-                value=sleeve if found.status != "spool_only" else spool,
+                value=sleeve if gap.status != "spool_only" else spool,
                 expected=f"at most 0.5 mm; the mounting clearance is {land.mounting_clearance * 1e3:.4g} mm",
             )
         ]
     return []
 
 
-def _swapped_rows(found: LandClearance, readings: list[Reading], all_readings: Readings) -> ReadingsError | None:
-    """A single spool reading larger than a sleeve reading of the same plane and direction, where others fit."""
+def _swapped_rows(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> ReadingsError | None:
+    """Return an error where one spool reading exceeds a sleeve reading of its plane, and the other ones fit."""
     spools: dict[tuple[str, float | None], Reading] = {}
     sleeves: dict[tuple[str, float | None], Reading] = {}
     for reading in readings:
@@ -208,14 +208,14 @@ def _swapped_rows(found: LandClearance, readings: list[Reading], all_readings: R
             sleeves[station] = min(sleeves.get(station, reading), reading, key=_diameter)
     pairs = [(spools[station], sleeve) for station, sleeve in sleeves.items() if station in spools]
     spool, sleeve = max(pairs, key=lambda pair: pair[0].diameter - pair[1].diameter, default=(None, None))
-    if spool is None or sleeve is None or found.max_clearance <= 0.0:
+    if spool is None or sleeve is None or gap.max_clearance <= 0.0:
         return None
     if spool.diameter - sleeve.diameter <= REPEAT_TOLERANCE:
         return None
-    name = f"component {found.land.component} land {found.land.land}"
+    name = f"component {gap.land.component} land {gap.land.land}"
     where = f"plane {sleeve.plane}" + ("" if sleeve.direction is None else f", {sleeve.direction:g}°")
     return ReadingsError(
-        f"{name}, {where}: the sleeve measures smaller than the {found.land.part} in row {spool.place.row} "
+        f"{name}, {where}: the sleeve measures smaller than the {gap.land.part} in row {spool.place.row} "
         f"({_written(all_readings, spool.diameter)}): spool and sleeve swapped there?",
         place=sleeve.place,
         value=_written(all_readings, sleeve.diameter),
@@ -223,9 +223,9 @@ def _swapped_rows(found: LandClearance, readings: list[Reading], all_readings: R
     )
 
 
-def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Place | None) -> ReadingsError:
-    land = found.land
-    if found.status == "spool_only":
+def _smaller(gap: LandClearance, name: str, spool: str, sleeve: str, place: Place | None) -> ReadingsError:
+    land = gap.land
+    if gap.status == "spool_only":
         return ReadingsError(
             f"{name}: the {land.part} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the "
             "sleeve was not measured",
@@ -233,7 +233,7 @@ def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Pl
             value=spool,
             expected="the sleeve's readings too, or the right nominal diameter in the valve body's file",
         )
-    if found.status == "sleeve_only":
+    if gap.status == "sleeve_only":
         return ReadingsError(
             f"{name}: the sleeve ({sleeve}) measures smaller than the nominal {land.part} ({spool}), and the "
             f"{land.part} was not measured",
@@ -241,12 +241,12 @@ def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Pl
             value=sleeve,
             expected=f"the readings of the {land.part} too, or the right nominal diameter in the valve body's file",
         )
-    swapped = -found.radial_clearance
+    swapped = -gap.radial_clearance
     return ReadingsError(
         f"{name}: the sleeve ({sleeve}) measures smaller than the {land.part} ({spool})"
         + (
             f": spool and sleeve swapped? The other way round the radial clearance would be {swapped * 1e6:.1f} µm"
-            if _looks_swapped(found)
+            if _looks_swapped(gap)
             else ""
         ),
         place=place,
@@ -255,13 +255,13 @@ def _smaller(found: LandClearance, name: str, spool: str, sleeve: str, place: Pl
     )
 
 
-def _looks_swapped(found: LandClearance) -> bool:
-    """Whether the other way round the clearance would be one of a valve, new or worn."""
-    return 0.0 < -found.radial_clearance <= max(5.0 * found.land.mounting_clearance, 0.1e-3)
+def _looks_swapped(gap: LandClearance) -> bool:
+    """Return whether, with spool and sleeve exchanged, the clearance would be that of a valve, new or worn."""
+    return 0.0 < -gap.radial_clearance <= max(5.0 * gap.land.mounting_clearance, 0.1e-3)
 
 
-def _unmeasured(found: LandClearance) -> str:
-    missing = {"spool_only": "sleeve", "sleeve_only": found.land.part}.get(found.status)
+def _unmeasured(gap: LandClearance) -> str:
+    missing = {"spool_only": "sleeve", "sleeve_only": gap.land.part}.get(gap.status)
     return f" (nominal: the {missing} was not measured)" if missing else ""
 
 

@@ -33,7 +33,7 @@ class Choice:
 
 
 def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None) -> Choice:
-    """The tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
+    """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
         tables[wanted] = _unless_none(tables[wanted])
     else:
         filled = [sheet for sheet in sheets if any(_is_filled(table) for table in tables[sheet.name])]
-        # a hidden sheet is no one's answer while a visible one is there
+        # hidden sheets are read only where no visible sheet is filled in
         shown = [sheet for sheet in filled if not sheet.hidden] or filled
         looked_at = [sheet for sheet in sheets if sheet in shown or not sheet.hidden]
     readable = [table for sheet in looked_at for table in tables[sheet.name] if table.readable]
@@ -101,7 +101,7 @@ def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file
 
 
 def _unless_none(tables: list[Table]) -> list[Table]:
-    """The tables of a sheet that was asked for: its name alone does not leave them aside."""
+    """Return the tables of a sheet that was asked for; its name alone does not leave them aside."""
     if any(table.readable for table in tables):
         return tables
     return [replace(table, aside="") if table.header.values else table for table in tables]
@@ -110,8 +110,8 @@ def _unless_none(tables: list[Table]) -> list[Table]:
 def _no_readings(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str) -> ReadingsError:
     if not any(any(any(str(cell).strip() for cell in row) for row in sheet.rows) for sheet in sheets):
         return ReadingsError("the workbook is empty", place=Place(file), expected="a measuring sheet filled in")
-    found = [table for listed in tables.values() for table in listed]
-    put_aside = [table for table in found if table.aside and table.header.values and table.header.of("component")]
+    all_tables = [table for listed in tables.values() for table in listed]
+    put_aside = [table for table in all_tables if table.aside and table.header.values and table.header.of("component")]
     if put_aside:
         table = put_aside[0]
         return ReadingsError(
@@ -119,7 +119,7 @@ def _no_readings(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]],
             place=Place(file, table.sheet.name, table.sheet.row_number(max(table.header.first, 0))),
             expected="a title that says 'measured' where these are the readings",
         )
-    headers = [(table.sheet, table.header) for table in found]
+    headers = [(table.sheet, table.header) for table in all_tables]
     headers += [(sheet, header) for sheet in sheets if (header := best_header(sheet)) is not None]
     if not headers:
         names = [sheet.name for sheet in sheets if sheet.name is not None]
@@ -147,7 +147,7 @@ def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
 
 
 def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsError]:
-    """Problems where two tables of a sheet hold the same diameters and nothing says that they are repeats.
+    """Return the problems where two tables of a sheet hold the same diameters and nothing calls them repeats.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
             continue
         over_the_page = _goes_on(before, rows)
         mine: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = {}
-        for entry in rows.found:
+        for entry in rows.entries:
             key, raw = entry.key, entry.raw
             place = key.component, key.part, key.plane
             if entry.row == over_the_page:
@@ -193,12 +193,12 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
 
 
 def _goes_on(before: Rows | None, rows: Rows) -> int | None:
-    """The first row under headings printed again, where it goes on with the station of the row above them."""
-    if before is None or before.table.sheet.name != rows.table.sheet.name or not before.found or not rows.found:
+    """Return the first row under headings printed again, where it goes on with the station of the row above them."""
+    if before is None or before.table.sheet.name != rows.table.sheet.name or not before.entries or not rows.entries:
         return None
-    last = {entry.key for entry in before.found if entry.row == before.found[-1].row}
-    first = {entry.key for entry in rows.found if entry.row == rows.found[0].row}
-    return rows.found[0].row if first == last and not rows.table.title else None
+    last = {entry.key for entry in before.entries if entry.row == before.entries[-1].row}
+    first = {entry.key for entry in rows.entries if entry.row == rows.entries[0].row}
+    return rows.entries[0].row if first == last and not rows.table.title else None
 
 
 def _twice(rows: Rows, other: Rows, key: Key, place: Place) -> ReadingsError:

@@ -1,4 +1,4 @@
-"""What the columns of a sheet are for, told from the headings and from what stands under them."""
+"""What the columns of a sheet are for, by their headings and by what stands under them."""
 
 from __future__ import annotations
 
@@ -37,19 +37,19 @@ class Columns:
 
     @property
     def keys(self) -> tuple[Column, ...]:
-        """The columns that say what a diameter is of, and its unit."""
-        found = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
-        return tuple(column for column in found if column is not None)
+        """Return the columns that say what a diameter is of, and its unit."""
+        keys = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
+        return tuple(column for column in keys if column is not None)
 
     @property
     def read(self) -> frozenset[int]:
-        """Every column that something is read from, by its index."""
+        """Return the index of every column that something is read from."""
         values = (column for group in self.groups for column in group.values())
         return frozenset(column.index for column in (*self.keys, *values))
 
 
 def find_columns(table: Table, names: ControllerNames) -> Columns:
-    """Which column is what. What is missing or contradictory is among the ``problems``."""
+    """Decide which column is what. What is missing or contradictory is among the ``problems``."""
     sheet, header = table.sheet, table.header
     component = _component(sheet, header, names)
     problems: list[ReadingsError] = []
@@ -74,7 +74,7 @@ def find_columns(table: Table, names: ControllerNames) -> Columns:
 
 
 def count_values(sheet: Sheet, header: Header) -> int:
-    """How many cells under the headings hold something where a diameter belongs."""
+    """Count the cells under the headings that hold something where a diameter belongs."""
     return sum(
         not is_blank(sheet.cell(row, column.index))
         for row in range(header.last + 1, len(sheet.rows))
@@ -99,7 +99,7 @@ def _names_parts(sheet: Sheet, header: Header, column: Column) -> bool:
 
 
 def _part(sheet: Sheet, header: Header) -> Column | None:
-    """A column headed "part", or one headed "component" whose cells are parts, as in the study's Table 1."""
+    """Return the column headed "part", or one headed "component" whose cells are parts, as in the study's Table 1."""
     candidates = header.of("part") or tuple(
         column for column in header.of("component") if _names_parts(sheet, header, column)
     )
@@ -107,7 +107,7 @@ def _part(sheet: Sheet, header: Header) -> Column | None:
 
 
 def _component(sheet: Sheet, header: Header, names: ControllerNames) -> Column | None:
-    """Of the columns that may number or name the components, the one whose cells the controller knows."""
+    """Return the column whose cells the controller knows, of those that may number or name the components."""
     best: tuple[float, float, int, Column] | None = None
     for column in header.of("component"):
         if not header.of("part") and _names_parts(sheet, header, column):
@@ -121,7 +121,7 @@ def _component(sheet: Sheet, header: Header, names: ControllerNames) -> Column |
 
 
 def _same(sheet: Sheet, header: Header, names: ControllerNames, component: Column | None) -> Iterator[Column]:
-    """Columns that say the component too: by its name, or by its number most of the time, as no running number does."""
+    """Yield further columns that name the component, or number it in most rows, as no running number does."""
     for column in header.of("component"):
         if component is None or column == component:
             continue
@@ -136,7 +136,7 @@ def _same(sheet: Sheet, header: Header, names: ControllerNames, component: Colum
 
 
 def _shown(sheet: Sheet, header: Header) -> tuple[tuple[Column, ...], tuple[Column, ...], tuple[Column, ...]]:
-    """Columns of diameters to read; hidden ones beside which a visible one holds the part; hidden ones to read."""
+    """Return the columns of diameters to read, the hidden ones left aside, and the hidden ones that are read."""
     concealed = [column for column in header.values if column.index in sheet.marks.hidden_columns]
     if not concealed:
         return header.values, (), ()
@@ -145,7 +145,7 @@ def _shown(sheet: Sheet, header: Header) -> tuple[tuple[Column, ...], tuple[Colu
         for column in header.values
         if column not in concealed and any(True for _ in _cells(sheet, header, column))
     ]
-    # coordinates folded away beside the diameter that they make are one reading with it
+    # hidden coordinates beside the diameter that they make belong to the same reading
     beside = [column for column in concealed if any(_makes_one(column, other) for other in visible)]
     aside = [
         column
@@ -194,7 +194,7 @@ def _groups(
 
 
 def _two_states(sheet: Sheet, header: Header, values: Sequence[Column]) -> Iterator[ReadingsError]:
-    """Columns that number repeats and say something else besides: "diameter 1 before", "diameter 2 after"."""
+    """Yield a problem for columns that number repeats and differ in other words: "diameter 1 before", "2 after"."""
     for column, other in pairwise(values):
         numbered = column.group[:2] == other.group[:2] and column.repeat != other.repeat
         if numbered and column.besides != other.besides:
@@ -209,7 +209,7 @@ def _two_states(sheet: Sheet, header: Header, values: Sequence[Column]) -> Itera
 
 
 def _sheet_unit(sheet: Sheet, header: Header) -> Unit | None:
-    """The unit that holds where a heading names none: its only sibling's, or the one stated above the table."""
+    """Return the unit where a heading names none: that of the other headings, or the one stated above the table."""
     headed = {column.unit for column in header.values if column.unit is not None}
     if len(headed) == 1:
         return headed.pop()

@@ -45,48 +45,48 @@ class ControllerNames:
         return spelled
 
     def component(self, cell: Cell) -> str | None:
-        """The component a cell names, by number or by name; also one without lands. None where there is none."""
+        """Return the component that a cell names, by number or name, with or without lands; None where none is."""
         text = text_of(cell)
         for spelling in (text, _LEADING.sub("", text)):
-            found = self._spellings.get(plain(spelling))
-            if found is not None:
-                return found
+            component = self._spellings.get(plain(spelling))
+            if component is not None:
+                return component
         head, _, tail = text.partition(" ")
         number = self._spellings.get(plain(head.rstrip(".:,–-")))
         named = self._spellings.get(plain(tail.lstrip("–-:, ")))
         return number if number is not None and number == named else None
 
     def is_named(self, text: str) -> bool:
-        """Whether a text names a component by more than a bare number."""
+        """Return whether a text names a component by more than a bare number."""
         if text not in self._named:
             self._named[text] = any(letter.isalpha() for letter in text) and self.component(text) is not None
         return self._named[text]
 
     def component_in(self, text: str) -> str | None:
-        """The component that a title speaks of: its name alone, behind a colon, or its number behind "valve" …"""
-        for said in (text, text.rpartition(":")[2].strip()):
-            if self.is_named(said):
-                return self.component(said)
+        """Return the component in a title: its name alone or behind a colon, or its number behind "valve" …"""
+        for part in (text, text.rpartition(":")[2].strip()):
+            if self.is_named(part):
+                return self.component(part)
         folded = f" {plain(text)} "
-        found = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
-        return found.pop() if len(found) == 1 else None
+        components = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
+        return components.pop() if len(components) == 1 else None
 
     def require_component(self, cell: Cell) -> str:
-        """As `component`, but one with lands or an error.
+        """Return the component that a cell names, which must have lands.
 
         Raises
         ------
         ReadingsError
             without place, naming the valid components and the nearest.
         """
-        found = self.component(cell)
-        if found in self.with_lands:
-            return found
+        component = self.component(cell)
+        if component in self.with_lands:
+            return component
         text = text_of(cell)
-        if found is not None:
-            name = self.controller.components[found]
+        if component is not None:
+            name = self.controller.components[component]
             raise ReadingsError(
-                f"component {found} ({name}) of {self.controller.id} has no precision pair to measure",
+                f"component {component} ({name}) of {self.controller.id} has no precision pair to measure",
                 value=text,
                 expected=f"one of {_list(self.with_lands)}",
             )
@@ -99,7 +99,7 @@ class ControllerNames:
         )
 
     def plane(self, component: str, cell: Cell) -> str:
-        """The plane of that component that a cell names, as the controller spells it.
+        """Return the plane of that component that a cell names, as the controller spells it.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class ControllerNames:
         )
 
     def land(self, component: str, cell: Cell) -> Land:
-        """The land of that component with that number.
+        """Return the land of that component with that number.
 
         Raises
         ------

@@ -14,7 +14,7 @@ _NUMBER = vocabulary("number")
 
 
 def with_counts(sheet: Sheet, header: Header) -> Header:
-    """The headings with such a column as the repeat; one that numbers all rows through says nothing."""
+    """Return the headings with such a column as the repeat; a column that numbers all rows through says nothing."""
     columns = list(header.columns)
     for index in range(len(header.texts)):
         words = letters(header.text(index))

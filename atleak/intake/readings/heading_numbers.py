@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from atleak.intake.readings.words import UNITS_BEHIND, direction_of, part_of, vocabulary
 
-_COUNTED = vocabulary("repeat", "reading", "found")
+_COUNTED = vocabulary("repeat", "reading", "actual")
 _SIZE = vocabulary("diameter", "coordinate")
 _DIAMETER = vocabulary("diameter")
 _NUMBER = vocabulary("number")
-_EXPLAINED = vocabulary("repeat", "reading", "found", "diameter", "coordinate", "number")
+_EXPLAINED = vocabulary("repeat", "reading", "actual", "diameter", "coordinate", "number")
 _ORDINAL = {"st", "nd", "rd", "th"}
 _ENDS = {"x1", "x2", "y1", "y2"}
 _AXES = _ENDS | {"x", "y", "i", "ii", "dx", "dy"}
@@ -21,7 +21,7 @@ _PLAIN_ANGLES = {"0", "90"}  # behind the word for the diameter also without "°
 
 
 def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, float | None, int | None]:
-    """Coordinate 1 or 2, direction [°] and repeat from the words of a value's heading.
+    """Return coordinate 1 or 2, direction [°] and repeat from the words of a value's heading.
 
     A number is a repeat behind a word for one or beside the word for the diameter. In front of a unit, in a date, or
     behind any other word it says something else: a mileage, a temperature, a vehicle.
@@ -63,7 +63,7 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
 
 
 def besides_numbers(words: Iterable[str]) -> frozenset[str]:
-    """The words of a value's heading that say neither what it is nor of which part.
+    """Return the words of a value's heading that say neither what it is nor of which part.
 
     >>> besides_numbers({"diameter", "1", "before", "spool"})
     frozenset({'before'})
@@ -87,19 +87,19 @@ def _followed(tokens: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 
 def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    """Each number with the word in front of it, past "no.", and the one behind it, past "st" and "nd"."""
-    said = [token for token in tokens if (token not in _NUMBER or token == "#") and token not in _ORDINAL]
-    said = [
+    """Yield each number with the word before it, past "no.", and the word behind it, past "st" and "nd"."""
+    words = [token for token in tokens if (token not in _NUMBER or token == "#") and token not in _ORDINAL]
+    words = [
         _ROMAN[token] if token in _ROMAN and before in _COUNTED else token
-        for before, token in zip(("", *said), said, strict=False)
+        for before, token in zip(("", *words), words, strict=False)
     ]
-    for before, (token, after) in zip(("", *said), _followed(said), strict=False):
+    for before, (token, after) in zip(("", *words), _followed(words), strict=False):
         if token.isdigit() or (re.fullmatch(r"[^\W\d]+\d+", token) and token not in _AXES):
             yield before, token, after
 
 
 def _may_be_numbered(word: str, after: str) -> bool:
-    """A part, a direction, or nothing in front of the word for the diameter: "1. diameter"."""
+    """Return whether a part, a direction, or nothing stands before the word for the diameter: "1. diameter"."""
     if word == "":
         return after in _DIAMETER or after in _COUNTED or part_of(after) is not None
     return part_of(word) is not None or word in _AXES or is_angle(word)

@@ -39,11 +39,11 @@ EXPECTED = (
 _DEPTH = 3  # rows that headings may be spread over
 
 _MEAN = vocabulary("mean", "mean_in_heading")
-_FOUND = vocabulary("found")
+_ACTUAL = vocabulary("actual")
 _CORRECTED = vocabulary("corrected")
 _RAW = vocabulary("raw")
 _STANDING = vocabulary("corrected", "raw")
-_OUTCOME = vocabulary("found", "corrected", "raw")
+_OUTCOME = vocabulary("actual", "corrected", "raw")
 _QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _REMARK = vocabulary("remark")
 _DIRECTION = vocabulary("direction")
@@ -51,7 +51,7 @@ _PLANE = vocabulary("plane")
 _LAND = vocabulary("land")
 _REPEAT = vocabulary("repeat")
 _COUNTED = vocabulary("repeat", "reading")
-_READING = vocabulary("reading", "found")
+_READING = vocabulary("reading", "actual")
 _COORDINATE = vocabulary("coordinate")
 _DIAMETER = vocabulary("diameter")
 _SIZE = vocabulary("diameter", "coordinate")
@@ -95,7 +95,7 @@ class Column:
 
     @property
     def name(self) -> str:
-        """The heading on one line."""
+        """Return the heading on one line."""
         return " ".join(self.heading.split())
 
     @property
@@ -104,12 +104,12 @@ class Column:
 
     @property
     def holds_size(self) -> bool:
-        """Whether diameters may stand in it, measured or not."""
+        """Return whether diameters may stand in it, measured or not."""
         return self.holds_value or self.role in {"specification", "mean", "gauge"}
 
     @property
     def group(self) -> tuple[Part | None, float | None, int | None]:
-        """Columns of one group make one diameter."""
+        """Return what the columns that make one diameter have in common."""
         return self.part, self.direction, self.repeat
 
 
@@ -127,7 +127,7 @@ class Header:
     texts: tuple[str, ...] = ()
 
     def text(self, index: int) -> str:
-        """A column's heading on one line; "" where it has none."""
+        """Return a column's heading on one line; "" where it has none."""
         return " ".join(self.texts[index].split()) if index < len(self.texts) else ""
 
     def of(self, role: Role) -> tuple[Column, ...]:
@@ -139,17 +139,17 @@ class Header:
 
     @property
     def roles(self) -> set[Role]:
-        """What the headings name, of all that makes a reading."""
+        """Return what the headings name, of all that makes a reading."""
         return {column.role for column in self.columns}.difference(_SAYS_NOTHING)
 
     @property
     def complete(self) -> bool:
-        """Whether readings can be read from under it at all."""
+        """Return whether the rows under the headings can be read at all."""
         return bool(self.of("component")) and bool(self.values)
 
     @property
     def score(self) -> float:
-        """How much this looks like the headings of a measuring sheet."""
+        """Return how much this looks like the headings of a measuring sheet."""
         named = self.roles
         distinct = {(column.role, column.coordinate, column.group) for column in self.values}
         doubled = len(self.values) - len(distinct)
@@ -166,7 +166,7 @@ class Header:
 
     @property
     def starts_table(self) -> bool:
-        """Whether this can only be headings: two sizes, or a size beside what it is of."""
+        """Return whether this can only be headings: two sizes, or a size beside what it is of."""
         sizes = [column for column in self.columns if column.holds_size and _is_named_size(column)]
         others = [column for column in self.columns if column.role == "quantity" and column.unit is not None]
         keys = {column.role for column in self.columns}.intersection(KEYS)
@@ -175,7 +175,7 @@ class Header:
 
 
 def _is_named_size(column: Column) -> bool:
-    """A size by a word of its own, not only by "spool" or "0°", which stand in rows of readings too."""
+    """Return whether a word of its own says a size, not only "spool" or "0°", which stand in readings too."""
     if not column.holds_value:
         return True
     words = set(_TOKEN.findall(plain(column.heading).replace("_", " ")))
@@ -184,7 +184,7 @@ def _is_named_size(column: Column) -> bool:
 
 
 def best_header(sheet: Sheet) -> Header | None:
-    """The row (or up to three rows) that looks most like headings, or None where none does."""
+    """Return the row (or up to three rows) that looks most like headings, or None where none does."""
     best: Header | None = None
     for first in range(len(sheet.rows)):
         if not _may_hold_headings(sheet, first):
@@ -196,7 +196,7 @@ def best_header(sheet: Sheet) -> Header | None:
 
 
 def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Header]:
-    """The headings of every table of a sheet, from top to bottom. ``is_component`` knows the cells of readings."""
+    """Return the headings of every table, from top to bottom. ``is_component`` knows the cells of readings."""
     candidates = []
     for first in range(len(sheet.rows)):
         if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
@@ -210,18 +210,18 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
                 decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)
             ):
                 break
-            # a number beside headings that leave no doubt
+            # a row that holds a number is taken only where its headings leave no doubt
             if header.starts_table and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)
-    found: list[Header] = []
+    headers: list[Header] = []
     for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(sheet, each), 9), each.first)):
-        if all(header.last < other.first or header.first > other.last for other in found):
-            found.append(header)
-    return sorted(found, key=lambda each: each.first)
+        if all(header.last < other.first or header.first > other.last for other in headers):
+            headers.append(header)
+    return sorted(headers, key=lambda each: each.first)
 
 
 def _depth_bonus(sheet: Sheet, header: Header) -> float:
-    """More for headings under headings: "nominal" and "actual" under "diameter" are no table of their own."""
+    """Score headings under headings higher: "nominal" and "actual" under "diameter" make no table of their own."""
     return sum(
         0.02
         for row in range(header.first + 1, header.last + 1)
@@ -249,7 +249,7 @@ def _has_decimals(text: str) -> bool:
 
 
 def _may_hold_headings(sheet: Sheet, row: int) -> bool:
-    """At least two texts, or one over several columns but not from the first: that would be a title."""
+    """Return whether a row has two texts, or one over several columns; over the first column it is a title."""
     texts = [column for column, cell in enumerate(sheet.rows[row]) if isinstance(cell, str) and cell.strip()]
     if len(texts) != 1:
         return len(texts) > 1
@@ -262,7 +262,7 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[Header]:
             return
         width = max(len(row) for row in sheet.rows[first : last + 1])
         headings = [_heading(sheet, first, last, column) for column in range(width)]
-        columns = [found for index, text in enumerate(headings) if (found := read_heading(text, index)) is not None]
+        columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
         header = Header(first, last, read_together(columns), tuple(headings))
         if last > first and _is_data(sheet, header, last):
             return
@@ -276,7 +276,7 @@ def _heading(sheet: Sheet, first: int, last: int, column: int) -> str:
 
 
 def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
-    """Whether the last row taken for headings is a row of readings: it names a component of its own."""
+    """Return whether the last row taken for headings is a reading: it names a component of its own."""
     return any(
         not is_blank(sheet.cell(row, column.index))
         and any(not is_blank(sheet.cell(above, column.index)) for above in range(header.first, row))
@@ -286,15 +286,15 @@ def _is_data(sheet: Sheet, header: Header, row: int) -> bool:
 
 @lru_cache(maxsize=4096)
 def read_heading(text: str, index: int = 0) -> Column | None:
-    """What a heading says of its column; None where it says nothing.
+    """Return what a heading says of its column; None where it says nothing.
 
-    >>> found = read_heading("Coordinate x1 (y1) [mm]")
-    >>> found.role, found.coordinate, found.unit.name
+    >>> column = read_heading("Coordinate x1 (y1) [mm]")
+    >>> column.role, column.coordinate, column.unit.name
     ('coordinate', 1, 'mm')
     >>> read_heading("Diameter Mean Value di (Di) [mm]").role
     'mean'
-    >>> found = read_heading("spool_diameter_2_um")
-    >>> found.role, found.part, found.repeat, found.unit.name
+    >>> column = read_heading("spool_diameter_2_um")
+    >>> column.role, column.part, column.repeat, column.unit.name
     ('diameter', 'spool', 2, 'µm')
     """
     rest, unit = split_unit(text)
@@ -339,14 +339,14 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         (bool(words & _LAND) and (numbered or not diameter), "land"),
         (bool(words & _COORDINATE) or (len(axes) >= 1 and not _both_ends(axes) and not diameter), "coordinate"),
         (diameter or _both_ends(axes), "diameter"),
-        (bool(words & _COUNTED or words & _FOUND) and unit is not None, "diameter"),
+        (bool(words & _COUNTED or words & _ACTUAL) and unit is not None, "diameter"),
         (bool(words & _COUNTED) and numbered and len(words) <= 3, "diameter"),
         (bool(words & _REPEAT), "repeat"),
         (bool(words & {"value", "reading"}), "diameter"),
         (bool(words & _UNIT) and not sized, "unit"),
         (bool(words & _PART) and not words & _NUMBER, "part"),
         (len(parts) == 2 and unit is None, "part"),
-        (bool(words & _FOUND) and all(word in _READING or part_of(word) for word in words), "diameter"),
+        (bool(words & _ACTUAL) and all(word in _READING or part_of(word) for word in words), "diameter"),
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
         (plain(text) in {"d", "di"} and unit is not None, "diameter"),
@@ -387,11 +387,11 @@ def _part(words: set[str], text: str) -> Part | None:
 
 @lru_cache(maxsize=4096)
 def split_unit(text: str) -> tuple[str, Unit | None]:
-    for found in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
-        inner = re.sub(r"^\s*in\s+(?=\S)", "", found[1])
+    for bracketed in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
+        inner = re.sub(r"^\s*in\s+(?=\S)", "", bracketed[1])
         unit = find_unit(inner, "length") if inner.strip() else None
         if unit is not None:
-            return f"{text[: found.start()]} {text[found.end() :]}", unit
+            return f"{text[: bracketed.start()]} {text[bracketed.end() :]}", unit
     trailing = re.search(r"[\s_,/:;]+(\S+?)\s*$", text.replace("_", " "))
     if trailing and trailing[1].lower() in _TRAILING_UNITS:
         return text[: trailing.start()], find_unit(trailing[1], "length")
@@ -401,7 +401,7 @@ def split_unit(text: str) -> tuple[str, Unit | None]:
 
 
 def read_together(columns: list[Column]) -> tuple[Column, ...]:
-    """What only the columns together tell.
+    """Correct what single headings say by what all columns say together.
 
     A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
     diameters where both stand there and nothing else is one.

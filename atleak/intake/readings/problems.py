@@ -1,4 +1,4 @@
-"""Everything that is wrong with a measuring sheet, told at once."""
+"""Everything that is wrong with a measuring sheet, listed at once."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ _DIAMETER = "a diameter such as 9.939"
 
 @dataclass
 class Rows:
-    """What `read_rows` found: diameters as written, and what is wrong.
+    """The diameters of a table as written, and what is wrong with it.
 
     ``cells`` are those that were read or left aside with a word, by row and column; ``of_row`` is what the rows that
     were read are of.
@@ -50,7 +50,7 @@ class Rows:
 
     table: Table
     columns: Columns
-    found: list[DiameterCell] = field(default_factory=list)
+    entries: list[DiameterCell] = field(default_factory=list)
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     rows_without_reading: int = 0
@@ -61,7 +61,7 @@ class Rows:
 def read_rows(
     table: Table, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
 ) -> Rows:
-    """Every reading of a table, and everything that is wrong with it."""
+    """Read every diameter of a table, and note everything that is wrong with it."""
     columns = find_columns(table, names)
     if columns.problems:
         return Rows(table, columns, problems=columns.problems)
@@ -77,7 +77,7 @@ class _Reader:
         self.values = [column.index for group in columns.groups for column in group.values()]
         self.asides = Asides(table, columns, names)
         self.left_out = states.rows_left_out(table, where)
-        self.found: list[DiameterCell] = []
+        self.entries: list[DiameterCell] = []
         self.breaks: list[states.Break] = []
         self.problems: list[ReadingsError] = []
         self.messages: list[Message] = []
@@ -96,46 +96,48 @@ class _Reader:
             holds = any(not is_blank(self.sheet.cell(row, index)) for index in self.values)
             if row in self.left_out:
                 left_out += holds
-                self._done(row)
+                self._account_for_row(row)
             elif holds and self.asides.takes(row):
-                self._done(row)
+                self._account_for_row(row)
             elif not self._read_row(row):
                 if title := self._title(row):
                     self.breaks.append(states.Break(row, title))
                 else:
                     unread += self._is_named(row)
-        self._means_alone()
-        self._tell_blanks()
-        self._tell_overridden()
-        self._tell_hidden_columns()
+        self._read_means_alone()
+        self._report_blanks()
+        self._report_overridden()
+        self._report_hidden_columns()
         if left_out:
             chosen = " and ".join(f"{heading} is {value!r}" for heading, value in self.where.items())
             text = f"{left_out} row{'s' if left_out > 1 else ''} left aside: read were those where {chosen}"
             self.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
-        question = states.question(self.found, self.breaks, self.table, self.columns)
+        question = states.question(self.entries, self.breaks, self.table, self.columns)
         if question is not None:
             self.problems.append(question)
-        self.messages += self.asides.messages(self.found)
-        self.messages += states.messages(self.found, self.table, self.columns)
-        return Rows(self.table, self.columns, self.found, self.problems, self.messages, unread, self.cells, self.of_row)
+        self.messages += self.asides.messages(self.entries)
+        self.messages += states.messages(self.entries, self.table, self.columns)
+        return Rows(
+            self.table, self.columns, self.entries, self.problems, self.messages, unread, self.cells, self.of_row
+        )
 
     def _read_row(self, row: int) -> bool:
-        """Read a row's diameters; whether there are any, readable or not."""
+        """Read a row's diameters; return whether there are any, readable or not."""
         values = list(self._raw_values(row))
         if values:
-            self._overlong(row)
+            self._report_overlong(row)
             self.cells.update((row, column.index) for column in self.columns.keys)
         for group, value in values:
             key = self._key(row, group)
             if key is not None and value is not None:
                 column = (group.get("diameter") or next(iter(group.values()))).index
-                self.found.append(DiameterCell(row, column, key, value))
+                self.entries.append(DiameterCell(row, column, key, value))
                 self.of_row.setdefault(row, key)
                 self.cells.update((row, column.index) for column in group.values())
         return bool(values) or row in self.asides.struck
 
-    def _done(self, row: int) -> None:
-        """Left aside with a word: no number of this row is lost."""
+    def _account_for_row(self, row: int) -> None:
+        """Note that all cells of a row are accounted for, because a message names the row."""
         self.cells.update((row, index) for index in range(len(self.sheet.rows[row])))
 
     def _is_named(self, row: int) -> bool:
@@ -144,30 +146,30 @@ class _Reader:
         return named is not None and not is_blank(self.sheet.filled(row, named.index))
 
     def _title(self, row: int) -> str:
-        """What a row without numbers says, unless it is one that was not measured."""
+        """Return what a row without numbers says, unless it is one that was not measured."""
         column = self.columns.component
         if column is None or self.names.component(self.sheet.filled(row, column.index)) is not None:
             return ""
         title = " ".join(text_of(cell) for cell in self.sheet.rows[row] if isinstance(cell, str) and cell.strip())
         return "" if is_page_title(title) else title[:80]
 
-    def _means_alone(self) -> None:
-        """Means of which the single readings are not on the sheet are readings themselves."""
-        read = tuple(self.found)
-        for found in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
-            self.asides.summaries.remove(found)
-            self._read_row(found.row)
+    def _read_means_alone(self) -> None:
+        """Read means as readings where their single readings are not on the sheet."""
+        read = tuple(self.entries)
+        for summary in [each for each in self.asides.summaries if self.asides.stands_alone(each, read)]:
+            self.asides.summaries.remove(summary)
+            self._read_row(summary.row)
             text = (
-                f"row {self.sheet.row_number(found.row)} is said to be a {found.name}, and its single readings are not "
-                "there: read as one reading"
+                f"row {self.sheet.row_number(summary.row)} is said to be a {summary.name}, and its single readings are "
+                "not there: read as one reading"
             )
-            self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(found.row)))
+            self.messages.append(Message("info", "summary_as_reading", text, self.sheet.place(summary.row)))
 
-    def _overlong(self, row: int) -> None:
-        """A text row with more cells than headings: its decimal commas were taken for the ends of cells."""
+    def _report_overlong(self, row: int) -> None:
+        """Report a text row with more cells than headings: its decimal commas were taken for the ends of cells."""
         width = len(self.header.texts)
         if self.sheet.is_text and any(not is_blank(cell) for cell in self.sheet.rows[row][width:]):
-            self._say(
+            self._add_problem(
                 f"the row has {len(self.sheet.rows[row])} cells under {width} headings: a decimal comma in a file "
                 "whose columns are separated by commas?",
                 self.sheet.place(row),
@@ -176,7 +178,7 @@ class _Reader:
             )
 
     def _raw_values(self, row: int) -> Iterator[tuple[dict[str, Column], RawValue | None]]:
-        """Each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
+        """Yield each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
         for group in self.columns.groups:
             given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
             if any((row, column.index) in self.sheet.marks.struck for column in given.values()):
@@ -200,12 +202,14 @@ class _Reader:
         if fault is None or others:
             return False
         if fault.startswith("#"):
-            self._say("this cell's formula gives an error", self._place(row, column), value=fault, expected=_DIAMETER)
+            self._add_problem(
+                "this cell's formula gives an error", self._place(row, column), value=fault, expected=_DIAMETER
+            )
             return True
         coordinates = [other.index for name, other in group.items() if name.startswith("coordinate")]
         if any(re.search(rf"\b{column_letter(index)}{row + 1}\b", fault.replace("$", "")) for index in coordinates):
             return False  # a formula over coordinates that are not filled in yet
-        self._say(
+        self._add_problem(
             "this cell's formula has no stored result",
             self._place(row, column),
             value=fault,
@@ -218,7 +222,7 @@ class _Reader:
             return False
         for name in ("coordinate 1", "coordinate 2"):
             if name not in given:
-                self._say(
+                self._add_problem(
                     f"{name} is missing beside the other one",
                     self._place(row, group.get(name) or next(iter(given.values()))),
                     expected="both coordinates, or the diameter",
@@ -237,7 +241,7 @@ class _Reader:
                 self.problems.append(at(place, problem))
                 return None
             if name == "diameter" and numbers[name] <= 0.0:
-                self._say("a diameter must be positive", place, value=numbers[name], expected=_DIAMETER)
+                self._add_problem("a diameter must be positive", place, value=numbers[name], expected=_DIAMETER)
                 return None
             units[name] = written or self._unit(row, column)
         unit = next(iter(units.values()))
@@ -249,12 +253,12 @@ class _Reader:
         if "coordinate 1" in numbers and "coordinate 2" in numbers:
             coordinates = (numbers["coordinate 1"], numbers["coordinate 2"])
             if coordinates[0] == coordinates[1]:
-                self._say("both coordinates are equal: no diameter between them", place, value=coordinates[0])
+                self._add_problem("both coordinates are equal: no diameter between them", place, value=coordinates[0])
                 return None
         return RawValue(numbers.get("diameter"), coordinates, unit, place)
 
     def _unit(self, row: int, column: Column) -> Unit | None:
-        """What the cell does not say itself: as told, in the row's own cell, the heading, or above the table."""
+        """Return the unit of a cell that states none: the user's, the row's, the heading's, or that above the table."""
         if self.given_unit is not None:
             if column.unit is not None and column.unit != self.given_unit:
                 self.overridden.add(column.name)
@@ -266,7 +270,7 @@ class _Reader:
         unit = find_unit(text_of(cell), "length")
         if unit is None:
             known = unit_names("length")
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "unknown unit of length",
                     place=self._place(row, unit_column),
@@ -310,11 +314,11 @@ class _Reader:
                 self._same_component(component, self.sheet.filled(row, column.index))
             return component
         except ReadingsError as problem:
-            self._once(at(self._place(row, column), problem))
+            self._add_problem_once(at(self._place(row, column), problem))
             return None
 
     def _same_component(self, component: str, cell: Cell) -> None:
-        """Number and name in one row must not contradict each other."""
+        """Refuse a row whose number and name contradict each other."""
         named = None if is_blank(cell) else self.names.component(cell)
         if named is not None and named != component:
             raise ReadingsError(
@@ -332,7 +336,7 @@ class _Reader:
         part = part_of(text_of(cell))
         if part is None:
             near = nearest_name(plain(text_of(cell)), part_words())
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "unknown part",
                     place=self._place(row, self.columns.part),
@@ -344,10 +348,10 @@ class _Reader:
         return part
 
     def _plane(self, row: int, component: str | None) -> str | None:
-        """The plane as the controller spells it, from the column of planes, of lands, or both."""
+        """Return the plane as the controller spells it, from the column of planes, of lands, or both."""
         plane_column, land_column = self.columns.plane, self.columns.land
         column = plane_column or land_column
-        if component is None:  # said already; whether the plane is there at all is still worth saying
+        if component is None:  # reported already; whether a plane is given at all is still reported
             if column is not None:
                 self._required(row, column)
             return None
@@ -375,7 +379,7 @@ class _Reader:
                 )
             return plane
         except ReadingsError as problem:
-            self._once(at(self._place(row, column), problem))
+            self._add_problem_once(at(self._place(row, column), problem))
             return None
 
     def _direction(self, row: int, value: Column) -> tuple[float | None, bool]:
@@ -387,7 +391,7 @@ class _Reader:
             return None, False
         direction = direction_of(cell)
         if direction is None:
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "unknown measuring direction",
                     place=self._place(row, column),
@@ -398,7 +402,7 @@ class _Reader:
         return direction, direction is not None
 
     def _repeat(self, row: int, value: Column) -> tuple[int | None, bool, bool]:
-        """The repeat's number, whether a column says it, and whether it could be read."""
+        """Return the repeat's number, whether a column says it, and whether it could be read."""
         column = self.columns.repeat
         if column is None or value.repeat is not None:
             return value.repeat, False, True
@@ -409,7 +413,7 @@ class _Reader:
         if repeat is None and summary_of(cell, key=True):  # a mean that stands for its single readings
             return None, False, True
         if repeat is None:
-            self._once(
+            self._add_problem_once(
                 ReadingsError(
                     "not the number of a repeat",
                     place=self._place(row, column),
@@ -422,23 +426,23 @@ class _Reader:
 
     # --- all rows together ----------------------------------------------------------------------------------------
 
-    def _tell_blanks(self) -> None:
+    def _report_blanks(self) -> None:
         for column, rows in self.blanks.items():
             numbers = [self.sheet.row_number(row) for row in rows]
             more = f" and in {len(numbers) - 1} more: {_numbers(numbers[1:])}" if len(numbers) > 1 else ""
-            self._say(
+            self._add_problem(
                 f"column {' '.join(column.heading.split())!r} is empty in a row that holds a reading{more}",
                 self._place(next(iter(rows)), column),
                 expected=_IN_TEXT if self.sheet.is_text else _EVERY_ROW,
             )
 
-    def _tell_overridden(self) -> None:
+    def _report_overridden(self) -> None:
         if self.given_unit is not None and self.overridden:
             text = f"read in {self.given_unit.name} as told, although the heading says otherwise: "
             text += ", ".join(sorted(self.overridden))
             self.messages.append(Message("warning", "unit_told", text, self.sheet.place(max(self.header.last, 0))))
 
-    def _tell_hidden_columns(self) -> None:
+    def _report_hidden_columns(self) -> None:
         for column in self.columns.hidden:
             self.cells.update((row, column.index) for row in self.table.rows)
         for columns, done in (
@@ -453,11 +457,11 @@ class _Reader:
     def _place(self, row: int, column: Column) -> Place:
         return self.sheet.place(row, column.index, column.name)
 
-    def _say(self, problem: str, place: Place, *, value: object = None, expected: str | None = None) -> None:
+    def _add_problem(self, problem: str, place: Place, *, value: object = None, expected: str | None = None) -> None:
         self.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
-    def _once(self, problem: ReadingsError) -> None:
-        """A problem of the row, not of each of its values."""
+    def _add_problem_once(self, problem: ReadingsError) -> None:
+        """Add a problem of the row once, not for each of its values."""
         if problem.place not in {known.place for known in self.problems[-8:]}:
             self.problems.append(problem)
 

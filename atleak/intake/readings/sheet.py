@@ -36,13 +36,13 @@ class Sheet:
         return self.name is None
 
     def cell(self, row: int, column: int) -> Cell:
-        """What stands in the cell itself; "" outside the sheet."""
+        """Return what stands in the cell itself; "" outside the sheet."""
         if row < len(self.rows) and column < len(self.rows[row]):
             return self.rows[row][column]
         return ""
 
     def filled(self, row: int, column: int) -> Cell:
-        """As `cell`, but inside a merged range what its first cell holds."""
+        """Return what `cell` returns, but inside a merged range what its first cell holds."""
         return self.cell(*self.merged.get((row, column), (row, column)))
 
     @property
@@ -50,15 +50,15 @@ class Sheet:
         return max((len(row) for row in self.rows), default=0)
 
     def is_struck(self, row: int, column: int) -> bool:
-        """Whether what stands there, or in the first cell of its merged range, is crossed out."""
+        """Return whether what stands there, or in the first cell of its merged range, is crossed out."""
         return self.merged.get((row, column), (row, column)) in self.marks.struck
 
     def row_number(self, row: int) -> int:
-        """The row's number as a spreadsheet or an editor shows it."""
+        """Return the row's number as a spreadsheet or an editor shows it."""
         return self.lines[row] if self.lines is not None else row + 1
 
     def place(self, row: int | None = None, column: int | None = None, heading: str = "") -> Place:
-        """Where a cell is: a workbook's column by its letter, a text file's by its heading."""
+        """Return where a cell is: a workbook's column by its letter, a text file's by its heading."""
         where = None
         if column is not None:
             where = heading or str(column + 1) if self.is_text else column_letter(column)
@@ -66,7 +66,7 @@ class Sheet:
 
 
 def rows_named(sheet: Sheet, rows: Sequence[int]) -> str:
-    """Rows as a spreadsheet or an editor numbers them: "row 4", "rows 2–5, 9"."""
+    """Name rows as a spreadsheet or an editor numbers them: "row 4", "rows 2–5, 9"."""
     runs: list[list[int]] = []
     for number in sorted({sheet.row_number(row) for row in rows}):
         if runs and number == runs[-1][-1] + 1:
@@ -79,7 +79,8 @@ def rows_named(sheet: Sheet, rows: Sequence[int]) -> str:
 
 
 def column_letter(column: int) -> str:
-    """
+    """Return the letters by which a spreadsheet names a column, counted from 0.
+
     >>> column_letter(0), column_letter(27)
     ('A', 'AB')
     """

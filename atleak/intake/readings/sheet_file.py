@@ -27,11 +27,11 @@ _FOREIGN = (  # first bytes → what it is
     (b"MDF     ", "an MDF measurement file, so perhaps the road-test log"),
 )
 _DELIMITERS = (";", "\t", ",", "|")
-_LOOKED_AT = 400  # lines, to tell encoding and delimiter
+_LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
 
 
 def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str]:
-    """The file's bytes and the name to call it by.
+    """Return the file's bytes and the name that messages give it.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
 
 
 def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list[Sheet]:
-    """All sheets of a file. `score` says how much a sheet looks like readings: it settles encoding and delimiter.
+    """Read all sheets of a file; encoding and delimiter are those with the highest `score` as readings.
 
     Raises
     ------
@@ -81,9 +81,9 @@ def _read_text(data: bytes, file: str, score: Callable[[Sheet], float]) -> Sheet
     for encoding, text in _decoded(data, file):
         start = "".join(text.splitlines(keepends=True)[:_LOOKED_AT])
         for delimiter in _delimiters(start):
-            found = score(_sheet(start, file, delimiter, ""))
-            if best is None or found > best[0]:
-                best = (found, encoding, delimiter, text)
+            likeness = score(_sheet(start, file, delimiter, ""))
+            if best is None or likeness > best[0]:
+                best = (likeness, encoding, delimiter, text)
     assert best is not None  # at least one encoding decodes
     _, encoding, delimiter, text = best
     spelled = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar"}[delimiter]
@@ -112,7 +112,7 @@ def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
     try:
         yield "utf-8", data.decode("utf-8")
     except UnicodeDecodeError:
-        # one byte a letter: which letters are meant, the headings tell
+        # with one byte per letter, the headings show which encoding is meant
         yield "cp1252", data.decode("cp1252", "replace")
         yield "cp1250", data.decode("cp1250", "replace")
 

@@ -27,7 +27,7 @@ from atleak.intake.readings.words import (
 )
 
 _ASIDE = vocabulary("specification_title", "calibration")
-_READ = vocabulary("reading", "found")
+_READ = vocabulary("reading", "actual")
 _WORD = re.compile(r"[^\W\d_]+")
 _TITLE_ROWS = 4
 
@@ -50,7 +50,7 @@ class Table:
 
     @property
     def title(self) -> str:
-        """The line of text above the headings, but no count of pages; "" where there is none."""
+        """Return the line of text above the headings, but no count of pages; "" where there is none."""
         lines = [row for row in range(self.header.first) if any(not is_blank(cell) for cell in self.sheet.rows[row])]
         cells = [cell for cell in self.sheet.rows[lines[-1]] if not is_blank(cell)] if lines else []
         title = " ".join(map(str, cells)) if len(cells) == 1 and isinstance(cells[0], str) else ""
@@ -58,36 +58,36 @@ class Table:
 
     @property
     def columns(self) -> range:
-        """The columns that the table spans."""
+        """Return the columns that the table spans."""
         wide = [index for index, text in enumerate(self.header.texts) if text]
         return range(min(wide), max(wide) + 1) if wide else range(self.sheet.width)
 
     @property
     def rows(self) -> range:
-        """The rows under the headings."""
+        """Return the rows under the headings."""
         return range(self.header.last + 1, len(self.sheet.rows))
 
     @property
     def headings(self) -> Place:
-        """The place of the heading of its first value."""
+        """Return the place of the heading of its first value."""
         column = self.header.values[0]
         return self.sheet.place(max(self.header.last, 0), column.index, column.name)
 
     @property
     def block(self) -> range:
-        """The rows under the headings up to the first empty one."""
+        """Return the rows under the headings up to the first empty one."""
         for row in self.rows[1:]:
             if all(is_blank(self.sheet.cell(row, column)) for column in self.columns):
                 return range(self.header.last + 1, row)
         return self.rows
 
     def heading(self, index: int) -> str:
-        """The heading of a column on one line, "" where it has none."""
+        """Return the heading of a column on one line, "" where it has none."""
         return self.header.text(index)
 
     @property
     def where(self) -> str:
-        """The rows from the headings to the last one, as a person counts them."""
+        """Return the rows from the headings to the last one, as a person counts them."""
         first = self.sheet.row_number(max(self.header.first, 0))
         rows = [row for row in self.block if any(not is_blank(cell) for cell in self.sheet.rows[row])]
         last = self.sheet.row_number(rows[-1]) if rows else first
@@ -96,7 +96,7 @@ class Table:
 
     @property
     def has_part(self) -> bool:
-        """Whether a column, or every heading of a value, says the part; also one headed "component", by its cells."""
+        """Return whether a column says the part, or every heading of a value; also a "component" column of parts."""
         values = self.header.values
         return (
             bool(self.header.of("part"))
@@ -110,13 +110,13 @@ class Table:
 
     @property
     def readable(self) -> bool:
-        """Whether readings can be read from it at all."""
+        """Return whether readings can be read from the table at all."""
         known = self.header.of("component") or self.component is not None
         return bool(known and self.header.values and not self.aside)
 
 
 def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
-    """Every table of a sheet that has headings, from top to bottom and from left to right."""
+    """Return every table of a sheet that has headings, from top to bottom and from left to right."""
     return [
         table
         for strip in _strips(sheet, names)
@@ -127,7 +127,7 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
 
 
 def continued(sheet: Sheet, table: Table, names: ControllerNames) -> Table | None:
-    """A sheet without headings whose columns are those of the table before it, as that table's continuation."""
+    """Return a sheet without headings as the continuation of the table before it, where the columns fit."""
     components, values = table.header.of("component"), table.header.values
     rows = [row for row, cells in enumerate(sheet.rows) if any(not is_blank(cell) for cell in cells)]
     if not rows or not components or not values:
@@ -143,7 +143,7 @@ def continued(sheet: Sheet, table: Table, names: ControllerNames) -> Table | Non
 
 
 def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
-    """The sheet, or its parts left and right of empty columns where each has headings of its own."""
+    """Return the sheet, or its parts left and right of empty columns where each has headings of its own."""
     used = sorted({index for row in sheet.rows for index, cell in enumerate(row) if not is_blank(cell)})
     used_or_merged = {column for _, column in sheet.merged} | set(used)
     ranges: list[list[int]] = []
@@ -185,7 +185,7 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
 
 
 def _by_content(sheet: Sheet, header: Header, names: ControllerNames) -> Header:
-    """The headings without a "result" that is no diameter, and without raw readings beside others."""
+    """Return the headings without a "result" that is no diameter, and without raw readings beside others."""
     kept = [
         column for column in header.columns if not column.tentative or _holds_diameters(sheet, header, column, names)
     ]
@@ -209,26 +209,26 @@ def _holds_diameters(sheet: Sheet, header: Header, column: Column, names: Contro
 
 
 def _is_single(sheet: Sheet, row: int) -> bool:
-    """Whether a row holds one text and nothing else: a title, or a line between the rows."""
+    """Return whether a row holds one text and nothing else: a title, or a line between the rows."""
     cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
     return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
 
 
 def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
-    """The rows of text above the headings, the nearest first; not the readings of the table above."""
-    found: list[int] = []
+    """Return the rows of text above the headings, the nearest first; not the readings of the table above."""
+    title_rows: list[int] = []
     for row in range(first - 1, after, -1):
         cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
         if not cells:
             continue
-        if len(cells) > 2 or not isinstance(cells[0], str) or len(found) == _TITLE_ROWS:
+        if len(cells) > 2 or not isinstance(cells[0], str) or len(title_rows) == _TITLE_ROWS:
             break
-        found.append(row)
-    return found
+        title_rows.append(row)
+    return title_rows
 
 
 def _side_by_side(table: Table) -> Iterator[Table]:
-    """The table, or the several that share its rows: between empty headings, or where the first heading returns."""
+    """Yield the table, or those that share its rows: between empty headings, or where the first one returns."""
     header = table.header
     starts = [
         index
@@ -255,7 +255,7 @@ def _side_by_side(table: Table) -> Iterator[Table]:
 
 
 def _titled(table: Table, names: ControllerNames) -> Table:
-    """The table with what its title lines and its sheet's name say of it."""
+    """Return the table with what its title lines and its sheet's name say of it."""
     above = _title_rows(table.sheet, table.header.first, -1)
     texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
     lines = [(f"the title {text!r}", text) for text in texts]
@@ -265,12 +265,12 @@ def _titled(table: Table, names: ControllerNames) -> Table:
 
 
 def _said(table: Table, lines: Sequence[tuple[str, str]], names: ControllerNames) -> Table:
-    """Part and component from the nearest line that says one, where no column does."""
+    """Return the table with part and component from the nearest line that says one, where no column does."""
     part, component, said_by = table.part, table.component, []
     if table.header.values and not table.has_part:
         for line, text in lines:
-            if (found := part_in(text)) is not None:
-                part = found
+            if (named_part := part_in(text)) is not None:
+                part = named_part
                 said_by.append(line)
                 break
     if not table.header.of("component"):
@@ -297,7 +297,7 @@ def _why_aside(table: Table, titles: Sequence[str]) -> str:
 
 
 def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
-    """The table, cut where a line between its rows names the part or the component that no column does."""
+    """Yield the table, cut where a line between its rows names the part or component that no column does."""
     if table.aside or not table.header.values or (table.has_part and table.header.of("component")):
         yield table
         return
@@ -308,7 +308,7 @@ def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
         text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
         next_said = _said(table, [(f"the line {text!r}", text)], names)
         if next_said.said_by == table.said_by:
-            # what an unknown line begins is not what the line before it said
+            # an unknown line ends what the line before it says
             next_said = replace(table, part=None, component=None, said_by="")
         else:
             next_said = replace(

@@ -28,7 +28,7 @@ class Sizes:
         self._all = sorted({size for sizes in self._by_plane.values() for size in sizes})
 
     def near(self, value: float, units: Iterable[Unit]) -> bool:
-        """Whether a number in one of the units is within 0.5 mm of any nominal diameter."""
+        """Return whether a number in one of the units is within 0.5 mm of any nominal diameter."""
         for each in units:
             size = each.to_si(value)
             if each == INCH and round(value, _INCH_DECIMALS - 1) == value:
@@ -39,18 +39,18 @@ class Sizes:
         return False
 
     def near_plane(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
-        """Whether a number is within 0.5 mm of the nominal diameters of one plane."""
+        """Return whether a number is within 0.5 mm of the nominal diameters of one plane."""
         nominal = self._by_plane.get((component, plane), ())
         return any(abs(each.to_si(value) - size) <= NOMINAL_TOLERANCE for each in units for size in nominal)
 
     def is_nominal(self, value: float, units: Iterable[Unit], component: str, plane: str) -> bool:
-        """Whether a number, rounded to a micrometre, is a nominal diameter of one plane."""
+        """Return whether a number, rounded to a micrometre, is a nominal diameter of one plane."""
         nominal = self._by_plane.get((component, plane), ())
         return any(abs(each.to_si(value) - size) <= _ROUNDED for each in units for size in nominal)
 
 
 def numbers_of(cell: Cell) -> tuple[float, ...]:
-    """The number of a cell, or those that its text mentions."""
+    """Return the number of a cell, or those that its text mentions."""
     if isinstance(cell, bool):
         return ()
     if isinstance(cell, int | float):
@@ -59,7 +59,7 @@ def numbers_of(cell: Cell) -> tuple[float, ...]:
 
 
 def is_coarse(cell: Cell) -> bool:
-    """Whether a number in millimetres has one decimal at most: a length, a temperature, a running number.
+    """Return whether a number in millimetres has one decimal at most: a length, a temperature, a running number.
 
     >>> is_coarse(18.2), is_coarse("18.000"), is_coarse(17.998)
     (True, True, False)
@@ -68,7 +68,7 @@ def is_coarse(cell: Cell) -> bool:
 
 
 def is_whole(cell: Cell) -> bool:
-    """Whether a number is written without decimals: a count or a name more often than a diameter."""
+    """Return whether a number is written without decimals: a count or a name more often than a diameter."""
     if isinstance(cell, str):
         return not any(sign in cell for sign in ".,")
     return isinstance(cell, int) or (isinstance(cell, float) and cell.is_integer())

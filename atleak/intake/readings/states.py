@@ -36,7 +36,7 @@ class Break:
 def question(
     entries: Sequence[DiameterCell], breaks: Sequence[Break], table: Table, columns: Columns
 ) -> ReadingsError | None:
-    """Which of two states is meant, where the same stations come in more than one and no column counts repeats."""
+    """Return an error where the same stations come in two states and no column counts repeats."""
     sheet, header = table.sheet, table.header
     several = _several(entries)
     if not several:
@@ -47,7 +47,7 @@ def question(
         named = f"column {heading!r}" if heading else "a column without heading"
         values = _values(splits)
         station = next(iter(splits))
-        rows = sorted(row for found in splits[station].values() for row in found)
+        rows = sorted(row for same_value in splits[station].values() for row in same_value)
         return ReadingsError(
             f"{named} tells states apart that would be averaged as repeats: {_name(station)} stands in "
             f"{rows_named(sheet, rows)}{_also(len(splits))}",
@@ -59,11 +59,11 @@ def question(
 
 
 def _several(entries: Sequence[DiameterCell]) -> dict[StationKey, list[int]]:
-    """Stations that stand in more than one row, and these rows."""
+    """Return the stations that stand in more than one row, and these rows."""
     rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
     for entry in entries:
         rows[_station(entry)][entry.row] = None
-    return {station: list(found) for station, found in rows.items() if len(found) > 1}
+    return {station: list(each) for station, each in rows.items() if len(each) > 1}
 
 
 def _station(entry: DiameterCell) -> StationKey:
@@ -97,8 +97,8 @@ def _quoted(text: str) -> str:
 def _splitting(
     several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header, columns: Columns
 ) -> Iterator[tuple[int, Splits]]:
-    """Columns that nothing is read from and that tell the rows of one station apart; the surest first."""
-    found: list[tuple[int, int, Splits]] = []
+    """Yield unread columns whose values separate the rows of one station; the surest first."""
+    candidates: list[tuple[int, int, Splits]] = []
     for index in range(sheet.width):
         if index in columns.read:
             continue
@@ -118,30 +118,30 @@ def _splitting(
         if not splits:
             continue
         if words & STATES:
-            found.append((0, index, splits))
+            candidates.append((0, index, splits))
         elif all(
             is_state(sheet.filled(row, index)) for each in splits.values() for rows in each.values() for row in rows
         ):
-            found.append((1, index, splits))
+            candidates.append((1, index, splits))
         elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits):
-            found.append((2, index, splits))
-    for _, index, surest in sorted(found, key=lambda each: each[:2]):
+            candidates.append((2, index, splits))
+    for _, index, surest in sorted(candidates, key=lambda each: each[:2]):
         yield index, surest
 
 
 def _day(cell: Cell) -> str:
-    """A cell as a label; of a moment only the day, because repeats are taken minutes apart."""
+    """Return a cell as a label; of a moment only the day, because repeats are taken minutes apart."""
     if isinstance(cell, datetime.datetime):
         return cell.date().isoformat()
     return _TIME.sub("", text_of(cell))
 
 
 def _values(splits: Splits) -> list[str]:
-    return list(dict.fromkeys(value for found in splits.values() for value in found))
+    return list(dict.fromkeys(value for each in splits.values() for value in each))
 
 
 def _same_everywhere(splits: Splits) -> bool:
-    """The same values at every station, and not a mere count of repeats."""
+    """Return whether every station has the same values, and they are not a mere count of repeats."""
     sets = {frozenset(map(plain, values)) for values in splits.values()}
     if len(sets) > 1:
         return False
@@ -157,7 +157,7 @@ def _same_everywhere(splits: Splits) -> bool:
 def _blocks(
     entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: Sheet, place: Place
 ) -> ReadingsError | None:
-    """Stations that return under another title or under the headings printed again."""
+    """Return an error where stations return under another title or under the headings printed again."""
     last: dict[StationKey, int] = {}
     waiting = list(breaks)
     title, first = "", -1
@@ -195,7 +195,7 @@ def _blocks(
 
 
 def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) -> Iterator[Message]:
-    """Blocks that return with the same values; repeats that a column calls so and another one calls states."""
+    """Yield blocks that return with the same values, and repeats that another column calls states."""
     sheet, header = table.sheet, table.header
     yield from _pasted_twice(entries, sheet)
     if columns.repeat is None:
@@ -220,7 +220,7 @@ def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) ->
 
 
 def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Message]:
-    """The first block of rows that hold the same readings in the same order as rows above them."""
+    """Yield a warning for the first block of rows that repeats the readings of rows above in the same order."""
     seen: dict[object, int] = {}
     runs: list[list[tuple[int, int]]] = []
     rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
@@ -250,7 +250,7 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Mes
 
 
 def _returning(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Message]:
-    """Stations that come again after others, which nothing on the sheet calls repeats."""
+    """Yield a message where stations come again after others, and nothing on the sheet calls them repeats."""
     last: dict[StationKey, int] = {}
     order = {row: at for at, row in enumerate(dict.fromkeys(entry.row for entry in entries))}
     back = []
@@ -272,12 +272,12 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Messag
 
 
 def _remarks(several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header) -> Iterator[Message]:
-    """Remarks that tell rows of one station apart, which nothing on the sheet calls repeats."""
+    """Yield a warning where remarks differ between rows of one station that nothing calls repeats."""
     for column in header.of("remark"):
         for station, rows in several.items():
-            said = {row: text_of(cell) for row in rows if isinstance(cell := sheet.filled(row, column.index), str)}
-            texts = [text for text in dict.fromkeys(said.values()) if letters(text)]
-            if texts and len(set(said.values())) > 1:
+            remarks = {row: text_of(cell) for row in rows if isinstance(cell := sheet.filled(row, column.index), str)}
+            texts = [text for text in dict.fromkeys(remarks.values()) if letters(text)]
+            if texts and len(set(remarks.values())) > 1:
                 yield Message(
                     "warning",
                     "remarks_differ",
@@ -291,19 +291,19 @@ def _remarks(several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: 
 
 
 def rows_left_out(table: Table, where: Mapping[str, str]) -> frozenset[int]:
-    """Rows that ``where`` leaves out: headings of columns, and what must stand under them where a table has them."""
+    """Return the rows without the values that ``where`` asks for under its headings, where a table has them."""
     cells = table.sheet.filled
     return frozenset(
         row
         for heading, wanted in where.items()
         if (index := _headed(table, heading)) is not None
         for row in table.rows
-        if not _is(cells(row, index), wanted)
+        if not _matches(cells(row, index), wanted)
     )
 
 
 def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
-    """Every heading of ``where`` is that of a column, and what it asks for stands under it.
+    """Check that every heading of ``where`` is that of a column, and what it asks for stands under it.
 
     Raises
     ------
@@ -317,7 +317,7 @@ def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
             place = tables[0].sheet.place(max(tables[0].header.last, 0))
             raise unknown(f"no column is headed {heading!r}", heading, texts, kind=ReadingsError, place=place)
         cells = [table.sheet.filled(row, index) for table, index in headed for row in table.rows]
-        if not any(_is(cell, wanted) for cell in cells):
+        if not any(_matches(cell, wanted) for cell in cells):
             known = [_day(cell) for cell in cells if not is_blank(cell)]
             table, index = headed[0]
             place = table.sheet.place(max(table.header.last, 0), index, table.heading(index))
@@ -328,16 +328,16 @@ def _headed(table: Table, heading: str) -> int | None:
     return next((index for index in table.columns if plain(table.heading(index)) == plain(heading)), None)
 
 
-def _is(cell: Cell, wanted: str) -> bool:
+def _matches(cell: Cell, wanted: str) -> bool:
     if is_blank(cell):
         return False
-    said = {plain(text_of(cell)), plain(_day(cell))}
+    spellings = {plain(text_of(cell)), plain(_day(cell))}
     if isinstance(cell, datetime.date):
-        said |= {f"{cell:%d.%m.%Y}", f"{cell:%d/%m/%Y}", f"{cell:%m/%d/%Y}", str(cell)}
-    return plain(wanted) in said or plain(wanted).replace(",", ".") in said
+        spellings |= {f"{cell:%d.%m.%Y}", f"{cell:%d/%m/%Y}", f"{cell:%m/%d/%Y}", str(cell)}
+    return plain(wanted) in spellings or plain(wanted).replace(",", ".") in spellings
 
 
 def has_length(heading: str) -> bool:
-    """Whether a heading names a unit of length that a diameter or a clearance may stand in."""
-    found = re.search(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading)
-    return found is not None and find_unit(found[1], "length") is not None and "km" not in found[1]
+    """Return whether a heading names a unit of length that a diameter or a clearance may stand in."""
+    bracketed = re.search(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading)
+    return bracketed is not None and find_unit(bracketed[1], "length") is not None and "km" not in bracketed[1]

@@ -29,9 +29,9 @@ _WHY: dict[Role, str] = {
     "quantity": "another quantity by its heading",
 }
 _SAYS_SIZE = vocabulary(
-    *("diameter", "found", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
+    *("diameter", "actual", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
 )
-_MEASURED = vocabulary("diameter", "coordinate", "found", "reading")
+_MEASURED = vocabulary("diameter", "coordinate", "actual", "reading")
 _DIMENSION = vocabulary("dimension")
 _QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _SHOWN = 2
@@ -39,7 +39,7 @@ _SHOWN = 2
 
 @dataclass
 class Account:
-    """What became of the cells of a file, by the sheet's name; the rest is told by `close`."""
+    """What became of the cells of a file, by the sheet's name; `close` reports the rest."""
 
     names: ControllerNames
     units: Sequence[str]  # of the diameters that were read
@@ -54,7 +54,7 @@ class Account:
         self._units = tuple(dict.fromkeys((*stated, MM, INCH)))
 
     def enter(self, rows: Rows) -> None:
-        """Accounts for a table that was read, and judges the columns that were not."""
+        """Account for a table that was read, and judge its columns that were not."""
         table = rows.table
         done = self._done[table.sheet.name]
         self._tables[table.sheet.name].append((table.rows, table))
@@ -74,7 +74,7 @@ class Account:
             self.problems.append(_which(table, rivals))
 
     def leave_table(self, table: Table) -> None:
-        """Leaves a table aside that holds no readings of this valve body."""
+        """Leave aside a table that holds no readings of this valve body."""
         self._tables[table.sheet.name].append((table.block, table))
         self._headings(table)
         of_sizes = {column.index for column in table.header.columns if column.holds_size}
@@ -86,7 +86,7 @@ class Account:
             self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.header.first, 0))))
 
     def holds_sizes(self, table: Table) -> bool:
-        """Whether numbers of the size of a diameter stand where a table's headings say diameter."""
+        """Return whether numbers of the size of a diameter stand where a table's headings say diameter."""
         return any(
             self._is_size(table.sheet, row, column.index, headed=table)
             for row in table.rows
@@ -94,7 +94,7 @@ class Account:
         )
 
     def leave_sheet(self, sheet: Sheet) -> None:
-        """Leaves a whole sheet aside, which the user or its name says."""
+        """Leave a whole sheet aside, because the user or its name says so."""
         cells = [(row, column) for row, cells in enumerate(sheet.rows) for column in range(len(cells))]
         sizes = [at for at in cells if self._is_size(sheet, *at)]
         self._done[sheet.name].update(cells)
@@ -103,7 +103,7 @@ class Account:
             self.messages.append(Message("info", "sheet_aside", text, Place(sheet.file, sheet.name)))
 
     def close(self, sheets: Sequence[Sheet]) -> None:
-        """Names every number of the size of a diameter that is neither read nor left aside."""
+        """Name every number of the size of a diameter that is neither read nor left aside."""
         for sheet in sheets:
             done = self._done[sheet.name]
             groups: dict[tuple[str, int], list[tuple[int, int]]] = defaultdict(list)
@@ -135,7 +135,7 @@ class Account:
             self._done[table.sheet.name].update((row, column) for column in texts)
 
     def _is_figure(self, rows: Rows, index: int) -> bool:
-        """Whether a column holds specifications, means or raw readings by its heading; it is left aside."""
+        """Return whether a column holds specifications, means or raw readings by its heading; it is left aside."""
         table, role = rows.table, _role(rows.table, index)
         if role not in ("specification", "mean", "raw"):
             return False
@@ -146,7 +146,7 @@ class Account:
         return True
 
     def _is_of_controller(self, rows: Rows, index: int) -> bool:
-        """Whether it is the form's own column of nominal diameters, filled in as the form was written."""
+        """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
         if rows.table.heading(index) != " ".join(NOMINAL_HEADING.split()):
             return False
         units = _units(rows.table, index) or self._units
@@ -157,7 +157,7 @@ class Account:
         )
 
     def _is_quantity(self, rows: Rows, index: int) -> bool:
-        """Whether a column holds another quantity; not one in millimetres that has the size of the diameters."""
+        """Return whether a column holds another quantity; not one in mm that has the size of the diameters."""
         table = rows.table
         other = _role(table, index) == "quantity" or _in_another_unit(table, index)
         if not other or (_units(table, index) and self._is_diameter(rows, index)):
@@ -166,14 +166,14 @@ class Account:
         return True
 
     def _sizes_in(self, rows: Rows, index: int) -> list[tuple[int, int]]:
-        """The cells of a column of the size of any diameter, whole numbers too where they are near their row's."""
+        """Return the cells of a column that have a diameter's size; whole numbers only where near their row's."""
         return sorted({*self._sizes_under(rows.table, index), *self._near(rows, index)})
 
     def _sizes_under(self, table: Table, index: int) -> list[tuple[int, int]]:
         return [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
 
     def _is_rival(self, rows: Rows, index: int) -> bool:
-        """Whether a column that was not read could be the measurement as well; not one of remarks or of counts."""
+        """Return whether an unread column could be the measurement as well; remarks and counts could not."""
         if not self._is_diameter(rows, index):
             return False
         table, near = rows.table, self._near(rows, index)
@@ -187,13 +187,13 @@ class Account:
         return True
 
     def _is_diameter(self, rows: Rows, index: int) -> bool:
-        """Whether a column holds the diameters of its rows: in most of its cells, and not in a single one of many."""
+        """Return whether a column holds the diameters of its rows: in most cells, and not in one of many."""
         filled = sum(not is_blank(rows.table.sheet.cell(row, index)) for row in rows.of_row)
         near = len(self._near(rows, index))
         return 2 * near > filled and (near > 1 or 2 * near > len(rows.of_row))
 
     def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
-        """The cells of a column that come near the nominal diameter of their row."""
+        """Return the cells of a column that come near the nominal diameter of their row."""
         units = _units(rows.table, index) or self._units
         return [
             (row, index)
@@ -214,7 +214,7 @@ class Account:
             self.messages.append(Message(level, "column_aside", text, _heading_place(table, index)))
 
     def _slipped(self, rows: Rows) -> None:
-        """A number of the size of a diameter in a row whose diameter is empty."""
+        """Report a number of the size of a diameter in a row whose diameter is empty."""
         table, sheet = rows.table, rows.table.sheet
         usual = {index for index in range(sheet.width) if self._is_usual(rows, index)}
         for row in table.rows:
@@ -229,19 +229,19 @@ class Account:
                     self._done[sheet.name].add((row, index))
 
     def _is_usual(self, rows: Rows, index: int) -> bool:
-        """Whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
+        """Return whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
         sheet = rows.table.sheet
         return _role(rows.table, index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
 
     def _table_at(self, sheet: Sheet, row: int, column: int) -> Table | None:
-        """The table that a cell stands in, or else beside."""
+        """Return the table that a cell stands in, or else one beside it."""
         tables = [table for rows, table in self._tables[sheet.name] if row in rows]
         return next((table for table in tables if column in table.columns), next(iter(tables), None))
 
     # --- one cell -------------------------------------------------------------------------------------------------
 
     def _is_size(self, sheet: Sheet, row: int, column: int, headed: Table | None = None, whole: bool = False) -> bool:
-        """Whether a cell holds a number of the size of a diameter; in the unit of its heading, where that has one."""
+        """Return whether a cell holds a number of the size of a diameter, in its heading's unit where that has one."""
         cell = sheet.cell(row, column)
         values = numbers_of(cell)
         if not values:
@@ -253,7 +253,7 @@ class Account:
         return any(self._sizes.near(value, units) for value in values)
 
     def _is_labelled(self, sheet: Sheet, row: int, column: int) -> bool:
-        """Outside of the tables: a number behind words for another quantity, or a count behind any others."""
+        """Return whether a number outside of the tables is another quantity or a count, by the words before it."""
         label = next(
             (
                 cell
@@ -270,7 +270,7 @@ class Account:
         return bool(words & _QUANTITY) or is_whole(sheet.cell(row, column))
 
     def _looks_read(self, sheet: Sheet, row: int) -> bool:
-        """Whether a row outside of every table says what a diameter is of."""
+        """Return whether a row outside of every table says what a diameter is of."""
         done = self._done[sheet.name]
         cells = [cell for column, cell in enumerate(sheet.rows[row]) if (row, column) not in done]
         texts = [text_of(cell) for cell in cells if not is_blank(cell)]
@@ -298,25 +298,25 @@ def _role(table: Table, index: int) -> Role | None:
 
 
 def _units(table: Table, index: int) -> tuple[Unit, ...]:
-    """The unit that a heading states; "Micrometer" alone is the instrument."""
+    """Return the unit that a heading states; "Micrometer" alone is the instrument."""
     rest, unit = split_unit(table.heading(index))
     return () if unit is None or not rest.strip() else (unit,)
 
 
 def _is_headed(table: Table) -> bool:
-    """Whether every column that was read says by a word of its own that it holds diameters."""
+    """Return whether every column that was read says by a word of its own that it holds diameters."""
     return all(any(word in _MEASURED for word in letters(column.heading)) for column in table.header.values)
 
 
 def _says_other(table: Table, index: int) -> bool:
-    """Whether a heading says in a word what its column holds, and not that it is a reading."""
+    """Return whether a heading says in a word what its column holds, and not that it is a reading."""
     words = letters(split_unit(table.heading(index))[0])
     others = [word for word in words if len(word) > 2 and word not in _DIMENSION]
     return bool(others) and not any(word in _MEASURED for word in words)
 
 
 def _in_another_unit(table: Table, index: int) -> bool:
-    """Whether a heading states a unit that is none of length: "RH [%]", "Mass [g]"."""
+    """Return whether a heading states a unit that is none of length: "RH [%]", "Mass [g]"."""
     heading = table.heading(index)
     return re.search(r"\[[^\]\d]+\]", heading) is not None and split_unit(heading)[1] is None
 
@@ -331,7 +331,7 @@ def _heading_place(table: Table, index: int) -> Place:
 
 
 def _lacks_value(rows: Rows, row: int) -> bool:
-    """Whether a row leaves one of its diameters empty."""
+    """Return whether a row leaves one of its diameters empty."""
     sheet = rows.table.sheet
     return any(
         all(is_blank(sheet.cell(row, column.index)) for column in group.values()) for group in rows.columns.groups

@@ -58,7 +58,7 @@ class DiameterCell:
 
 @dataclass
 class Converted:
-    """Readings, and what was found on the way to them."""
+    """Readings, their units, and the problems and messages that came up."""
 
     readings: list[Reading] = field(default_factory=list)
     units: list[str] = field(default_factory=list)  # names in order of appearance
@@ -67,15 +67,15 @@ class Converted:
     messages: list[Message] = field(default_factory=list)
 
 
-def convert(found: Sequence[DiameterCell], controller: Controller, headings: Place) -> Converted:
-    """Readings from diameters as written; ``headings`` is the place to name where the unit is missing."""
+def convert(entries: Sequence[DiameterCell], controller: Controller, headings: Place) -> Converted:
+    """Convert diameters as written into readings; ``headings`` is the place to name where the unit is missing."""
     result = Converted()
-    unitless = [entry for entry in found if entry.raw.unit is None]
+    unitless = [entry for entry in entries if entry.raw.unit is None]
     assumed = _assumed_unit(unitless, controller, headings, result) if unitless else None
     result.unit_assumed = assumed is not None
     taken: dict[tuple[object, int], Reading] = {}
     counted: dict[object, int] = defaultdict(int)
-    for entry in found:
+    for entry in entries:
         key, raw = entry.key, entry.raw
         unit = raw.unit or assumed
         if unit is None or not _agrees(raw, unit, result.problems):
@@ -142,7 +142,7 @@ def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> Re
 def _assumed_unit(
     unitless: Sequence[DiameterCell], controller: Controller, headings: Place, result: Converted
 ) -> Unit | None:
-    """The unit in which the diameters come near the nominal ones."""
+    """Return the unit in which the diameters come near the nominal ones."""
     ratios = []
     for entry in unitless:
         land = controller.land_of_plane(entry.key.component, entry.key.plane)

@@ -23,7 +23,7 @@ _SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, 
 
 
 def plain(text: object) -> str:
-    """Lower case, no accents, single spaces: for comparing words.
+    """Return a text in lower case, without accents, with single spaces: for comparing words.
 
     >>> plain("Średnica\\n Tłoka")
     'srednica tloka'
@@ -49,7 +49,7 @@ class Vocabulary:
         return word in self._words or (bool(self._stems) and word.startswith(self._stems))
 
     def __rand__(self, words: Iterable[str]) -> set[str]:
-        """Those of the words that have this meaning: ``words & vocabulary("diameter")``."""
+        """Return those of the words that have this meaning: ``words & vocabulary("diameter")``."""
         return {word for word in words if word in self}
 
 
@@ -60,7 +60,7 @@ def _vocabularies() -> dict[str, dict[str, list[str]]]:
 
 @lru_cache(maxsize=64)
 def vocabulary(*meanings: str) -> Vocabulary:
-    """The words for one or several meanings of ``vocabulary.toml``.
+    """Return the words for one or several meanings of ``vocabulary.toml``.
 
     >>> {"solldurchmesser", "mm"} & vocabulary("specification", "specification_title")
     {'solldurchmesser'}
@@ -77,7 +77,7 @@ SPECIFICATIONS = vocabulary("specification", "specification_title")
 
 @lru_cache(maxsize=4096)
 def says_specification(text: str) -> bool:
-    """Whether a cell says, and says nothing else, that its row is what a diameter should be.
+    """Return whether a cell says, and says nothing else, that its row is what a diameter should be.
 
     >>> says_specification("Nominal"), says_specification("Soll-Ø"), says_specification("nominal, but worn")
     (True, True, False)
@@ -91,14 +91,14 @@ _ABSENT = frozenset(("", *map(plain, _listed("absent"))))
 
 
 def is_blank(cell: Cell) -> bool:
-    """Whether nothing was measured here: an empty cell, a dash, "n/a"."""
+    """Return whether nothing was measured here: an empty cell, a dash, "n/a"."""
     if isinstance(cell, str):
         return not cell or plain(cell) in _ABSENT
     return cell is None
 
 
 def text_of(cell: Cell) -> str:
-    """A cell as the label it is: 8.0 → "8", primes as one sign.
+    """Return a cell as the label it is: 8.0 → "8", primes as one sign.
 
     >>> text_of(8.0), text_of(" 12′ ")
     ('8', "12'")
@@ -110,7 +110,7 @@ def text_of(cell: Cell) -> str:
 
 
 def number(cell: Cell) -> tuple[float, Unit | None]:
-    """A cell's number and the unit written behind it, if any. The caller has seen that it is not blank.
+    """Return a cell's number and the unit behind it, if any. The caller has seen that it is not blank.
 
     Raises
     ------
@@ -140,11 +140,11 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
 
 
 def _split_unit(text: str) -> tuple[str, Unit | None]:
-    found = _NUMBER_AND_UNIT.fullmatch(text)
-    if found is None:
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    if match is None:
         return text, None
-    written = find_unit(found[2], "length")
-    return (found[1], written) if written else (text, None)
+    written = find_unit(match[2], "length")
+    return (match[1], written) if written else (text, None)
 
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
@@ -155,13 +155,13 @@ _PART_OR_OTHER = vocabulary("part_or_other")
 
 
 def part_words() -> list[str]:
-    """The words a sheet may use for a part."""
+    """Return the words a sheet may use for a part."""
     return [word for word in _PART_WORDS if len(word) > _SINGLE_LETTERS]
 
 
 @lru_cache(maxsize=4096)
 def part_of(text: str) -> Part | None:
-    """The part a cell names, or None.
+    """Return the part a cell names, or None.
 
     >>> part_of("Spool"), part_of("Bohrung"), part_of("opening (sleeve)"), part_of("D"), part_of("d")
     ('spool', 'sleeve', 'sleeve', 'sleeve', 'spool')
@@ -175,7 +175,7 @@ def part_of(text: str) -> Part | None:
 
 @lru_cache(maxsize=4096)
 def part_in(text: str) -> Part | None:
-    """The one part a title speaks of, or None.
+    """Return the one part a title speaks of, or None.
 
     >>> part_in("Pistons, 20 °C"), part_in("Valve body 12"), part_in("spools and sleeves")
     ('spool', None, None)
@@ -191,7 +191,7 @@ _DIRECTIONS = {
 
 
 def direction_of(cell: Cell) -> float | None:
-    """The angle [°] from 0 to below 180 that a cell names, or None: a diameter at 270° is the one at 90°.
+    """Return the angle [°] from 0 to below 180 that a cell names, or None: 270° is the same diameter as 90°.
 
     >>> direction_of("90°"), direction_of("y1-y2"), direction_of("II"), direction_of(270), direction_of("up")
     (90.0, 90.0, 90.0, 90.0, None)
@@ -202,29 +202,29 @@ def direction_of(cell: Cell) -> float | None:
     if text in _DIRECTIONS:
         return _DIRECTIONS[text]
     # NFKD leaves ° as it is and turns º into o
-    found = re.fullmatch(r"([+\-]?\d+(?:[.,]\d+)?)(?:°|o|deg|degree|degrees|grad|st|stopni)?", text)
-    if found is None:
+    match = re.fullmatch(r"([+\-]?\d+(?:[.,]\d+)?)(?:°|o|deg|degree|degrees|grad|st|stopni)?", text)
+    if match is None:
         return None
-    return float(found[1].replace(",", ".")) % 180.0
+    return float(match[1].replace(",", ".")) % 180.0
 
 
 _ROMAN = {"i": "1", "ii": "2", "iii": "3", "iv": "4", "v": "5"}
 
 
 def repeat_of(cell: Cell) -> int | None:
-    """The number of a repeat, or None.
+    """Return the number of a repeat, or None.
 
     >>> repeat_of(2.0), repeat_of("No. 2"), repeat_of("II"), repeat_of("1.5")
     (2, 2, 2, None)
     """
     text = plain(text_of(cell))
-    found = re.fullmatch(r"[a-z#]*[ .#]*([0-9]{1,4})\.?", text)
-    return int(found[1] if found else _ROMAN.get(text, "0")) or None
+    match = re.fullmatch(r"[a-z#]*[ .#]*([0-9]{1,4})\.?", text)
+    return int(match[1] if match else _ROMAN.get(text, "0")) or None
 
 
 @lru_cache(maxsize=16384)
 def number_of(text: str) -> float | None:
-    """The number that a text is, or None."""
+    """Return the number that a text is, or None."""
     try:
         return number(text)[0]
     except ReadingsError:
@@ -239,7 +239,7 @@ _IN_TEXT = re.compile(
 
 @lru_cache(maxsize=16384)
 def numbers_in(text: str) -> tuple[float, ...]:
-    """The number that a text is, or the diameters that are mentioned in it.
+    """Return the number that a text is, or the diameters that are mentioned in it.
 
     >>> numbers_in("17,998 mm"), numbers_in("was 17.991 before"), numbers_in("12.05.2026")
     ((17.998,), (17.991,), ())
@@ -247,11 +247,11 @@ def numbers_in(text: str) -> tuple[float, ...]:
     whole = number_of(text)
     if whole is not None:
         return (whole,)
-    return tuple(float(found[1].replace(",", ".")) for found in _IN_TEXT.finditer(text))
+    return tuple(float(match[1].replace(",", ".")) for match in _IN_TEXT.finditer(text))
 
 
 def plane_names(cell: Cell) -> list[str]:
-    """Spellings under which a controller may know the plane that a cell names, the literal one first.
+    """Return the names by which a controller may know the plane in a cell, the literal one first.
 
     >>> plane_names("Plane II")
     ['Plane II', 'II', '2']
@@ -268,7 +268,7 @@ def plane_names(cell: Cell) -> list[str]:
 
 
 def at(place: Place, error: ReadingsError) -> ReadingsError:
-    """The same error, now with its place."""
+    """Return the same error with its place."""
     return ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)
 
 
@@ -278,7 +278,7 @@ _LETTERS = re.compile(r"[^\W\d_]+")
 
 
 def letters(text: object) -> list[str]:
-    """The words of a text, folded, without its numbers and signs."""
+    """Return the words of a text, folded, without its numbers and signs."""
     return _LETTERS.findall(plain(text))
 
 
@@ -295,7 +295,7 @@ _SUMMARY_SIGNS = {"ø", "⌀", "∅", "x̄", "x̅", "x̿", "x-bar", "x bar", "x 
 
 
 def summary_of(cell: Cell, *, key: bool = False) -> Summary | None:
-    """Whether a row with this label holds a mean or a sum of others, in place of a reading.
+    """Return whether a row with this label holds a mean or a sum of others, in place of a reading.
 
     ``key`` is for cells that should say a component, part, plane, direction or repeat and do not: there one such word
     is enough ("accumulator Average"). Elsewhere, in remarks, nothing else may be said.
@@ -331,7 +331,8 @@ _YES = vocabulary("yes")
 
 
 def says_no(cell: Cell) -> bool:
-    """
+    """Return whether a cell says no, or that its row does not count.
+
     >>> says_no("Nein"), says_no(False), says_no(0.0), says_no("ok")
     (True, True, True, False)
     """
@@ -340,7 +341,8 @@ def says_no(cell: Cell) -> bool:
 
 
 def says_yes(cell: Cell) -> bool:
-    """
+    """Return whether a cell says yes, or that its row does not count.
+
     >>> says_yes("tak"), says_yes("x"), says_yes("rejected"), says_yes("")
     (True, True, True, False)
     """
@@ -349,7 +351,7 @@ def says_yes(cell: Cell) -> bool:
 
 
 def is_rejected(cell: Cell) -> bool:
-    """Whether a remark strikes its row out: nothing but a word for it.
+    """Return whether a remark strikes its row out: it is nothing but a word for it.
 
     >>> is_rejected("Ausreißer"), is_rejected("do not use!"), is_rejected("no outlier")
     (True, True, False)
@@ -371,7 +373,7 @@ _STATE_VALUE = re.compile(
 
 
 def is_state(cell: Cell) -> bool:
-    """Whether a cell says a time, a mileage or a state.
+    """Return whether a cell says a time, a mileage or a state.
 
     >>> is_state("November"), is_state("90 000 km"), is_state("przed"), is_state("scratched")
     (True, True, True, False)
@@ -384,7 +386,7 @@ _ORDINALS = {"st", "nd", "rd", "th"}
 
 
 def is_repeat_title(text: str) -> bool:
-    """Whether a title over a block of rows numbers a repeat, and says nothing else.
+    """Return whether a title over a block of rows numbers a repeat, and says nothing else.
 
     >>> is_repeat_title("2nd measurement"), is_repeat_title("Messung 2:"), is_repeat_title("Messung Mai")
     (True, True, False)
@@ -401,7 +403,7 @@ _PAGES = vocabulary("page")
 
 
 def is_page_title(text: str) -> bool:
-    """Whether a line only counts the pages.
+    """Return whether a line only counts the pages.
 
     >>> is_page_title("Page 2 of 3"), is_page_title("Seite 2"), is_page_title("November")
     (True, True, False)

@@ -12,7 +12,7 @@ from atleak.intake.workbook_marks import Marks
 
 
 def read_workbook(data: bytes, file: str) -> list[Sheet]:
-    """All worksheets of a workbook.
+    """Read all worksheets of a workbook.
 
     Raises
     ------
@@ -23,14 +23,14 @@ def read_workbook(data: bytes, file: str) -> list[Sheet]:
     return [
         Sheet(
             file=file,
-            name=found["name"],
-            rows=found["rows"],
-            merged=_merged(found["merged"]),
-            faults=found["faults"],
-            hidden=found["hidden"],
-            marks=Marks(**found["marks"]),
+            name=worksheet["name"],
+            rows=worksheet["rows"],
+            merged=_merged(worksheet["merged"]),
+            faults=worksheet["faults"],
+            hidden=worksheet["hidden"],
+            marks=Marks(**worksheet["marks"]),
         )
-        for found in read_apart(measuring_sheets, data, file, ReadingsError, WORKBOOK, stray_cells)
+        for worksheet in read_apart(measuring_sheets, data, file, ReadingsError, WORKBOOK, stray_cells)
     ]
 
 

@@ -20,7 +20,6 @@ import typst
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
-from atleak.marks import KEYWORD
 from atleak.paper import DEFAULT_PAPER, Paper, find_paper
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.body import BARS, Body, chosen_sections
@@ -29,6 +28,7 @@ from atleak.report.pdf.front import Front
 from atleak.report.pdf.pictures import write_pictures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import FONTS, Bar, glyphs, road_chart, shares_chart
+from atleak.system.marks import KEYWORD
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record

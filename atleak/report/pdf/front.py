@@ -81,11 +81,15 @@ class Front:
             flagged=len(diagnosis.flagged),
             repair=sum(land.verdict.calls_for_repair for land in diagnosis.lands),
             watch=sum(land.verdict.flagged and not land.verdict.calls_for_repair for land in diagnosis.lands),
-            measured=diagnosis.measured,
+            measured=diagnosis.judged,
         )
-        more = [say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0))] if at.pump_capacity > 0.0 else []
+        more = []
+        if decided_by is not None and not isinstance(decided_by, Rule):
+            more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
+        if at.pump_capacity > 0.0:
+            more.append(say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0)))
         missing = len(diagnosis.lands) - diagnosis.measured
-        if missing and diagnosis.measured:
+        if missing and diagnosis.judged:
             more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))
         return {
             "key": diagnosis.verdict,

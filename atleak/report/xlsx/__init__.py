@@ -13,11 +13,11 @@ import xlsxwriter
 
 from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
-from atleak.marks import PROPERTY, sealed, unsealed
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.live import LiveSheets, write_readings
 from atleak.report.xlsx.sheets import Sheets
+from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
 

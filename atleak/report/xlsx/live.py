@@ -51,10 +51,11 @@ class LiveSheets:
         self.book, self.diagnosis, self.record = book, diagnosis, record
         self.lands = diagnosis.lands
         self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
-        first = diagnosis.projection
-        self.conditions = [SheetCondition(first, "stated", "Gaps", "stated condition")]
-        if diagnosis.hot_idle is not None and diagnosis.hot_idle is not first:
-            self.conditions.append(SheetCondition(diagnosis.hot_idle, "hot_idle", "Gaps hot idle", "hot idle"))
+        self.conditions = [SheetCondition(diagnosis.projection, "stated", "Gaps", "stated condition")]
+        for projection in diagnosis.reported[1:]:
+            name = projection.condition.name
+            title = name.replace("_", " ")
+            self.conditions.append(SheetCondition(projection, name, f"Gaps {title}"[:31], title))
         self.gaps = {at.prefix: self._by_land(at.projection.gaps) for at in self.conditions}
         self.rule_rows = self._rule_rows()
         self.limit_cells: dict[tuple[RuleKind, Level], str] = {}  # their addresses in the sheet of limits

@@ -86,9 +86,12 @@ class Sheets:
         total = f"At “{worst.condition.label}” leakage takes {share} ({diagnosis.band(worst)})."
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
-        lands = f"{len(flagged)} of {diagnosis.measured} measured lands have reached a limit"
+        lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
         if isinstance(decided_by, Rule):
             return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
+        if decided_by is not None:
+            component, number = decided_by.key
+            lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"
         return f"{signed(diagnosis.verdict)}: {lands}. {total}"
 
     def _totals(self, sheet: Worksheet, row: int) -> int:

@@ -8,8 +8,8 @@ import pytest
 from rich.table import Table
 from rich.text import Text
 
-from atleak.printable import PrintableStream
 from atleak.report.terminal import TerminalConsole, print_table
+from atleak.system.printable import PrintableStream
 
 
 def test_counts_in_a_table_are_numbers(capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from atleak.errors import OutputError, Place
-from atleak.files import PRIVATE, replace_file
 from atleak.intake.road_test.names.matching import words
+from atleak.system.files import PRIVATE, replace_file
 
 _PATIENCE = 30  # [s] to wait for other writers
 _POLL = 0.01  # [s]

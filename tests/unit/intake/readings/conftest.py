@@ -123,7 +123,7 @@ def example() -> Controller:
 
 
 def _typed(cell: str) -> str | float | None:
-    """As a spreadsheet program takes what is typed: a number where it can be one."""
+    """Return what a spreadsheet program makes of a typed text: a number where it can be one."""
     try:
         return float(cell.replace(",", ".")) if cell else None
     except ValueError:
@@ -132,7 +132,7 @@ def _typed(cell: str) -> str | float | None:
 
 @pytest.fixture
 def filled_in() -> Callable[..., bytes]:
-    """A sheet written with semicolons as a text file, or as a workbook; several by name as a workbook."""
+    """Return a sheet written with semicolons as a text file, or as a workbook; several by name as a workbook."""
 
     def build(sheets: str | dict[str, str], form: str) -> bytes:
         if form == "text":
@@ -151,7 +151,7 @@ def filled_in() -> Callable[..., bytes]:
 
 @pytest.fixture
 def tidy() -> Callable[..., list[Row]]:
-    """Headings and both parts of component 6, land 1, two directions, two repeats, all as they should be.
+    """Return headings and both parts of component 6, land 1, two directions, two repeats, all as they should be.
 
     ``changed`` replaces rows by their index (0 is the first under the headings), ``added`` puts some at the end.
     """
@@ -176,7 +176,7 @@ def tidy() -> Callable[..., list[Row]]:
 
 @pytest.fixture
 def refused(controller: Controller) -> Callable[..., ReadingsRefused]:
-    """Reads what must be refused and hands back the error."""
+    """Read what must be refused and return the error."""
 
     def read(data: bytes | Path, **options: Any) -> ReadingsRefused:
         with pytest.raises(ReadingsRefused) as caught:

@@ -1,4 +1,4 @@
-"""What a sheet says twice must agree, or it is told."""
+"""What a sheet says twice must agree; where it does not, a message says so."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def read(controller, *lines):
     return read_readings("\n".join(lines).encode(), controller, name="sheet.csv")
 
 
-def warnings(found, code):
-    return [(message.place.row, message.text) for message in found.messages if message.code == code]
+def warnings(readings, code):
+    return [(message.place.row, message.text) for message in readings.messages if message.code == code]
 
 
 WIDE = {
@@ -41,40 +41,40 @@ WIDE = {
     ],
 )
 def test_a_clearance_that_contradicts_the_diameters_beside_it(controller, language, heading, right, wrong, says, makes):
-    found = read(
+    readings = read(
         controller,
         WIDE[language] + heading,
         f"accumulator;1;17.998;18.041;{right}",
         f"tcc_regulator;1;10.979;11.033;{wrong}",
     )
-    assert len(found.readings) == 4
+    assert len(readings.readings) == 4
     text = f"row 3: column {heading!r} says {says}, and the diameters make {makes}: a slip in one of them"
-    assert warnings(found, "clearance_disagrees") == [(3, text)]
+    assert warnings(readings, "clearance_disagrees") == [(3, text)]
 
 
 @pytest.mark.parametrize(
     "heading", ["Mounting clearance [µm]", "Clearance max [µm]", "Sollspiel [µm]", "Luz nominalny [µm]"]
 )
 def test_a_clearance_that_is_not_of_these_diameters(controller, heading):
-    found = read(controller, WIDE["en"] + heading, "accumulator;1;17.998;18.041;20")
-    assert warnings(found, "clearance_disagrees") == []
+    readings = read(controller, WIDE["en"] + heading, "accumulator;1;17.998;18.041;20")
+    assert warnings(readings, "clearance_disagrees") == []
 
 
 def test_a_clearance_beside_the_bore_of_a_tidy_table(controller):
-    found = read(
+    readings = read(
         controller,
         "Valve;Land;Part;Diameter [mm];Clearance [mm]",
         *("accumulator;1;piston;17.998;", "accumulator;1;bore;18.041;0.063"),
     )
-    assert [row for row, _ in warnings(found, "clearance_disagrees")] == [3]
+    assert [row for row, _ in warnings(readings, "clearance_disagrees")] == [3]
 
 
 def test_many_contradictions_are_counted(controller):
     rows = [f"accumulator;1;{17.998 - index / 1000:.3f};18.041;99" for index in range(8)]
-    found = read(controller, WIDE["en"] + "Clearance [µm]", *rows)
-    told = warnings(found, "clearance_disagrees")
-    assert len(told) == 6
-    assert told[-1][1].startswith("3 more rows")
+    readings = read(controller, WIDE["en"] + "Clearance [µm]", *rows)
+    disagreements = warnings(readings, "clearance_disagrees")
+    assert len(disagreements) == 6
+    assert disagreements[-1][1].startswith("3 more rows")
 
 
 @pytest.mark.parametrize(
@@ -86,21 +86,21 @@ def test_many_contradictions_are_counted(controller):
     ],
 )
 def test_a_column_of_means(controller, headings, part, mean):
-    found = read(
+    readings = read(
         controller,
         f"{headings};{mean}",
         f"accumulator;1;{part};18.041;18.043;18.042",
         f"tcc_regulator;1;{part};11.033;11.035;11.044",
     )
-    ((row, text),) = warnings(found, "mean_disagrees")
+    ((row, text),) = warnings(readings, "mean_disagrees")
     assert row == 3
     assert "says 11.044 mm, and the diameters make 11.034 mm" in text
 
 
 def test_a_mean_over_directions_in_its_first_row(controller):
     rows = ["accumulator;1;bore;0;18.041;18.043", "accumulator;1;bore;90;18.045;"]
-    found = read(controller, "Valve;Land;Part;Direction;Diameter [mm];Mean [mm]", *rows)
-    assert warnings(found, "mean_disagrees") == []
+    readings = read(controller, "Valve;Land;Part;Direction;Diameter [mm];Mean [mm]", *rows)
+    assert warnings(readings, "mean_disagrees") == []
 
 
 @pytest.mark.parametrize(
@@ -108,28 +108,30 @@ def test_a_mean_over_directions_in_its_first_row(controller):
 )
 def test_a_correction_is_not_applied_and_that_is_said(controller, heading):
     headings = f"Valve;Land;Part;Diameter [mm];{heading}"
-    found = read(controller, headings, "accumulator;1;piston;17.998;2", "accumulator;1;bore;18.041;0")
-    assert [round(reading.diameter * 1e3, 6) for reading in found.readings] == [17.998, 18.041]
-    ((row, text),) = warnings(found, "correction_not_applied")
+    readings = read(controller, headings, "accumulator;1;piston;17.998;2", "accumulator;1;bore;18.041;0")
+    assert [round(reading.diameter * 1e3, 6) for reading in readings.readings] == [17.998, 18.041]
+    ((row, text),) = warnings(readings, "correction_not_applied")
     assert (row, "not applied" in text) == (2, True)
-    found = read(controller, headings, "accumulator;1;piston;17.998;0", "accumulator;1;bore;18.041;0.0")
-    assert warnings(found, "correction_not_applied") == []
+    readings = read(controller, headings, "accumulator;1;piston;17.998;0", "accumulator;1;bore;18.041;0.0")
+    assert warnings(readings, "correction_not_applied") == []
 
 
-@pytest.mark.parametrize(("line", "told"), [("Ring error: +2 µm", 1), ("Korrektur;-0,001", 1), ("Ring error;0.000", 0)])
-def test_a_correction_above_the_table(controller, line, told):
-    found = read(controller, line, "Valve;Land;Part;Diameter [mm]", "accumulator;1;piston;17.998")
-    assert len(warnings(found, "correction_not_applied")) == told
+@pytest.mark.parametrize(
+    ("line", "count"), [("Ring error: +2 µm", 1), ("Korrektur;-0,001", 1), ("Ring error;0.000", 0)]
+)
+def test_a_correction_above_the_table(controller, line, count):
+    readings = read(controller, line, "Valve;Land;Part;Diameter [mm]", "accumulator;1;piston;17.998")
+    assert len(warnings(readings, "correction_not_applied")) == count
 
 
 def test_a_corrected_diameter_needs_no_word(controller):
-    found = read(
+    readings = read(
         controller,
         "Valve;Land;Part;Indicated [mm];Correction [µm];Corrected [mm]",
         "accumulator;1;piston;17.996;2;17.998",
     )
-    assert [round(reading.diameter * 1e3, 6) for reading in found.readings] == [17.998]
-    assert warnings(found, "correction_not_applied") == []
+    assert [round(reading.diameter * 1e3, 6) for reading in readings.readings] == [17.998]
+    assert warnings(readings, "correction_not_applied") == []
 
 
 @pytest.mark.parametrize(
@@ -158,8 +160,8 @@ def test_a_sheet_of_another_controller_is_refused(controller, line):
     ],
 )
 def test_a_sheet_that_names_this_controller_or_none(controller, line):
-    found = read(controller, line, "Valve;Land;Part;Diameter [mm]", "accumulator;1;piston;17.998")
-    assert len(found.readings) == 1
+    readings = read(controller, line, "Valve;Land;Part;Diameter [mm]", "accumulator;1;piston;17.998")
+    assert len(readings.readings) == 1
 
 
 def test_the_form_of_another_controller_is_refused(controller):

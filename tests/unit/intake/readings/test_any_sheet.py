@@ -1,4 +1,4 @@
-"""What must not change the readings does not."""
+"""Changes to a sheet that must not change its readings do not change them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PAIRS = (("6", "1", 9.939), ("6", "2", 9.942), ("8", "1", 10.0), ("8", "2", 10.0
 
 @st.composite
 def sheets(draw):
-    """Rows of a sheet in mm: some planes, each with both parts, one or two directions, one to three repeats."""
+    """Draw rows of a sheet in mm: some planes, each with both parts, one or two directions, one to three repeats."""
     rows = []
     for component, plane, nominal in draw(st.lists(st.sampled_from(PAIRS), min_size=1, unique=True)):
         for part, low, high in (("spool", -20, 5), ("sleeve", 20, 120)):
@@ -42,8 +42,8 @@ def as_text(
     return "\n".join(delimiter.join(line) for line in lines).encode()
 
 
-def diameters(found):
-    return {(one.component, one.part, one.plane, one.direction, one.repeat): one.diameter for one in found.readings}
+def diameters(readings):
+    return {(one.component, one.part, one.plane, one.direction, one.repeat): one.diameter for one in readings.readings}
 
 
 @pytest.mark.parametrize(
@@ -89,41 +89,41 @@ def mean(values):
 
 @given(rows=sheets())
 def test_clearances_are_means_of_means_in_thousandths(controller, rows):
-    """Against the same in integers: repeats, then directions, then planes."""
-    for found in clearances(read_readings(as_text(rows), controller), controller):
+    """Compare with means computed from whole micrometres: over repeats, then directions, then planes."""
+    for gap in clearances(read_readings(as_text(rows), controller), controller):
         part_means = {}
         for part in ("spool", "sleeve"):
             planes = []
-            for plane in found.land.planes:
-                mine = [row for row in rows if row[:3] == (found.land.component, part, plane)]
+            for plane in gap.land.planes:
+                mine = [row for row in rows if row[:3] == (gap.land.component, part, plane)]
                 angles = sorted({row[3] for row in mine})
                 if angles:
                     planes.append(mean([mean([row[5] for row in mine if row[3] == angle]) for angle in angles]))
             if planes:
                 part_means[part] = mean(planes)
-        assert found.measured == bool(part_means)
+        assert gap.measured == bool(part_means)
         if part_means:
-            assert found.spool_diameter == pytest.approx(part_means["spool"] * 1e-6, rel=1e-12, abs=0.0)
-            assert found.sleeve_diameter == pytest.approx(part_means["sleeve"] * 1e-6, rel=1e-12, abs=0.0)
-            assert found.radial_clearance == pytest.approx(
+            assert gap.spool_diameter == pytest.approx(part_means["spool"] * 1e-6, rel=1e-12, abs=0.0)
+            assert gap.sleeve_diameter == pytest.approx(part_means["sleeve"] * 1e-6, rel=1e-12, abs=0.0)
+            assert gap.radial_clearance == pytest.approx(
                 (part_means["sleeve"] - part_means["spool"]) * 0.5e-6, rel=1e-9, abs=0.0
             )
             same_planes = all(
-                len({row[3] for row in rows if row[:3] == (found.land.component, part, plane)}) == 2
+                len({row[3] for row in rows if row[:3] == (gap.land.component, part, plane)}) == 2
                 for part in part_means
-                for plane in found.land.planes
+                for plane in gap.land.planes
             )
             if same_planes:
-                assert found.min_clearance - 1e-15 <= found.radial_clearance <= found.max_clearance + 1e-15
+                assert gap.min_clearance - 1e-15 <= gap.radial_clearance <= gap.max_clearance + 1e-15
 
 
 @given(rows=sheets(), blank_rows=st.booleans())
 def test_a_sheet_that_is_written_reads_back(controller, rows, blank_rows):
-    found = read_readings(as_text(rows), controller)
-    again = read_readings(write_readings(controller, found.readings, blank_rows=blank_rows), controller)
-    assert diameters(again).keys() == diameters(found).keys()
+    readings = read_readings(as_text(rows), controller)
+    again = read_readings(write_readings(controller, readings.readings, blank_rows=blank_rows), controller)
+    assert diameters(again).keys() == diameters(readings).keys()
     assert not [message for message in again.messages if message.code == "column_aside"]
-    for key, diameter in diameters(found).items():
+    for key, diameter in diameters(readings).items():
         assert math.isclose(diameters(again)[key], diameter, rel_tol=1e-12)
 
 
@@ -140,14 +140,14 @@ def test_a_sheet_with_anything_in_it_is_read_or_refused_with_a_reason(controller
         line += [""] * (column + 1 - len(line))
         line[column] = value
     data = "\n".join(";".join(line) for line in cells).encode("utf-8", "replace")
-    found, refusal = read_or_refuse(data, controller)
+    readings, refusal = read_or_refuse(data, controller)
     if refusal is not None:
         assert refusal.place.file == "readings"
         assert refusal.problem
         assert str(refusal)
     else:
-        assert all(0.004 < reading.diameter < 0.03 for reading in found.readings)
-        assert all(state.radial_clearance >= 0.0 for state in clearances(found, controller))
+        assert all(0.004 < reading.diameter < 0.03 for reading in readings.readings)
+        assert all(state.radial_clearance >= 0.0 for state in clearances(readings, controller))
 
 
 def read_or_refuse(data, controller):
@@ -169,7 +169,7 @@ KEY_CELLS = {"component": "6", "part": "spool", "plane": "1", "Ring": "A3", "No.
 
 @st.composite
 def further_tables(draw):
-    """Lines of a table with numbers of the size of a diameter in it, with or without title, headings and keys."""
+    """Draw lines of a table with numbers of the size of a diameter in it, with or without title, headings and keys."""
     keys, headings = draw(KEY_HEADINGS), draw(st.lists(st.sampled_from(ANYTHING), min_size=1, max_size=3))
     count = draw(st.integers(1, 3))
     lines = [[title] for title in [draw(TITLES)] if title]
@@ -183,9 +183,9 @@ def numbers_on(lines):
     return sum(bool(re.fullmatch(r"\d+\.\d{3}", cell)) for line in lines for cell in line)
 
 
-def numbers_named(found):
-    """How many numbers the messages name, of those that are left aside or were not read."""
-    texts = [message.text for message in found.messages if message.code.endswith(("_aside", "not_read"))]
+def numbers_named(readings):
+    """Count the numbers that messages name as left aside or not read."""
+    texts = [message.text for message in readings.messages if message.code.endswith(("_aside", "not_read"))]
     more = sum(int(count) for text in texts for count in re.findall(r" and (\d+) more", text))
     return more + sum(len(re.findall(r"\(row \d+\)", text)) for text in texts)
 
@@ -194,8 +194,8 @@ def original(rows):
     return {(*row[:3], float(row[3]), row[4]): row[5] for row in rows}
 
 
-def microns(found):
-    return {key: round(diameter * 1e6) for key, diameter in diameters(found).items()}
+def microns(readings):
+    return {key: round(diameter * 1e6) for key, diameter in diameters(readings).items()}
 
 
 @given(rows=sheets(), extra=further_tables(), where=st.sampled_from(["above", "below", "beside"]))
@@ -208,10 +208,10 @@ def test_no_number_of_another_table_is_lost(controller, rows, extra, where):
         lines = [[*left, "", *right] for left, right in beside]
     else:
         lines = [*extra, *lines] if where == "above" else [*lines, [], *extra]
-    found, refusal = read_or_refuse("\n".join(";".join(line) for line in lines).encode(), controller)
+    readings, refusal = read_or_refuse("\n".join(";".join(line) for line in lines).encode(), controller)
     if refusal is None:
-        assert numbers_on(lines) == len(found.readings) + numbers_named(found)
-        assert original(rows).items() <= microns(found).items()
+        assert numbers_on(lines) == len(readings.readings) + numbers_named(readings)
+        assert original(rows).items() <= microns(readings).items()
 
 
 @given(data=st.data(), rows=sheets(), heading=st.sampled_from(ANYTHING), filled=st.integers(1, 100))
@@ -221,10 +221,10 @@ def test_no_number_of_another_column_is_lost(controller, data, rows, heading, fi
     lines[0].insert(at, heading)
     for index, line in enumerate(lines[1:]):
         line.insert(at, data.draw(NEAR) if index * filled % 100 < filled else "")
-    found, refusal = read_or_refuse("\n".join(";".join(line) for line in lines).encode(), controller)
+    readings, refusal = read_or_refuse("\n".join(";".join(line) for line in lines).encode(), controller)
     if refusal is None:
-        assert numbers_on(lines) == len(found.readings) + numbers_named(found)
-        assert microns(found) == original(rows)
+        assert numbers_on(lines) == len(readings.readings) + numbers_named(readings)
+        assert microns(readings) == original(rows)
 
 
 @given(data=st.data(), rows=sheets(), heading=st.sampled_from(SPECIFICATIONS))
@@ -233,9 +233,9 @@ def test_a_specification_is_never_the_measurement(controller, data, rows, headin
     at = data.draw(st.integers(0, len(lines[0])))
     for line, cell in zip(lines, [heading, *(f"{round(row[5], -2) / 1000:.3f}" for row in rows)], strict=True):
         line.insert(at, cell)
-    found = read_readings("\n".join(";".join(line) for line in lines).encode(), controller)
-    assert microns(found) == original(rows)
-    assert any(heading in message.text for message in found.messages if message.code == "column_aside")
+    readings = read_readings("\n".join(";".join(line) for line in lines).encode(), controller)
+    assert microns(readings) == original(rows)
+    assert any(heading in message.text for message in readings.messages if message.code == "column_aside")
 
 
 def test_the_forms_own_nominal_diameters_need_no_word_and_others_do(controller):

@@ -28,12 +28,12 @@ def sheet(*lines):
     return "\n".join(lines).encode()
 
 
-def sizes(found):
-    return [(each.component, each.part, each.repeat, round(each.diameter * 1e3, 6)) for each in found.readings]
+def sizes(readings):
+    return [(each.component, each.part, each.repeat, round(each.diameter * 1e3, 6)) for each in readings.readings]
 
 
-def said(found, code):
-    return [message.text for message in found.messages if message.code == code]
+def said(readings, code):
+    return [message.text for message in readings.messages if message.code == code]
 
 
 ENGLISH, GERMAN = "Valve;Land;Part;Diameter [mm]", "Ventil;Steg;Teil;Durchmesser [mm]"
@@ -59,15 +59,15 @@ PISTON = [("accumulator", "spool", 1, 17.998), ("accumulator", "spool", 2, 17.99
 )
 def test_a_row_of_means_is_left_aside(controller, headings, part, word):
     rows = [f"accumulator;1;{part};{at};{size}" for at, size in ((1, 17.998), (2, 17.996), (word, 17.997))]
-    found = read_readings(sheet(headings, *rows), controller)
-    assert sizes(found) == PISTON
-    assert said(found, "summaries_left_aside") == ["1 row of means left aside (row 4)"]
-    assert not said(found, "summary_disagrees")
+    readings = read_readings(sheet(headings, *rows), controller)
+    assert sizes(readings) == PISTON
+    assert said(readings, "summaries_left_aside") == ["1 row of means left aside (row 4)"]
+    assert not said(readings, "summary_disagrees")
 
 
 @pytest.mark.parametrize("remark", ["mean", "Mittelwert aus 2 Messungen", "wartość średnia", "x-bar = average"])
 def test_a_remark_says_so_too(controller, remark):
-    found = read_readings(
+    readings = read_readings(
         sheet(
             "Valve;Land;Part;Diameter [mm];Remark",
             "accumulator;1;piston;17.998;",
@@ -77,9 +77,9 @@ def test_a_remark_says_so_too(controller, remark):
         controller,
     )
     if remark.startswith("x-bar"):  # more than a word for a mean
-        assert len(found.readings) == 3
+        assert len(readings.readings) == 3
     else:
-        assert sizes(found) == PISTON
+        assert sizes(readings) == PISTON
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_a_remark_says_so_too(controller, remark):
     ],
 )
 def test_subtotals_of_a_spreadsheet_program(controller, headings, part, key, grand, kind, numbers):
-    found = read_readings(
+    readings = read_readings(
         sheet(
             headings,
             f"accumulator;1;{part};17.998",
@@ -111,13 +111,13 @@ def test_subtotals_of_a_spreadsheet_program(controller, headings, part, key, gra
         ),
         controller,
     )
-    assert sizes(found) == PISTON
-    assert said(found, "summaries_left_aside") == [f"2 rows of {kind} left aside (rows 4–5)"]
-    assert not said(found, "summary_disagrees")
+    assert sizes(readings) == PISTON
+    assert said(readings, "summaries_left_aside") == [f"2 rows of {kind} left aside (rows 4–5)"]
+    assert not said(readings, "summary_disagrees")
 
 
 def test_a_mean_that_is_not_that_of_the_rows_above_it(controller):
-    found = read_readings(
+    readings = read_readings(
         sheet(
             "Valve;Land;Part;Repeat;Diameter [mm]",
             "accumulator;1;piston;1;17.998",
@@ -126,13 +126,13 @@ def test_a_mean_that_is_not_that_of_the_rows_above_it(controller):
         ),
         controller,
     )
-    assert sizes(found) == PISTON
+    assert sizes(readings) == PISTON
     text = "the mean 17.987 stands in row 4, but that of rows 2–3 is 17.997: a slip in one of them"
-    assert said(found, "summary_disagrees") == [text]
+    assert said(readings, "summary_disagrees") == [text]
 
 
 def test_a_mean_without_its_readings_is_one_reading(controller):
-    found = read_readings(
+    readings = read_readings(
         sheet(
             "Valve;Land;Part;Repeat;Diameter [mm]",
             "accumulator;1;piston;1;17.998",
@@ -141,12 +141,12 @@ def test_a_mean_without_its_readings_is_one_reading(controller):
         ),
         controller,
     )
-    assert sizes(found) == [*PISTON, ("accumulator", "sleeve", 1, 18.042)]
-    assert len(said(found, "summary_as_reading")) == 1
+    assert sizes(readings) == [*PISTON, ("accumulator", "sleeve", 1, 18.042)]
+    assert len(said(readings, "summary_as_reading")) == 1
 
 
 def test_largest_and_smallest_values_beside_their_readings(controller):
-    found = read_readings(
+    readings = read_readings(
         sheet(
             "Valve;Land;Part;Direction;Diameter [mm]",
             *("accumulator;1;piston;0;17.998", "accumulator;1;piston;90;17.996"),
@@ -154,8 +154,8 @@ def test_largest_and_smallest_values_beside_their_readings(controller):
         ),
         controller,
     )
-    assert [reading[3] for reading in sizes(found)] == [17.998, 17.996]
-    assert len(said(found, "summaries_left_aside")) == 2
+    assert [reading[3] for reading in sizes(readings)] == [17.998, 17.996]
+    assert len(said(readings, "summaries_left_aside")) == 2
 
 
 @pytest.mark.parametrize("heading", ["Measurement", "Measurement No.", "Messung", "Messung Nr.", "Pomiar", "Reading"])
@@ -163,24 +163,24 @@ def test_a_column_that_counts_is_the_repeat(controller, heading):
     rows = [
         f"{at};accumulator;1;{part};{size}" for part, size in (("piston", 17.998), ("bore", 18.041)) for at in (2, 1)
     ]
-    found = read_readings(sheet(f"{heading};Valve;Land;Part;Diameter [mm]", *rows), controller)
-    assert [reading[2] for reading in sizes(found)] == [2, 1, 2, 1]
+    readings = read_readings(sheet(f"{heading};Valve;Land;Part;Diameter [mm]", *rows), controller)
+    assert [reading[2] for reading in sizes(readings)] == [2, 1, 2, 1]
 
 
 def test_a_measurement_by_its_number_is_no_component(controller):
-    """Though the controller of the source study numbers its components."""
+    """The controller of the source study numbers its components, and yet this number names none of them."""
     study = load_controller("four_speed_2023")
     land = study.lands[0]
     name = study.components[land.component]
     size = land.nominal_diameter * 1e3
-    found = read_readings(
+    readings = read_readings(
         sheet(
             "Messung Nr.;Ventil;Ebene;Teil;Durchmesser [mm]",
             *(f"{at};{name};{land.planes[0]};Kolben;{size}" for at in (1, 2)),
         ),
         study,
     )
-    assert {reading.component for reading in found.readings} == {land.component}
+    assert {reading.component for reading in readings.readings} == {land.component}
 
 
 # --- rows that do not count -------------------------------------------------------------------------------------------
@@ -202,7 +202,7 @@ def test_a_measurement_by_its_number_is_no_component(controller):
     ],
 )
 def test_a_row_that_does_not_count_is_left_aside_and_named(controller, headings, part, heading, yes, no):
-    found = read_readings(
+    readings = read_readings(
         sheet(
             f"{headings};{heading}",
             f"accumulator;1;{part};17.998;{yes}",
@@ -211,16 +211,16 @@ def test_a_row_that_does_not_count_is_left_aside_and_named(controller, headings,
         ),
         controller,
     )
-    assert sizes(found) == PISTON
-    (text,) = said(found, "rejected_left_aside")
+    assert sizes(readings) == PISTON
+    (text,) = said(readings, "rejected_left_aside")
     assert text.startswith("1 row left aside, because")
     assert text.endswith("(row 3)")
 
 
 def test_out_of_tolerance_is_a_reading(controller):
     rows = ["accumulator;1;piston;17.998;yes", "accumulator;1;bore;18.141;no"]
-    found = read_readings(sheet("Valve;Land;Part;Diameter [mm];OK?", *rows), controller)
-    assert len(found.readings) == 2
+    readings = read_readings(sheet("Valve;Land;Part;Diameter [mm];OK?", *rows), controller)
+    assert len(readings.readings) == 2
 
 
 # --- hidden and crossed out -------------------------------------------------------------------------------------------
@@ -255,9 +255,9 @@ def hide_row(page, row=3, level=0):
 
 
 def test_rows_hidden_by_hand_are_left_aside_and_named(controller, book):
-    found = read_readings(book(TIDY, hide_row), controller)
-    assert sizes(found) == PISTON
-    assert said(found, "hidden_rows")[0].startswith("1 row with readings, hidden by hand: left aside")
+    readings = read_readings(book(TIDY, hide_row), controller)
+    assert sizes(readings) == PISTON
+    assert said(readings, "hidden_rows")[0].startswith("1 row with readings, hidden by hand: left aside")
 
 
 def test_rows_under_a_filter_are_read(controller, book):
@@ -266,15 +266,15 @@ def test_rows_under_a_filter_are_read(controller, book):
         page.auto_filter.add_filter_column(3, ["17.998"])
         hide_row(page)
 
-    found = read_readings(book(TIDY, change), controller)
-    assert [reading[3] for reading in sizes(found)] == [17.998, 17.900, 17.996]
-    assert said(found, "hidden_rows") == ["1 row with readings, hidden by a filter: read all the same (row 3)"]
+    readings = read_readings(book(TIDY, change), controller)
+    assert [reading[3] for reading in sizes(readings)] == [17.998, 17.900, 17.996]
+    assert said(readings, "hidden_rows") == ["1 row with readings, hidden by a filter: read all the same (row 3)"]
 
 
 def test_rows_of_a_folded_outline_are_read(controller, book):
-    found = read_readings(book(TIDY, lambda page: hide_row(page, level=1)), controller)
-    assert len(found.readings) == 3
-    assert "in a folded outline" in said(found, "hidden_rows")[0]
+    readings = read_readings(book(TIDY, lambda page: hide_row(page, level=1)), controller)
+    assert len(readings.readings) == 3
+    assert "in a folded outline" in said(readings, "hidden_rows")[0]
 
 
 def test_every_row_hidden(controller, book):
@@ -290,20 +290,20 @@ def test_a_hidden_column_is_not_read_while_a_visible_one_holds_the_part(controll
     def change(page):
         page.column_dimensions["D"].hidden = True
 
-    found = read_readings(book(WIDE, change), controller)
-    assert [reading[3] for reading in sizes(found)] == [17.998, 18.041]
+    readings = read_readings(book(WIDE, change), controller)
+    assert [reading[3] for reading in sizes(readings)] == [17.998, 18.041]
     text = "hidden column 'Piston 2 [mm]' left aside, because a visible column holds the same part"
-    assert said(found, "hidden_columns") == [text]
-    assert not said(found, "not_read")
+    assert said(readings, "hidden_columns") == [text]
+    assert not said(readings, "not_read")
 
 
 def test_a_hidden_column_that_alone_holds_a_part_is_read(controller, book):
     def change(page):
         page.column_dimensions["E"].hidden = True
 
-    found = read_readings(book(WIDE, change), controller)
-    assert len(found.readings) == 3
-    assert said(found, "hidden_columns")[0].startswith("hidden column 'Bore 1 [mm]' read")
+    readings = read_readings(book(WIDE, change), controller)
+    assert len(readings.readings) == 3
+    assert said(readings, "hidden_columns")[0].startswith("hidden column 'Bore 1 [mm]' read")
 
 
 @pytest.mark.parametrize("cells", ["D3", "A3"])
@@ -311,10 +311,10 @@ def test_a_crossed_out_reading_is_left_aside_and_named(controller, book, cells):
     def change(page):
         page[cells].font = Font(strike=True)
 
-    found = read_readings(book(TIDY, change), controller)
-    assert sizes(found) == PISTON
-    assert said(found, "struck_left_aside") == ["1 row with a crossed-out reading: it was left aside (row 3)"]
-    assert not said(found, "rows_not_measured")
+    readings = read_readings(book(TIDY, change), controller)
+    assert sizes(readings) == PISTON
+    assert said(readings, "struck_left_aside") == ["1 row with a crossed-out reading: it was left aside (row 3)"]
+    assert not said(readings, "rows_not_measured")
 
 
 def test_a_number_as_text_with_its_letters_crossed_out(controller, book):
@@ -328,8 +328,8 @@ def test_a_crossed_out_cell_of_a_row_with_several(controller, book):
     def change(page):
         page["D2"].font = Font(strike=True)
 
-    found = read_readings(book(WIDE, change), controller)
-    assert [reading[3] for reading in sizes(found)] == [17.998, 18.041]
+    readings = read_readings(book(WIDE, change), controller)
+    assert [reading[3] for reading in sizes(readings)] == [17.998, 18.041]
 
 
 ODS = """<?xml version="1.0" encoding="UTF-8"?>
@@ -361,11 +361,11 @@ def archive(**parts):
 
 
 def test_marks_of_an_opendocument_sheet():
-    found = marks(archive(content_xml=ODS))["Blatt"]
-    assert found.hidden_rows == {1: "by hand", 2: "by a filter", 3: "in a folded outline"}
-    assert marks(archive(content_xml=ODS.replace(' table:display="false"', "")))["Blatt"] == found
-    assert found.hidden_columns == {1, 2}
-    assert found.struck == {(4, 2)}
+    sheet_marks = marks(archive(content_xml=ODS))["Blatt"]
+    assert sheet_marks.hidden_rows == {1: "by hand", 2: "by a filter", 3: "in a folded outline"}
+    assert marks(archive(content_xml=ODS.replace(' table:display="false"', "")))["Blatt"] == sheet_marks
+    assert sheet_marks.hidden_columns == {1, 2}
+    assert sheet_marks.struck == {(4, 2)}
 
 
 def test_a_part_that_unpacks_to_too_much_is_not_looked_through(monkeypatch):

@@ -1,4 +1,4 @@
-"""Every form of measuring sheet that can be read, read."""
+"""Each form of measuring sheet that atleak knows is read."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ TABLE_1 = (
 
 
 def sizes(readings):
-    """Diameters in mm by what they are of, to a nanometre."""
+    """Return the diameters in mm by what they are of, to a nanometre."""
     return {
-        (found.component, found.part, found.plane, found.direction, found.repeat): round(found.diameter * 1e3, 6)
-        for found in readings.readings
+        (each.component, each.part, each.plane, each.direction, each.repeat): round(each.diameter * 1e3, 6)
+        for each in readings.readings
     }
 
 
@@ -48,30 +48,30 @@ EXPECTED = {
 
 
 def test_a_tidy_workbook(controller, make_workbook, tidy):
-    found = read_readings(make_workbook(tidy()), controller, name="job 7.xlsx")
-    assert sizes(found) == EXPECTED
-    assert (found.file, found.sheet, found.layout) == ("job 7.xlsx", "Readings", "tidy")
-    assert (found.unit, found.unit_assumed, found.messages) == ("mm", False, ())
-    assert (found.readings[0].place.row, found.readings[0].place.column) == (2, "F")
-    assert len(found.sha256) == 64
+    readings = read_readings(make_workbook(tidy()), controller, name="job 7.xlsx")
+    assert sizes(readings) == EXPECTED
+    assert (readings.file, readings.sheet, readings.layout) == ("job 7.xlsx", "Readings", "tidy")
+    assert (readings.unit, readings.unit_assumed, readings.messages) == ("mm", False, ())
+    assert (readings.readings[0].place.row, readings.readings[0].place.column) == (2, "F")
+    assert len(readings.sha256) == 64
 
 
 def test_the_name_of_a_path_is_its_own(controller, make_text, tidy, tmp_path):
     path = tmp_path / "Schieber 6 übermaß.csv"
     path.write_bytes(make_text(tidy()))
     for source in (path, str(path)):
-        found = read_readings(source, controller)
-        assert (found.file, found.sheet) == (path.name, None)
-        assert found.readings[0].place.column == "diameter_mm"
-        assert found.readings[0].place.row == 2
+        readings = read_readings(source, controller)
+        assert (readings.file, readings.sheet) == (path.name, None)
+        assert readings.readings[0].place.column == "diameter_mm"
+        assert readings.readings[0].place.row == 2
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252", "cp1250"])
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", "|"])
 def test_text_in_any_encoding_and_with_any_delimiter(controller, make_text, tidy, encoding, delimiter):
-    found = read_readings(make_text(tidy(), delimiter=delimiter, encoding=encoding), controller)
-    assert sizes(found) == EXPECTED
-    assert codes(found) == ["read_as"]
+    readings = read_readings(make_text(tidy(), delimiter=delimiter, encoding=encoding), controller)
+    assert sizes(readings) == EXPECTED
+    assert codes(readings) == ["read_as"]
 
 
 @pytest.mark.parametrize("delimiter", [";", "\t"])
@@ -87,18 +87,18 @@ def test_decimal_commas_in_quotes_between_commas(controller, make_text, tidy):
 
 def test_decimal_commas_and_units_in_cells_of_a_workbook(controller, make_workbook, tidy):
     rows = [[*row[:-1], f"{row[-1]:.3f}\u00a0mm".replace(".", ",")] for row in tidy()[1:]]
-    found = read_readings(
+    readings = read_readings(
         make_workbook([("component", "part", "plane", "direction", "repeat", "diameter"), *rows]), controller
     )
-    assert sizes(found) == EXPECTED
-    assert (found.unit, found.unit_assumed) == ("mm", False)
+    assert sizes(readings) == EXPECTED
+    assert (readings.unit, readings.unit_assumed) == ("mm", False)
 
 
 def test_excel_says_which_delimiter(controller, make_text, tidy):
     data = b"sep=;\r\n" + make_text(tidy(), delimiter=";")
-    found = read_readings(data, controller)
-    assert sizes(found) == EXPECTED
-    assert found.readings[0].place.row == 3
+    readings = read_readings(data, controller)
+    assert sizes(readings) == EXPECTED
+    assert readings.readings[0].place.row == 3
 
 
 @pytest.mark.parametrize(
@@ -118,30 +118,30 @@ def test_excel_says_which_delimiter(controller, make_text, tidy):
 )
 def test_units_in_headings(controller, make_workbook, tidy, heading, factor, unit):
     rows = [[*row[:-1], row[-1] * factor] for row in tidy()[1:]]
-    found = read_readings(
+    readings = read_readings(
         make_workbook([("component", "part", "plane", "direction", "repeat", heading), *rows]), controller
     )
-    assert sizes(found) == EXPECTED
-    assert (found.unit, found.unit_assumed) == (unit, False)
+    assert sizes(readings) == EXPECTED
+    assert (readings.unit, readings.unit_assumed) == (unit, False)
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(1.0, "mm"), (1e3, "µm"), (1 / 25.4, "inch"), (0.1, "cm")])
 def test_a_missing_unit_is_told_by_the_nominal_diameters_and_flagged(controller, make_workbook, tidy, factor, unit):
     rows = [("component", "part", "plane", "direction", "repeat", "diameter")]
     rows += [(*row[:-1], row[-1] * factor) for row in tidy()[1:]]
-    found = read_readings(make_workbook(rows), controller)
-    assert sizes(found) == EXPECTED
-    assert (found.unit, found.unit_assumed) == (unit, True)
-    message = found.messages[0]
+    readings = read_readings(make_workbook(rows), controller)
+    assert sizes(readings) == EXPECTED
+    assert (readings.unit, readings.unit_assumed) == (unit, True)
+    message = readings.messages[0]
     assert (message.level, message.code, message.place.row, message.place.column) == ("warning", "unit_assumed", 1, "F")
     assert unit in message.text
 
 
 def test_a_unit_that_is_told_goes_before_the_heading_and_is_mentioned(controller, make_workbook, tidy):
     rows = [tidy()[0], *[(*row[:-1], row[-1] * 1000) for row in tidy()[1:]]]
-    found = read_readings(make_workbook(rows), controller, unit="um")
-    assert sizes(found) == EXPECTED
-    assert codes(found) == ["unit_told"]
+    readings = read_readings(make_workbook(rows), controller, unit="um")
+    assert sizes(readings) == EXPECTED
+    assert codes(readings) == ["unit_told"]
 
 
 @pytest.mark.parametrize("preamble", [("Unit: mm",), ("Units", "mm"), ("All dimensions in mm",), ("Maße in mm",)])
@@ -152,18 +152,18 @@ def test_a_unit_above_the_table(controller, make_workbook, tidy, preamble):
         (),
         ("component", "part", "plane", "direction", "repeat", "diameter"),
     ]
-    found = read_readings(make_workbook([*rows, *tidy()[1:]]), controller)
-    assert sizes(found) == EXPECTED
-    assert not found.unit_assumed
+    readings = read_readings(make_workbook([*rows, *tidy()[1:]]), controller)
+    assert sizes(readings) == EXPECTED
+    assert not readings.unit_assumed
 
 
 def test_a_unit_in_its_own_column(controller, make_workbook, tidy):
     rows = [("component", "part", "plane", "direction", "repeat", "diameter", "unit")]
     for index, row in enumerate(tidy()[1:]):
         rows.append((*row, "mm") if index % 2 else (*row[:-1], row[-1] * 1000, "µm"))
-    found = read_readings(make_workbook(rows), controller)
-    assert sizes(found) == EXPECTED
-    assert found.unit == "µm, mm"
+    readings = read_readings(make_workbook(rows), controller)
+    assert sizes(readings) == EXPECTED
+    assert readings.unit == "µm, mm"
 
 
 def test_a_row_of_units_under_the_headings(controller, make_workbook, tidy):
@@ -172,9 +172,9 @@ def test_a_row_of_units_under_the_headings(controller, make_workbook, tidy):
         ("", "", "", "[°]", "", "[mm]"),
         *tidy()[1:],
     ]
-    found = read_readings(make_workbook(rows), controller)
-    assert sizes(found) == EXPECTED
-    assert not found.unit_assumed
+    readings = read_readings(make_workbook(rows), controller)
+    assert sizes(readings) == EXPECTED
+    assert not readings.unit_assumed
 
 
 def test_table_1_as_a_workbook_with_merged_cells(controller, make_workbook):
@@ -194,17 +194,17 @@ def test_table_1_as_a_workbook_with_merged_cells(controller, make_workbook):
         ("", "", "", "", *coordinates(10.002), ""),
     ]
     merge = ["A3:A10", "B3:B6", "B7:B10", "C3:C6", "C7:C10", "D3:D4", "D5:D6", "D7:D8", "D9:D10", "H3:H6", "H7:H10"]
-    found = read_readings(make_workbook(rows, merge=merge), controller)
-    assert sizes(found) == EXPECTED
-    assert found.layout == "table"
-    assert found.readings[0].coordinates == pytest.approx((59.939e-3, 50e-3), rel=1e-9, abs=0.0)
-    assert found.readings[4].place.row == 7
+    readings = read_readings(make_workbook(rows, merge=merge), controller)
+    assert sizes(readings) == EXPECTED
+    assert readings.layout == "table"
+    assert readings.readings[0].coordinates == pytest.approx((59.939e-3, 50e-3), rel=1e-9, abs=0.0)
+    assert readings.readings[4].place.row == 7
 
 
 def test_a_merged_diameter_is_one_reading_not_two(controller, make_workbook, tidy):
     rows = tidy({1: ("6", "spool", "1", "0°", 2, "")})
-    found = read_readings(make_workbook(rows, merge=["F2:F3"]), controller)
-    assert len(found.readings) == 7
+    readings = read_readings(make_workbook(rows, merge=["F2:F3"]), controller)
+    assert len(readings.readings) == 7
 
 
 def test_columns_in_another_order_with_columns_that_do_not_matter(controller, make_workbook, tidy):
@@ -238,9 +238,9 @@ def test_polish_headings_in_the_windows_code_page(controller, make_text, tidy):
     headings = ("Nr elementu", "Część", "Płaszczyzna", "Kierunek", "Powtórzenie", "Średnica [mm]")
     words = {"spool": "tłok", "sleeve": "otwór"}
     rows = [(row[0], words[row[1]], *row[2:]) for row in tidy()[1:]]
-    found = read_readings(make_text([headings, *rows], delimiter=";", encoding="cp1250"), controller)
-    assert sizes(found) == EXPECTED
-    assert "cp1250" in found.messages[0].text
+    readings = read_readings(make_text([headings, *rows], delimiter=";", encoding="cp1250"), controller)
+    assert sizes(readings) == EXPECTED
+    assert "cp1250" in readings.messages[0].text
 
 
 @pytest.mark.parametrize(
@@ -281,10 +281,10 @@ def test_repeats_as_columns(controller, make_workbook):
         (6, "sleeve", 1, "90°", 10.001, 10.002),
         (8, "sleeve", 1, "0°", 10.06, ""),
     ]
-    found = read_readings(make_workbook(rows), controller)
-    assert sizes(found) == {**EXPECTED, ("8", "sleeve", "1", 0.0, 1): 10.06}
-    assert found.layout == "columns"
-    assert found.readings[1].place.column == "F"
+    readings = read_readings(make_workbook(rows), controller)
+    assert sizes(readings) == {**EXPECTED, ("8", "sleeve", "1", 0.0, 1): 10.06}
+    assert readings.layout == "columns"
+    assert readings.readings[1].place.column == "F"
 
 
 def test_one_heading_over_the_repeats(controller, make_workbook):
@@ -309,9 +309,9 @@ def test_repeats_of_coordinates_under_merged_headings(controller, make_workbook)
         (6, "sleeve", 1, "90°", 60.001, 50, 50, 60.002),
     ]
     merge = ["A1:A2", "B1:B2", "C1:C2", "D1:D2", "E1:F1", "G1:H1"]
-    found = read_readings(make_workbook(rows, merge=merge), controller)
-    assert sizes(found) == EXPECTED
-    assert found.layout == "table"
+    readings = read_readings(make_workbook(rows, merge=merge), controller)
+    assert sizes(readings) == EXPECTED
+    assert readings.layout == "table"
 
 
 def test_directions_as_columns(controller, make_workbook):
@@ -347,15 +347,15 @@ def test_parts_as_columns(controller, make_workbook, headings):
         (6, 1, "90°", 1, 9.938, 10.001),
         (6, 1, "90°", 2, 9.939, 10.002),
     ]
-    found = read_readings(make_workbook(rows), controller)
-    assert sizes(found) == EXPECTED
-    assert found.layout == "columns"
+    readings = read_readings(make_workbook(rows), controller)
+    assert sizes(readings) == EXPECTED
+    assert readings.layout == "columns"
 
 
 def test_a_column_of_lands_instead_of_planes(controller, make_text):
     rows = [("component", "land", "part", "direction", "repeat", "diameter_mm"), ("6", 2, "spool", "0°", 1, 9.941)]
-    found = read_readings(make_text(rows), controller)
-    assert sizes(found) == {("6", "spool", "2", 0.0, 1): 9.941}
+    readings = read_readings(make_text(rows), controller)
+    assert sizes(readings) == {("6", "spool", "2", 0.0, 1): 9.941}
 
 
 def test_lands_and_planes_together(controller, make_text):
@@ -364,14 +364,14 @@ def test_lands_and_planes_together(controller, make_text):
         ("8", 1, 2, "spool", 9.99),
         ("8", 1, "", "spool", 9.98),
     ]
-    found = read_readings(make_text(rows), controller)
-    assert sizes(found) == {("8", "spool", "2", None, 1): 9.99, ("8", "spool", "1", None, 1): 9.98}
+    readings = read_readings(make_text(rows), controller)
+    assert sizes(readings) == {("8", "spool", "2", None, 1): 9.99, ("8", "spool", "1", None, 1): 9.98}
 
 
 def test_repeats_count_themselves_where_no_column_does(controller, make_text):
     rows = [("component", "part", "plane", "direction", "diameter_mm")]
     rows += [("6", "spool", "1", "0°", diameter) for diameter in (9.939, 9.940, 9.941)]
-    assert [found.repeat for found in read_readings(make_text(rows), controller).readings] == [1, 2, 3]
+    assert [readings.repeat for readings in read_readings(make_text(rows), controller).readings] == [1, 2, 3]
 
 
 def test_rows_without_a_diameter_are_not_measured(controller, make_workbook, tidy):
@@ -382,9 +382,9 @@ def test_rows_without_a_diameter_are_not_measured(controller, make_workbook, tid
             ("8", "sleeve", "1", "0°", 1, "n/a"),
         ]
     )
-    found = read_readings(make_workbook(rows), controller)
-    assert sizes(found) == EXPECTED
-    message = found.messages[0]
+    readings = read_readings(make_workbook(rows), controller)
+    assert sizes(readings) == EXPECTED
+    message = readings.messages[0]
     assert (message.level, message.code) == ("info", "rows_not_measured")
     assert message.text.startswith("3 rows")
 
@@ -404,9 +404,9 @@ def test_a_table_that_starts_far_from_the_corner(controller, save_book, tidy):
     for down, row in enumerate(tidy()):
         for across, cell in enumerate(row):
             book.active.cell(12 + down, 5 + across, cell)
-    found = read_readings(save_book(book), controller)
-    assert sizes(found) == EXPECTED
-    assert (found.readings[0].place.row, found.readings[0].place.column) == (13, "J")
+    readings = read_readings(save_book(book), controller)
+    assert sizes(readings) == EXPECTED
+    assert (readings.readings[0].place.row, readings.readings[0].place.column) == (13, "J")
 
 
 def test_the_sheet_is_found_by_what_it_holds(controller, save_book, tidy):
@@ -419,9 +419,9 @@ def test_the_sheet_is_found_by_what_it_holds(controller, save_book, tidy):
         sheet.append(row)
     empty = book.create_sheet("Second job")
     empty.append(tidy()[0])
-    found = read_readings(save_book(book), controller)
-    assert (found.sheet, sizes(found)) == ("Werte", EXPECTED)
-    message = found.messages[0]
+    readings = read_readings(save_book(book), controller)
+    assert (readings.sheet, sizes(readings)) == ("Werte", EXPECTED)
+    message = readings.messages[0]
     assert (message.code, message.level) == ("sheet_chosen", "info")
     assert "'Second job'" in message.text
 
@@ -446,14 +446,14 @@ def test_a_diameter_beside_its_coordinates_may_be_rounded(controller, make_workb
         ("component", "part", "plane", "x1 [mm]", "x2 [mm]", "diameter [mm]"),
         (6, "spool", 1, 59.9391, 50.0, 9.939),
     ]
-    found = read_readings(make_workbook(rows), controller)
-    assert found.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12, abs=0.0)
+    readings = read_readings(make_workbook(rows), controller)
+    assert readings.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12, abs=0.0)
 
 
 def test_coordinates_and_diameter_in_different_units(controller, make_workbook):
     rows = [("component", "part", "plane", "x1 [mm]", "x2 [mm]", "diameter [µm]"), (6, "spool", 1, 59.939, 50.0, 9939)]
-    found = read_readings(make_workbook(rows), controller)
-    assert found.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12, abs=0.0)
+    readings = read_readings(make_workbook(rows), controller)
+    assert readings.readings[0].diameter == pytest.approx(9.939e-3, rel=1e-12, abs=0.0)
 
 
 def test_a_formula_without_stored_result_does_not_matter_beside_its_coordinates(controller, save_book):
@@ -461,8 +461,8 @@ def test_a_formula_without_stored_result_does_not_matter_beside_its_coordinates(
     book.active.append(["component", "part", "plane", "x1 [mm]", "x2 [mm]", "diameter [mm]"])
     book.active.append([6, "spool", 1, 59.939, 50, "=ABS(D2-E2)"])
     book.active.append([6, "sleeve", 1, None, None, "=ABS(D3-E3)"])
-    found = read_readings(save_book(book), controller)
-    assert len(found.readings) == 1
+    readings = read_readings(save_book(book), controller)
+    assert len(readings.readings) == 1
 
 
 @pytest.mark.parametrize("formula", ["=1/0", "=9.9+0.2", "=$G$1+F9"])
@@ -524,8 +524,8 @@ def test_merged_cells_of_an_opendocument_sheet(controller):
             "META-INF/manifest.xml",
             '<manifest:manifest xmlns:manifest="urn:oasis:names:tc:opendocument:xmlns:manifest:1.0"/>',
         )
-    found = read_readings(buffer.getvalue(), controller, name="sheet.ods")
-    assert list(sizes(found).values()) == [9.939, 9.94]
+    readings = read_readings(buffer.getvalue(), controller, name="sheet.ods")
+    assert list(sizes(readings).values()) == [9.939, 9.94]
 
 
 def test_five_thousand_rows(controller, make_workbook):
@@ -534,9 +534,9 @@ def test_five_thousand_rows(controller, make_workbook):
         part, diameter = (("spool", 9.939), ("sleeve", 9.995))[index % 2]
         rows.append((6, part, 1 + index // 2 % 2, ("0°", "90°")[index // 4 % 2], diameter + 1e-6 * (index % 7)))
     data = make_workbook(rows)
-    found = read_readings(data, controller)
-    assert len(found.readings) == 5000
-    assert sum(land.measured for land in clearances(found, controller)) == 2
+    readings = read_readings(data, controller)
+    assert len(readings.readings) == 5000
+    assert sum(land.measured for land in clearances(readings, controller)) == 2
 
 
 def test_reading_a_sheet_needs_no_pandas():

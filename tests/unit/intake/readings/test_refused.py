@@ -21,7 +21,7 @@ def where(error):
 
 @pytest.fixture
 def refused_row(refused, make_workbook, tidy):
-    """Refuses component 6 land 1 with one row changed; hands back the only problem."""
+    """Refuse component 6 land 1 with one row changed, and return the only problem."""
 
     def read(index, *row):
         error = refused(make_workbook(tidy({index: row})))
@@ -335,8 +335,8 @@ def test_a_clearance_over_half_a_millimetre(refused, make_text):
 
 def test_a_clearance_of_half_a_millimetre_is_still_a_clearance(controller, make_text):
     rows = [("component", "part", "plane", "diameter_mm"), ("12'", "piston", "1", 14.0), ("12'", "bore", "1", 14.99)]
-    found = clearances(read_readings(make_text(rows), controller), controller)[3]
-    assert found.radial_clearance == pytest.approx(0.495e-3, rel=1e-9, abs=0.0)
+    gap = clearances(read_readings(make_text(rows), controller), controller)[3]
+    assert gap.radial_clearance == pytest.approx(0.495e-3, rel=1e-9, abs=0.0)
 
 
 def test_a_spool_that_its_nominal_sleeve_does_not_take(refused, make_text):
@@ -359,8 +359,8 @@ def test_repeats_further_apart_than_any_measurement(refused_row):
 
 def test_repeats_that_disagree_a_little_are_flagged_with_place_and_values(controller, make_workbook, tidy):
     data = make_workbook(tidy({1: ("6", "spool", "1", "0°", 2, 9.949)}))
-    found = clearances(read_readings(data, controller, name="sheet.xlsx"), controller)[0]
-    message = next(message for message in found.messages if message.code == "repeats_disagree")
+    gap = clearances(read_readings(data, controller, name="sheet.xlsx"), controller)[0]
+    message = next(message for message in gap.messages if message.code == "repeats_disagree")
     assert "9.939, 9.949 mm" in message.text
     assert (message.place.sheet, message.place.row, message.place.column) == ("Readings", 3, "F")
 

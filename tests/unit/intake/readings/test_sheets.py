@@ -15,7 +15,7 @@ from atleak.intake.readings import read_readings
 
 
 def examples(outcome):
-    """Those with that outcome, "reads" or "refused", in each form that can hold them."""
+    """Return the sheets with that outcome, "reads" or "refused", in each form that can hold them."""
     params = []
     for name in ("columns", "tables"):
         listed = tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))["example"]
@@ -26,19 +26,19 @@ def examples(outcome):
     return params
 
 
-def sizes(found):
-    """Diameters in mm by component, plane and part, in the order of the sheet."""
+def sizes(readings):
+    """Return the diameters in mm by component, plane and part, in the order of the sheet."""
     by_part: dict[str, list[float]] = {}
-    for one in found.readings:
+    for one in readings.readings:
         by_part.setdefault(f"{one.component}/{one.plane}/{one.part}", []).append(round(one.diameter * 1e3, 4))
     return by_part
 
 
 @pytest.mark.parametrize(("entry", "form"), examples("reads"))
 def test_the_measurement_is_read_and_what_is_left_aside_is_named(example, filled_in, entry, form):
-    found = read_readings(filled_in(entry.get("sheet") or entry["sheets"], form), example)
-    assert sizes(found) == entry["reads"]
-    texts = " ".join(message.text for message in found.messages)
+    readings = read_readings(filled_in(entry.get("sheet") or entry["sheets"], form), example)
+    assert sizes(readings) == entry["reads"]
+    texts = " ".join(message.text for message in readings.messages)
     for word in entry.get("said", ()):
         assert word in texts
 

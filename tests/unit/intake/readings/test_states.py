@@ -27,15 +27,15 @@ def sheet(*lines):
     return "\n".join(";".join(map(str, line)) if not isinstance(line, str) else line for line in lines).encode()
 
 
-def sizes(found):
+def sizes(readings):
     return [
         (each.component, each.part, each.direction, each.repeat, round(each.diameter * 1e3, 6))
-        for each in found.readings
+        for each in readings.readings
     ]
 
 
-def said(found, code):
-    return [message.text for message in found.messages if message.code == code]
+def said(readings, code):
+    return [message.text for message in readings.messages if message.code == code]
 
 
 def refusal(data, controller, **options):
@@ -45,11 +45,11 @@ def refusal(data, controller, **options):
 
 
 def test_two_readings(controller):
-    """What all sheets below would be taken for."""
-    found = read_readings(
+    """Two rows of one station are repeats where no column separates them, as in the sheets below."""
+    readings = read_readings(
         sheet(HEADINGS["en"], "accumulator;1;piston;17.998", "accumulator;1;piston;17.996"), controller
     )
-    assert sizes(found) == [
+    assert sizes(readings) == [
         ("accumulator", "spool", None, 1, 17.998),
         ("accumulator", "spool", None, 2, 17.996),
     ]
@@ -149,9 +149,9 @@ def test_a_column_nobody_reads_raises_the_question(controller, language, heading
     assert error.value == f"{one}, {other}"
     assert "--where" in error.expected
     if heading:
-        found = read_readings(data, controller, where={heading: other})
-        assert [reading[4] for reading in sizes(found)] == [17.996, 18.044]
-        assert said(found, "rows_left_out") == [f"2 rows left aside: read were those where {heading} is {other!r}"]
+        readings = read_readings(data, controller, where={heading: other})
+        assert [reading[4] for reading in sizes(readings)] == [17.996, 18.044]
+        assert said(readings, "rows_left_out") == [f"2 rows left aside: read were those where {heading} is {other!r}"]
 
 
 def test_one_station_is_enough(controller):
@@ -174,8 +174,8 @@ def test_dates_of_a_workbook(controller, make_workbook):
     rows.append((day.replace(month=11), "accumulator", 1, "piston", 17.990))
     assert refusal(make_workbook(rows), controller).value == "2025-05-03, 2025-11-03"
     for written in ("2025-11-03", "03.11.2025"):
-        found = read_readings(make_workbook(rows), controller, where={"date": written})
-        assert [reading[4] for reading in sizes(found)] == [17.990]
+        readings = read_readings(make_workbook(rows), controller, where={"date": written})
+        assert [reading[4] for reading in sizes(readings)] == [17.990]
 
 
 @pytest.mark.parametrize(
@@ -203,9 +203,9 @@ def test_columns_that_tell_only_repeats_apart(controller, heading, values):
 
 def test_repeats_by_their_number_end_the_question_with_a_word(controller):
     rows = ["May;accumulator;1;piston;1;17.998", "November;accumulator;1;piston;2;17.996"]
-    found = read_readings(sheet("Inspection;Valve;Land;Part;Repeat;Diameter [mm]", *rows), controller)
-    assert len(found.readings) == 2
-    assert "(May, November)" in said(found, "repeats_of_several_states")[0]
+    readings = read_readings(sheet("Inspection;Valve;Land;Part;Repeat;Diameter [mm]", *rows), controller)
+    assert len(readings.readings) == 2
+    assert "(May, November)" in said(readings, "repeats_of_several_states")[0]
 
 
 def test_the_same_repeat_in_two_states_names_the_column(controller):
@@ -298,9 +298,11 @@ def test_headings_of_the_next_page_between_two_repeats(controller):
 
 def test_a_block_pasted_twice_is_told(controller):
     block = ["accumulator;1;piston;17.998", "accumulator;1;bore;18.041"]
-    found = read_readings(sheet(HEADINGS["en"], *block, *block), controller)
-    assert len(found.readings) == 4
-    assert said(found, "block_repeated")[0].startswith("rows 4–5 hold the same readings in the same order as rows 2–3")
+    readings = read_readings(sheet(HEADINGS["en"], *block, *block), controller)
+    assert len(readings.readings) == 4
+    assert said(readings, "block_repeated")[0].startswith(
+        "rows 4–5 hold the same readings in the same order as rows 2–3"
+    )
 
 
 def test_stations_that_merely_return_are_told(controller):
@@ -311,9 +313,9 @@ def test_stations_that_merely_return_are_told(controller):
         "accumulator;1;piston;17.996",
         "accumulator;1;bore;18.042",
     )
-    found = read_readings(data, controller)
-    assert said(found, "block_repeated") == []
-    assert said(found, "rows_as_repeats")[0].endswith(
+    readings = read_readings(data, controller)
+    assert said(readings, "block_repeated") == []
+    assert said(readings, "rows_as_repeats")[0].endswith(
         "stands in row 2 and again in row 4, and so does 1 more: counted as repeats"
     )
 
@@ -327,13 +329,13 @@ def test_rows_are_chosen_in_the_table_that_has_the_column(controller):
         "Valve;Land;Part;Diameter [mm]",
         "accumulator;1;bore;18.041",
     )
-    found = read_readings(data, controller, where={"Inspection": "May"})
-    assert [reading[4] for reading in sizes(found)] == [17.998, 18.041]
+    readings = read_readings(data, controller, where={"Inspection": "May"})
+    assert [reading[4] for reading in sizes(readings)] == [17.998, 18.041]
 
 
 def test_rows_that_return_behind_an_empty_row_are_a_warning(controller):
     rows = ["accumulator;1;piston;17.998", "accumulator;1;bore;18.041"]
     for lines, level in ((rows + rows, "info"), ([*rows, "", *rows], "warning")):
-        found = read_readings(sheet(HEADINGS["en"], *lines), controller)
-        assert len(found.readings) == 4
-        assert [message.level for message in found.messages if message.code == "rows_as_repeats"] == [level]
+        readings = read_readings(sheet(HEADINGS["en"], *lines), controller)
+        assert len(readings.readings) == 4
+        assert [message.level for message in readings.messages if message.code == "rows_as_repeats"] == [level]

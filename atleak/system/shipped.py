@@ -15,7 +15,7 @@ def shipped(name: str) -> Path:
     InputError
         where neither has it.
     """
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parents[1]
     for folder in (package / "_dashboard", package.parent):
         if (folder / name).exists():
             return folder / name

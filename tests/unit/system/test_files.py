@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from atleak import files
 from atleak.errors import OutputError
-from atleak.files import PRIVATE, replace_file
+from atleak.system import files
+from atleak.system.files import PRIVATE, replace_file
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="permissions, links and devices of POSIX")
 
@@ -124,7 +124,7 @@ def test_a_link_stays_a_link_to_the_new_content(tmp_path: Path) -> None:
 def test_devices_and_standard_output_are_written_to(tmp_path: Path) -> None:
     replace_file("/dev/null", b"new")
     assert stat.S_ISCHR(Path("/dev/null").stat().st_mode)
-    code = "import sys; from atleak.files import replace_file; replace_file('/dev/stdout', b'new\\n'); print('said')"
+    code = "from atleak.system.files import replace_file; replace_file('/dev/stdout', b'new\\n'); print('said')"
     assert subprocess.check_output([sys.executable, "-c", code]) == b"new\nsaid\n"
     with (tmp_path / "log").open("wb") as stream:
         stream.write(b"earlier\n")
@@ -137,7 +137,7 @@ def test_a_process_killed_while_it_writes_leaves_a_whole_file(tmp_path: Path) ->
     target, size = tmp_path / "report.json", 1 << 20
     replace_file(target, b"0" * size)
     code = (
-        "import sys; from atleak.files import replace_file\n"
+        "import sys; from atleak.system.files import replace_file\n"
         f"for n in range(10**9): replace_file(sys.argv[1], b'%d' % (n % 10) * {size})"
     )
     for kill in range(12):

@@ -15,8 +15,8 @@ import pytest
 from atleak import cli
 from atleak.catalogue.controller import Controller
 from atleak.errors import OutputError
-from atleak.marks import Kind, check_targets
 from atleak.report.measuring_sheet import write_readings, write_template
+from atleak.system.marks import Kind, check_targets
 
 Run = Callable[..., tuple[int, str, str]]
 

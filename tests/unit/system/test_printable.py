@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from atleak.printable import PrintableStream, printable, printable_streams, unguarded
+from atleak.system.printable import PrintableStream, printable, printable_streams, unguarded
 
 
 def test_every_control_character_but_line_ends_and_tabs_is_left_out() -> None:
