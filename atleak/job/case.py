@@ -351,10 +351,7 @@ def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:
         try:
             entry: Any = load(path)
         except InputError as error:
-            for fault in (*error.others, error):
-                if fault.place.file == path.name:
-                    fault.place = replace(fault.place, file=source.name)
-                fault.args = (str(fault),)
+            error.rename_file(lambda file: source.name if file == path.name else file)
             raise
     named: Loaded = replace(entry, origin=replace(entry.origin, path=Path(source.name)))
     return named

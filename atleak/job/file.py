@@ -103,6 +103,7 @@ class JobFile:
     job: Job
     case: Case
     result: dict[str, Any]
+    name: str = "job file"  # of the zip, for messages
 
     def diagnose(self) -> Diagnosis:
         """Diagnose this job anew, with the installed version of atleak.
@@ -110,9 +111,13 @@ class JobFile:
         Raises
         ------
         AtleakError
-            a file that cannot be used.
+            a file that cannot be used; it names the zip and the file in it.
         """
-        return self.case.diagnose()
+        try:
+            return self.case.diagnose()
+        except InputError as error:
+            error.rename_file(lambda file: f"{self.name}: {file}" if file else self.name)
+            raise
 
 
 def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
@@ -220,7 +225,7 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     pictures = {
         entry.removeprefix("pictures/"): content for entry, content in entries.items() if entry.startswith("pictures/")
     }
-    return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result)
+    return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result, name)
 
 
 # --- the content of job.json

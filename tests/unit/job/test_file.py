@@ -245,3 +245,9 @@ def test_names_that_cannot_be_encoded_are_cleaned_on_reading(content):
     job_file = read_job_file(with_choices(content, files=files | {"road_test": "a\ud800b.csv"}))
     assert job_file.case.road_test.name == "a\ufffdb.csv"
     assert json.dumps(diagnosis_record(job_file.diagnose()), ensure_ascii=False).encode()
+
+
+def test_a_file_of_the_job_that_cannot_be_used_is_named_with_its_zip(content):
+    broken = changed(content, **{"catalogue/fluid.toml": b"deep = " + b"[" * 5000})
+    with pytest.raises(InputError, match=r"^shop\.zip: mobil_atf_220\.toml: is not valid TOML"):
+        read_job_file(broken, name="shop.zip").diagnose()
