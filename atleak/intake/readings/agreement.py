@@ -209,12 +209,9 @@ def _sets(
 
 
 def _is_correction(words: Sequence[str]) -> bool:
-    correction = any(word in CORRECTIONS for word in words)
-    return (
-        correction
-        and not any(word in CORRECTED for word in words)
-        and (any(word in ERRORS for word in words) or not {"gauge", "ring"} & set(words) or len(words) > 2)
-    )
+    of_gauge = {"gauge", "ring"} & set(words) and any(word in ERRORS for word in words)
+    correction = bool(of_gauge) or any(word in CORRECTIONS for word in words)
+    return correction and not any(word in CORRECTED for word in words)
 
 
 def _correction(sheet: Sheet, header: Header, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:

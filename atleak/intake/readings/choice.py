@@ -138,8 +138,12 @@ def _incomplete(sheet: Sheet, header: Header) -> ReadingsError:
         missing.append("component")
     if not header.values:
         missing.append("diameter, or coordinate x1 and coordinate x2")
+    others = [column.name for column in header.of("specification")] if not header.values else []
+    not_now = f": what a diameter should be, or was, is no measurement ({_quoted(others)})" if others else ""
     return ReadingsError(
-        f"no heading for {' nor for '.join(missing)}" if missing else "this row holds headings and readings as well",
+        f"no heading for {' nor for '.join(missing)}{not_now}"
+        if missing
+        else "this row holds headings and readings as well",
         place=sheet.place(header.last),
         value=", ".join(repr(column.name) for column in header.columns),
         expected=EXPECTED,

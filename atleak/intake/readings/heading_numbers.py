@@ -11,6 +11,7 @@ _COUNTED = vocabulary("repeat", "reading", "actual")
 _SIZE = vocabulary("diameter", "coordinate")
 _DIAMETER = vocabulary("diameter")
 _NUMBER = vocabulary("number")
+_PART_OR_OTHER = vocabulary("part_or_other")
 _EXPLAINED = vocabulary("repeat", "reading", "actual", "diameter", "coordinate", "number")
 _ORDINAL = {"st", "nd", "rd", "th"}
 _ENDS = {"x1", "x2", "y1", "y2"}
@@ -63,18 +64,21 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
 
 
 def besides_numbers(words: Iterable[str]) -> frozenset[str]:
-    """Return the words of a value's heading that say neither what it is nor of which part.
+    """Return the words of a value's heading that say neither what it is nor of which part, and numbers of no repeat.
 
-    >>> besides_numbers({"diameter", "1", "before", "spool"})
-    frozenset({'before'})
+    >>> besides_numbers({"diameter", "1", "before", "spool"}), besides_numbers({"measurement", "2024"})
+    (frozenset({'before'}), frozenset({'2024'}))
     """
     return frozenset(
         word
         for word in words
-        if word.isalpha()
-        and len(word) > 1
-        and not (word in _EXPLAINED or word in _ORDINAL or word in _AXES or word in _ROMAN)
-        and part_of(word) is None
+        if (word.isdigit() and int(word) > _MOST_REPEATS)
+        or (
+            word.isalpha()
+            and len(word) > 1
+            and not (word in _EXPLAINED or word in _ORDINAL or word in _AXES or word in _ROMAN)
+            and part_of(word) is None
+        )
     )
 
 
@@ -102,4 +106,4 @@ def _may_be_numbered(word: str, after: str) -> bool:
     """Return whether a part, a direction, or nothing stands before the word for the diameter: "1. diameter"."""
     if word == "":
         return after in _DIAMETER or after in _COUNTED or part_of(after) is not None
-    return part_of(word) is not None or word in _AXES or is_angle(word)
+    return (part_of(word) is not None and word not in _PART_OR_OTHER) or word in _AXES or is_angle(word)

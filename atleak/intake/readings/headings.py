@@ -40,6 +40,10 @@ _DEPTH = 3  # rows that headings may be spread over
 
 _MEAN = vocabulary("mean", "mean_in_heading")
 _ACTUAL = vocabulary("actual")
+_NOW = vocabulary("now")
+_EARLIER = vocabulary("earlier")
+_NEW = vocabulary("new")
+_WHEN = vocabulary("when")
 _CORRECTED = vocabulary("corrected")
 _RAW = vocabulary("raw")
 _STANDING = vocabulary("corrected", "raw")
@@ -52,6 +56,7 @@ _LAND = vocabulary("land")
 _REPEAT = vocabulary("repeat")
 _COUNTED = vocabulary("repeat", "reading")
 _READING = vocabulary("reading", "actual")
+_SAYS_NOW = vocabulary("reading", "actual", "now", "when")
 _COORDINATE = vocabulary("coordinate")
 _DIAMETER = vocabulary("diameter")
 _SIZE = vocabulary("diameter", "coordinate")
@@ -311,7 +316,8 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     standing: Literal["raw", "corrected"] | None = (
         "corrected" if words & _CORRECTED else "raw" if words & _RAW else None
     )
-    tentative = unit is None and not words & _SIZE and bool(words & _OUTCOME) and repeat is None
+    outcome = bool(words & _NOW) or (unit is None and bool(words & _OUTCOME))
+    tentative = outcome and not words & _SIZE and repeat is None
     part = _part(words, rest)
     return Column(
         *(index, text, role, unit, coordinate, part, direction, repeat),
@@ -329,24 +335,28 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
     numbered = any(re.fullmatch(r"\d+", word) for word in words)
     key = any(words & each for each in (_DIRECTION, _PLANE, _LAND, _REPEAT, _COMPONENT, _PART, _NUMBER))
     simple: list[tuple[bool, Role]] = [
+        (_is_earlier(words, sized or (bool(parts) and not key)) and not words & _QUANTITY, "specification"),
         (bool(words & _STANDING) and (sized or bool(words & _READING) or len(words) == 1), "diameter"),
         (bool(words & _MEAN) or "x\u0304" in text or "x\u0305" in text, "mean"),
         (bool(words & _QUANTITY) and not words & SPECIFICATIONS, "quantity"),
         (bool(words & SPECIFICATIONS) and (sized or not key or bool(words & _QUANTITY)), "specification"),
-        (bool(words & _REMARK), "remark"),
+        (bool(words & _REMARK) and not (words & _GAUGE and unit is not None), "remark"),
         (bool(words & _DIRECTION), "direction"),
         (bool(words & _PLANE), "plane"),
         (bool(words & _LAND) and (numbered or not diameter), "land"),
         (bool(words & _COORDINATE) or (len(axes) >= 1 and not _both_ends(axes) and not diameter), "coordinate"),
         (diameter or _both_ends(axes), "diameter"),
-        (bool(words & _COUNTED or words & _ACTUAL) and unit is not None, "diameter"),
+        (bool(words & _COUNTED or words & _ACTUAL or words & _NOW) and unit is not None, "diameter"),
         (bool(words & _COUNTED) and numbered and len(words) <= 3, "diameter"),
         (bool(words & _REPEAT), "repeat"),
         (bool(words & {"value", "reading"}), "diameter"),
         (bool(words & _UNIT) and not sized, "unit"),
         (bool(words & _PART) and not words & _NUMBER, "part"),
         (len(parts) == 2 and unit is None, "part"),
-        (bool(words & _ACTUAL) and all(word in _READING or part_of(word) for word in words), "diameter"),
+        (
+            bool(words & _ACTUAL or words & _NOW) and all(word in _SAYS_NOW or part_of(word) for word in words),
+            "diameter",
+        ),
         (len(parts) == 1 and unit is not None, "diameter"),
         (len(parts) == 1 and len(words) == 1 and not words & _COMPONENT, "diameter"),
         (plain(text) in {"d", "di"} and unit is not None, "diameter"),
@@ -357,6 +367,14 @@ def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, i
         if holds:
             return role, 0
     return _component_rank(words)
+
+
+def _is_earlier(words: set[str], sized: bool) -> bool:
+    """Return whether a heading says what a diameter was, or was when new; a "standard" by itself is a gauge."""
+    earlier = words & _EARLIER or (words & _NEW and (not words & _READING or words & _WHEN))
+    if not earlier or all(word in _GAUGE for word in words):
+        return False
+    return sized or all(word in _EARLIER or word in _NEW or word in _WHEN for word in words)
 
 
 def _component_rank(words: set[str]) -> tuple[Role | None, int]:
@@ -371,6 +389,10 @@ def _component_rank(words: set[str]) -> tuple[Role | None, int]:
     if words & _NUMBERED and len([word for word in words if word not in _NUMBERED]) <= 1:
         return "component", 2
     return None, 0
+
+
+def _is_counted(column: Column) -> bool:
+    return bool(set(_TOKEN.findall(plain(column.heading).replace("_", " "))) & _COUNTED)
 
 
 def _both_ends(axes: set[str]) -> bool:
@@ -423,11 +445,16 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
         together.append(column)
     counted: dict[tuple[Part | None, float | None], set[int | None]] = defaultdict(set)
     for column in together:
-        counted[column.group[:2]].add(column.repeat)
-    # repeats count from 1, with one left out at most: 12 and 24 are something else
-    return tuple(
-        replace(column, repeat=None)
-        if column.repeat is not None and column.repeat > len(counted[column.group[:2]]) + 1
-        else column
+        if column.holds_value:
+            counted[column.group[:2]].add(column.repeat)
+    # repeats count from 1, behind a word for them with one left out at most: 12 and 24 are something else
+    gaps = {
+        column.group[:2]
         for column in together
-    )
+        if column.repeat is not None
+        and (
+            column.repeat > len(counted[column.group[:2]]) + _is_counted(column)
+            or {None, 1} <= counted[column.group[:2]]  # "measurement 1", "measurement 2", "result"
+        )
+    }
+    return tuple(replace(column, repeat=None) if column.group[:2] in gaps else column for column in together)

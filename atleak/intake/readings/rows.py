@@ -116,7 +116,7 @@ class _Reader:
         if question is not None:
             self.problems.append(question)
         self.messages += self.asides.messages(self.entries)
-        self.messages += states.messages(self.entries, self.table, self.columns)
+        self.messages += states.messages(self.entries, self.table, self.columns, self.names.controller)
         return Rows(
             self.table, self.columns, self.entries, self.problems, self.messages, unread, self.cells, self.of_row
         )

@@ -8,18 +8,31 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from atleak.catalogue.controller import Controller
 from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet import Cell, Sheet, rows_named
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.values import DiameterCell
-from atleak.intake.readings.words import PERSONS, STATES, is_blank, is_repeat_title, is_state, letters, plain, text_of
+from atleak.intake.readings.words import (
+    PERSONS,
+    STATES,
+    is_blank,
+    is_repeat_title,
+    is_state,
+    letters,
+    plain,
+    text_of,
+    vocabulary,
+)
 from atleak.intake.units import find_unit
 
 _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)
 _LISTED = 4  # values of a column that are named
 _FEWEST = 2  # rows that make a block
+_AS_ONE = 3e-6  # [m] within which rows that return pass for repeats without a warning: choice of this project
+_COUNTING = vocabulary("repeat", "reading", "number", "generic")
 
 StationKey = tuple[str, str, str, float | None, int | None]
 Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
@@ -123,7 +136,7 @@ def _splitting(
             is_state(sheet.filled(row, index)) for each in splits.values() for rows in each.values() for row in rows
         ):
             candidates.append((1, index, splits))
-        elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits):
+        elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits, heading):
             candidates.append((2, index, splits))
     for _, index, surest in sorted(candidates, key=lambda each: each[:2]):
         yield index, surest
@@ -140,14 +153,17 @@ def _values(splits: Splits) -> list[str]:
     return list(dict.fromkeys(value for each in splits.values() for value in each))
 
 
-def _same_everywhere(splits: Splits) -> bool:
-    """Return whether every station has the same values, and they are not a mere count of repeats."""
+def _same_everywhere(splits: Splits, heading: str) -> bool:
+    """Return whether every station has the same values, and they are not 1, 2 … under no word for anything else."""
     sets = {frozenset(map(plain, values)) for values in splits.values()}
     if len(sets) > 1:
         return False
     values = _values(splits)
     if all(is_repeat_title(value) for value in values):
         return False
+    words = letters(heading)
+    if words and not any(word in _COUNTING for word in words):
+        return True
     return sorted(value.strip(".) ") for value in values) != [str(number + 1) for number in range(len(values))]
 
 
@@ -194,12 +210,14 @@ def _blocks(
     return None
 
 
-def messages(entries: Sequence[DiameterCell], table: Table, columns: Columns) -> Iterator[Message]:
+def messages(
+    entries: Sequence[DiameterCell], table: Table, columns: Columns, controller: Controller
+) -> Iterator[Message]:
     """Yield blocks that return with the same values, and repeats that another column calls states."""
     sheet, header = table.sheet, table.header
     yield from _pasted_twice(entries, sheet)
     if columns.repeat is None:
-        yield from _returning(entries, sheet)
+        yield from _returning(entries, sheet, controller)
         yield from _remarks(_several(entries), sheet, header)
         return
     rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
@@ -249,7 +267,7 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Mes
             return
 
 
-def _returning(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Message]:
+def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Controller) -> Iterator[Message]:
     """Yield a message where stations come again after others, and nothing on the sheet calls them repeats."""
     last: dict[StationKey, int] = {}
     order = {row: at for at, row in enumerate(dict.fromkeys(entry.row for entry in entries))}
@@ -261,14 +279,28 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Messag
         last[station] = entry.row
     if back:
         earlier, row, station = back[0]
+        largest = max(_spread(entries, each[2], controller) for each in back)
+        differ = f", up to {largest * 1e6:.0f} µm apart" if largest > _AS_ONE else ""
         apart = any(all(is_blank(cell) for cell in sheet.rows[between]) for between in range(earlier, row))
         yield Message(
-            "warning" if apart else "info",
+            "warning" if apart or largest > _AS_ONE else "info",
             "rows_as_repeats",
             f"{_name(station)} stands in row {sheet.row_number(earlier)} and again in row {sheet.row_number(row)}"
-            f"{_also(len({each[2] for each in back}))}{', behind an empty row' if apart else ''}: counted as repeats",
+            f"{_also(len({each[2] for each in back}))}{', behind an empty row' if apart else ''}{differ}: "
+            "counted as repeats",
             sheet.place(row),
         )
+
+
+def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Controller) -> float:
+    """Return how far the diameters of a station are apart [m], by the nominal one: the unit may not be known yet."""
+    sizes = [
+        each.raw.unit.to_si(each.raw.size) if each.raw.unit else each.raw.size
+        for each in entries
+        if _station(each) == station
+    ]
+    land = controller.land_of_plane(station[0], station[2])
+    return 0.0 if land is None else (max(sizes) / min(sizes) - 1.0) * land.nominal_diameter
 
 
 def _remarks(several: Mapping[StationKey, Sequence[int]], sheet: Sheet, header: Header) -> Iterator[Message]:

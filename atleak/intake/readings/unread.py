@@ -19,22 +19,25 @@ from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
 from atleak.intake.readings.words import is_blank, letters, number_of, part_of, plain, text_of, vocabulary
 from atleak.intake.units import Unit, find_unit
-from atleak.readings import NOMINAL_HEADING
+from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
 
 _WHY: dict[Role, str] = {
-    "specification": "what the diameter should be, not what was measured",
+    "specification": "what the diameter should be or was, not what was measured",
     "mean": "means of readings",
     "raw": "raw readings beside corrected ones",
     "remark": "remarks",
     "quantity": "another quantity by its heading",
+    "gauge": "the diameter of a gauge or standard",
 }
 _SAYS_SIZE = vocabulary(
     *("diameter", "actual", "reading", "specification", "specification_title", "mean", "raw", "calibration", "gauge")
 )
-_MEASURED = vocabulary("diameter", "coordinate", "actual", "reading")
+_MEASURED = vocabulary("diameter", "coordinate", "actual", "now", "reading")
+_STANDARD = vocabulary("earlier")
 _DIMENSION = vocabulary("dimension")
 _QUANTITY = vocabulary("quantity", "clearance", "error", "spread")
 _SHOWN = 2
+_ROUNDED = 1e-9  # [m]
 
 
 @dataclass
@@ -68,7 +71,12 @@ class Account:
         self._slipped(rows)
         unexplained = [index for index in unread if not self._is_quantity(rows, index)]
         rivals = [index for index in unexplained if self._is_rival(rows, index)]
-        if len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0]):
+        if (
+            len(rivals) == 1
+            and _is_headed(table)
+            and _says_other(table, rivals[0])
+            and not self._differs(rows, rivals[0])
+        ):
             self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
         elif rivals:
             self.problems.append(_which(table, rivals))
@@ -137,7 +145,7 @@ class Account:
     def _is_figure(self, rows: Rows, index: int) -> bool:
         """Return whether a column holds specifications, means or raw readings by its heading; it is left aside."""
         table, role = rows.table, _role(rows.table, index)
-        if role not in ("specification", "mean", "raw"):
+        if role not in ("specification", "mean", "raw") and not _is_of_gauge(table, index):
             return False
         if role == "specification" and self._is_of_controller(rows, index):
             self._done[table.sheet.name].update((row, index) for row in table.rows)
@@ -191,6 +199,19 @@ class Account:
         filled = sum(not is_blank(rows.table.sheet.cell(row, index)) for row in rows.of_row)
         near = len(self._near(rows, index))
         return 2 * near > filled and (near > 1 or 2 * near > len(rows.of_row))
+
+    def _differs(self, rows: Rows, index: int) -> bool:
+        """Return whether a column is further from the diameters of most rows than readings of one place may be."""
+        read: dict[int, list[float]] = defaultdict(list)
+        for entry in rows.entries:
+            read[entry.row].append((entry.raw.unit or self._units[0]).to_si(entry.raw.size))
+        units = _units(rows.table, index) or self._units
+        nearest = [
+            min(abs(unit.to_si(value) - size) for value in values for unit in units for size in sizes)
+            for row, sizes in read.items()
+            if (values := numbers_of(rows.table.sheet.cell(row, index)))
+        ]
+        return 2 * sum(apart > REPEAT_TOLERANCE + _ROUNDED for apart in nearest) > len(nearest)
 
     def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
         """Return the cells of a column that come near the nominal diameter of their row."""
@@ -313,6 +334,12 @@ def _says_other(table: Table, index: int) -> bool:
     words = letters(split_unit(table.heading(index))[0])
     others = [word for word in words if len(word) > 2 and word not in _DIMENSION]
     return bool(others) and not any(word in _MEASURED for word in words)
+
+
+def _is_of_gauge(table: Table, index: int) -> bool:
+    """Return whether a heading names a gauge of known diameter; "gauge" alone may be what was read from one."""
+    words = letters(split_unit(table.heading(index))[0])
+    return _role(table, index) == "gauge" and (len(words) > 1 or any(word in _STANDARD for word in words))
 
 
 def _in_another_unit(table: Table, index: int) -> bool:

@@ -116,6 +116,16 @@ def test_a_correction_is_not_applied_and_that_is_said(controller, heading):
     assert warnings(readings, "correction_not_applied") == []
 
 
+@pytest.mark.parametrize("heading", ["Check gauge [mm]", "Setting ring [mm]", "Gauge check [mm]"])
+def test_the_diameter_of_a_gauge_is_no_correction(controller, heading):
+    headings = f"Valve;Land;Part;{heading};Diameter [mm]"
+    found = read(controller, headings, "accumulator;1;piston;18.000;17.988", "accumulator;1;bore;18.000;18.071")
+    assert [round(reading.diameter * 1e3, 6) for reading in found.readings] == [17.988, 18.071]
+    assert warnings(found, "correction_not_applied") == []
+    ((_, text),) = warnings(found, "column_aside")
+    assert f"column {heading!r} is left aside (the diameter of a gauge or standard)" in text
+
+
 @pytest.mark.parametrize(
     ("line", "count"), [("Ring error: +2 µm", 1), ("Korrektur;-0,001", 1), ("Ring error;0.000", 0)]
 )

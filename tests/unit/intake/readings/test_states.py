@@ -339,3 +339,33 @@ def test_rows_that_return_behind_an_empty_row_are_a_warning(controller):
         readings = read_readings(sheet(HEADINGS["en"], *lines), controller)
         assert len(readings.readings) == 4
         assert [message.level for message in readings.messages if message.code == "rows_as_repeats"] == [level]
+
+
+@pytest.mark.parametrize(
+    ("heading", "rows", "unit", "level"),
+    [
+        ("Nr", ("17.998", "17.996"), "mm", "info"),
+        ("Nr", ("17.998", "17.990"), "mm", "warning"),
+        ("#", ("17998", "17990"), "µm", "warning"),
+        ("Technician", ("17.998", "17.994"), "mm", "warning"),
+    ],
+)
+def test_rows_that_return_with_other_values_are_a_warning(controller, heading, rows, unit, level):
+    bore = "18.041" if unit == "mm" else "18041"
+    lines = [
+        line
+        for number, piston in enumerate(rows, 1)
+        for line in (f"{number};accumulator;1;piston;{piston}", f"{number};accumulator;1;bore;{bore}")
+    ]
+    found = read_readings(sheet((heading, "Valve", "Land", "Part", f"Diameter [{unit}]"), *lines), controller)
+    messages = [message for message in found.messages if message.code == "rows_as_repeats"]
+    assert [message.level for message in messages] == [level]
+    assert ("µm apart: counted as repeats" in messages[0].text) == (level == "warning")
+
+
+@pytest.mark.parametrize("heading", ["Box", "Kiste", "Pudełko", "Tray"])
+def test_a_column_that_counts_things_tells_states_apart(controller, heading):
+    block = ["accumulator;1;piston;17.998", "accumulator;1;bore;18.041"]
+    lines = [f"{number};{line}" for number in (1, 2) for line in block]
+    with pytest.raises(ReadingsError, match=f"column '{heading}' tells states apart"):
+        read_readings(sheet((heading, *HEADINGS["en"]), *lines), controller)
