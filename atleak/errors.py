@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, TypeVar
 
 _OTHERS_SHOWN = 9
@@ -80,6 +80,12 @@ class InputError(AtleakError):
             if len(self.others) > _OTHERS_SHOWN:
                 text += f"\n  … and {len(self.others) - _OTHERS_SHOWN} more"
         return text
+
+    def rename_file(self, renamed: Callable[[str | None], str | None]) -> None:
+        """Name the file, of this fault and of the others, as the user knows it."""
+        for fault in (*self.others, self):
+            fault.place = replace(fault.place, file=renamed(fault.place.file))
+            fault.args = (str(fault),)
 
 
 class CatalogueError(InputError):

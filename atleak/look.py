@@ -1,7 +1,7 @@
 """Define how things look on every medium: one row per verdict, and the colours of lines and words.
 
-Verdicts differ in four ways: sign, word, shade and hatch, so that a greyscale print or a colour-blind reader loses
-nothing. Their words in each language stand in `atleak/texts`.
+Verdicts differ in sign, word and shade, and bars on the screen in their pattern too, so that a greyscale print or a
+colour-blind reader loses nothing. Their words in each language stand in `atleak/texts`.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ PAPER = Inks(ink="#1B2733", soft="#5A6670", rule="#B8C2CB", leakage="#A3211B", p
 SCREEN = Inks(ink="#16222b", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00")
 DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00",
             card="#1B262E")  # fmt: skip
-SUSPECT = "#d1383d"  # samples of a log that no result uses
+SUSPECT = LOOKS[Verdict.REPLACE].screen  # samples of a log that no result uses
 EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
 CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
 HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen
@@ -135,10 +135,10 @@ FAINT_GRID = "rgba(128,128,128,0.25)"
 
 # How sure a verdict is: colour and marker on the screen. A conditional decision is open.
 DECISION_MARKS: dict[str, tuple[str, str]] = {
-    "pass": ("#2f9e62", "circle"),
+    "pass": (LOOKS[Verdict.OK].screen, "circle"),
     "conditional_pass": ("#7aa621", "circle-open"),
     "conditional_fail": ("#e07b00", "square-open"),
-    "fail": ("#d1383d", "square"),
+    "fail": (LOOKS[Verdict.REPLACE].screen, "square"),
 }
 
 # The workbook, besides its verdicts.

@@ -7,6 +7,7 @@ import streamlit as st
 
 from atleak.errors import AtleakError
 from atleak.job.file import parse_job, write_job_file
+from atleak.paper import PAPERS
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
@@ -17,7 +18,6 @@ from pages.shared.cases import case_with_columns
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
 RECORD = "What is filled in above, for the next time or for the command line."
-PAPERS = {"a4": "A4", "letter": "Letter"}
 
 case, diagnosis = panel.shown()
 st.title("Report")
@@ -31,7 +31,7 @@ named = {language: wording(language).texts["language"] for language in languages
 language = options[0].selectbox(
     "Language", list(named), list(named).index("en"), named.__getitem__, key="report-language"
 )
-paper = options[1].selectbox("Paper", ["a4", "letter"], format_func=PAPERS.__getitem__, key="report-paper")
+paper = options[1].selectbox("Paper", list(PAPERS), format_func=lambda name: PAPERS[name].label, key="report-paper")
 titles = wording("en").texts["sections"]
 picked = st.pills(
     "Sections",

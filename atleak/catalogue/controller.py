@@ -31,6 +31,7 @@ from atleak.errors import CatalogueError, DomainError, Place, unknown
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
 HOT_IDLE = "hot_idle"
+STATED = "stated"  # name of the condition that a job states: no point of a file has it
 REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
 
 _PRESSURE = re.compile(r"^\s*(?:(?P<factor>\d*\.?\d+)\s*\*\s*)?(?P<section>p_[gsmk])\s*$")
@@ -474,6 +475,11 @@ def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]
                 "unknown gear",
                 value=table.gear,
                 expected=f"one of {entry.gears}",
+            )
+        if table.name == STATED:
+            problem = "name of the condition that a job states, which no controller may give to a point of its own"
+            raise catalogue_error(
+                path, f"operating_points[{number}]", "name", problem, value=table.name, expected="another name"
             )
         if any(table.name == point.name for point in points):
             raise catalogue_error(

@@ -95,7 +95,7 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
     origin = Origin(path, hashlib.sha256(content).hexdigest())
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep
         raise CatalogueError(
             f"is not valid TOML: {str(error)[:_TOML_LINE]}",
             place=Place(file=path.name),

@@ -1,6 +1,6 @@
 """Run the command line: files in, a verdict, JSON, a workbook out.
 
-Exit status: 0 done, 1 only with ``--fail-on`` and a pair at or past it, 2 bad input or usage.
+Exit status: 0 done, 1 only with ``--fail-on`` and a pair or a total at or past it, 2 bad input or usage.
 Every module adds the parsers of its commands and runs them; what costs time is imported when a command runs.
 """
 

@@ -20,7 +20,7 @@ from atleak.cli.shared import (
     write,
     write_json,
 )
-from atleak.errors import InputError
+from atleak.errors import InputError, unknown
 from atleak.verdicts import FLAGGED
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 
@@ -52,7 +52,7 @@ def add_parser(commands: Any) -> None:
     add_controller(parser)
     parser.add_argument("--fluid", metavar="ID|FILE")
     parser.add_argument("--limits", metavar="ID|FILE")
-    parser.add_argument("--profile", choices=["workshop", "paper"], default="workshop")
+    parser.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
     parser.add_argument(
         "--set",
         metavar="OPTION=VALUE",
@@ -86,15 +86,24 @@ def add_parser(commands: Any) -> None:
     add_force(parser)
 
 
+def _profile(text: str) -> str:
+    from atleak.engine.profile import PROFILES
+
+    if text not in PROFILES:
+        raise argparse.ArgumentTypeError(str(unknown("no such profile", text, PROFILES)))
+    return text
+
+
 def run(options: argparse.Namespace) -> int:
     """Diagnose the job, write the reports that were asked for and show the verdict."""
+    from atleak.job.case import SLOTS
     from atleak.verdicts import Verdict
 
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
-    inputs = (options.readings, options.road_test, options.job, options.controller, options.fluid, options.limits)
+    inputs = (options.readings, options.road_test, options.job, *(getattr(options, name) for name in SLOTS))
     targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
     check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     job = None
@@ -123,8 +132,7 @@ def _case(options: argparse.Namespace) -> Case:
     return Case(
         readings=SourceFile.at(options.readings),
         road_test=None if options.road_test is None else SourceFile.at(options.road_test),
-        **{name: chosen for name in SLOTS if (chosen := getattr(options, name)) is not None},
-        profile=options.profile,
+        **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
         options=tuple(options.set),
         temperature=options.temperature,
         engine_speed=None if options.rpm is None else options.rpm / 60.0,

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.errors import unknown
+from atleak.paper import DEFAULT_PAPER, PAPERS
 from atleak.system.files import replace_file
 from atleak.system.printable import unguarded
 from atleak.wording import languages
@@ -56,7 +57,7 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 def add_print(parser: argparse.ArgumentParser) -> None:
     """Add the options of printing: language and paper."""
     parser.add_argument("--language", choices=languages(), default="en", help="of the PDF")
-    parser.add_argument("--paper", choices=["a4", "letter"], default="a4", help="of the PDF and the workbook")
+    parser.add_argument("--paper", choices=list(PAPERS), default=DEFAULT_PAPER, help="of the PDF and the workbook")
 
 
 def add_columns(parser: argparse.ArgumentParser) -> None:
@@ -100,12 +101,14 @@ def number(text: str) -> float:
 
 
 def number_of(asked: AskedNumber) -> Callable[[str], float]:
-    """Return the reader of an option that takes this number."""
+    """Return the reader of an option that takes this number; one that is accepted with a doubt is doubted aloud."""
 
     def read(text: str) -> float:
         written = read_number(text, asked)
         if written.value is None:
             raise argparse.ArgumentTypeError(written.doubt)
+        if written.doubt:
+            print(f"atleak: {written.doubt}", file=sys.stderr)
         return written.value
 
     return read

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller import STATED, Controller, OperatingPoint
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
 from atleak.equations.clearance import worn_clearance
 from atleak.errors import InputError, Message
@@ -109,7 +109,7 @@ def stated_condition(
         raise InputError("temperature not accepted", value=temperature, expected="a number in °C")
     point = replace(
         point,
-        name="stated",
+        name=STATED,
         temperature=point.temperature if temperature is None else temperature,
         engine_speed=point.engine_speed if engine_speed is None else engine_speed,
         gear=point.gear if gear is None else gear,

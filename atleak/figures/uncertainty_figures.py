@@ -13,13 +13,9 @@ from atleak.catalogue.limits import RuleKind
 from atleak.equations.gap import FULLY_ECCENTRIC
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN
-from atleak.uncertainty import DECISIONS, Decision, LandUncertainty, UnitUncertainty
+from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
+from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
-
-
-def decision_words(decision: Decision) -> str:
-    """Return a decision in words: ``"conditional pass"``."""
-    return decision.replace("_", " ")
 
 
 def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
@@ -56,7 +52,7 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
             x=[value * UM for value in values],
             y=[_name(land) for land in shown],
             mode="markers",
-            name=decision_words(decision),
+            name=wording("en").get("decisions", decision),
             marker={"color": colour, "symbol": symbol, "size": 10, "line": {"width": 2}},
             error_x=error_bars(values, [land.clearance_interval for land in shown], UM, colour),
             customdata=[

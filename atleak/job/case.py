@@ -21,6 +21,7 @@ from atleak.catalogue.instruments import (
     DEFAULT_SLEEVE_INSTRUMENT,
     DEFAULT_SPOOL_INSTRUMENT,
     Instruments,
+    Part,
     load_instrument,
 )
 from atleak.catalogue.limits import load_limits
@@ -99,6 +100,7 @@ class Slot:
     folder: str  # folder of the catalogue
     load: Callable[[str | Path], Any]
     required: bool  # in a job file: an instrument may have been made in Python
+    part: Part | None = None  # that an instrument measures
 
 
 SLOTS: Mapping[str, Slot] = MappingProxyType(
@@ -108,8 +110,8 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
             Slot("controller", "Valve body", "controllers", load_controller, True),
             Slot("fluid", "Fluid", "fluids", load_fluid, True),
             Slot("limits", "Limits", "limits", load_limits, True),
-            Slot("spool_instrument", "Spools measured with", "instruments", load_instrument, False),
-            Slot("sleeve_instrument", "Sleeves measured with", "instruments", load_instrument, False),
+            Slot("spool_instrument", "Spools measured with", "instruments", load_instrument, False, "spool"),
+            Slot("sleeve_instrument", "Sleeves measured with", "instruments", load_instrument, False, "sleeve"),
         )
     }
 )
@@ -349,10 +351,7 @@ def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:
         try:
             entry: Any = load(path)
         except InputError as error:
-            for fault in (*error.others, error):
-                if fault.place.file == path.name:
-                    fault.place = replace(fault.place, file=source.name)
-                fault.args = (str(fault),)
+            error.rename_file(lambda file: source.name if file == path.name else file)
             raise
     named: Loaded = replace(entry, origin=replace(entry.origin, path=Path(source.name)))
     return named

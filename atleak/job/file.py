@@ -20,7 +20,8 @@ from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
-from atleak.job.record import Job, picture_name
+from atleak.job.record import Job, picture_name, without_surrogates
+from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
@@ -102,6 +103,7 @@ class JobFile:
     job: Job
     case: Case
     result: dict[str, Any]
+    name: str = "job file"  # of the zip, for messages
 
     def diagnose(self) -> Diagnosis:
         """Diagnose this job anew, with the installed version of atleak.
@@ -109,9 +111,13 @@ class JobFile:
         Raises
         ------
         AtleakError
-            a file that cannot be used.
+            a file that cannot be used; it names the zip and the file in it.
         """
-        return self.case.diagnose()
+        try:
+            return self.case.diagnose()
+        except InputError as error:
+            error.rename_file(lambda file: f"{self.name}: {file}" if file else self.name)
+            raise
 
 
 def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
@@ -185,11 +191,13 @@ def read_job_file(source: str | Path | bytes, *, name: str = "job file", size_li
     place = Place(file=name)
     try:
         content = source if isinstance(source, bytes) else Path(source).read_bytes()
+    except (OSError, ValueError) as error:
+        problem = f"cannot be read: {getattr(error, 'strerror', error)}"
+        raise InputError(problem, place=place, expected="a job file (zip)") from error
+    try:
         with zipfile.ZipFile(io.BytesIO(content)) as bundle:
             entries = dict(_entries(bundle, name, size_limit))
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", place=place, expected="a job file (zip)") from error
-    except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, EOFError, RuntimeError, ValueError) as error:
+    except NO_SOUND_ZIP as error:
         raise InputError(
             f"is no sound zip: {str(error)[:100]}", place=place, expected="a job file of atleak"
         ) from error
@@ -217,7 +225,7 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     pictures = {
         entry.removeprefix("pictures/"): content for entry, content in entries.items() if entry.startswith("pictures/")
     }
-    return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result)
+    return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result, name)
 
 
 # --- the content of job.json
@@ -323,10 +331,12 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
         expected = f"at most {size_limit} bytes unpacked"
         raise InputError("too large", place=place, value=total, expected=expected)
     for info in infos:
-        if info.is_dir():
+        if info.filename.endswith("/"):
             continue  # left by programs that zip folders
         if info.flag_bits & 0x1:
             raise InputError("is encrypted", place=place, value=info.filename)
+        if info.compress_type not in PACKINGS:
+            raise InputError("is packed in a way that no job is", place=place, value=info.filename, expected="deflate")
         if not _known_entry(info.filename):
             raise InputError("holds a file that no job has", place=place, value=info.filename)
         yield info.filename, bundle.read(info)
@@ -394,6 +404,15 @@ def _json(content: bytes, name: str) -> Any:
     if len(content) > _RECORD_LIMIT:
         raise InputError("too large", place=Place(file=name))
     try:
-        return json.loads(content.decode("utf-8-sig"))
+        return _encodable(json.loads(content.decode("utf-8-sig")))
     except (ValueError, RecursionError) as error:
         raise InputError(f"is not valid JSON: {str(error)[:200]}", place=Place(file=name)) from error
+
+
+def _encodable(value: Any) -> Any:
+    """Return what JSON holds with every text and key encodable, so that any report can be written of it."""
+    if isinstance(value, dict):
+        return {without_surrogates(key): _encodable(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_encodable(each) for each in value]
+    return without_surrogates(value) if isinstance(value, str) else value

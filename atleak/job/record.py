@@ -25,9 +25,14 @@ _SURROGATES = re.compile("[\ud800-\udfff]")
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 
 
+def without_surrogates(text: str) -> str:
+    """Return text that can be encoded: a lone surrogate, as JSON may hold one, becomes a replacement character."""
+    return _SURROGATES.sub("\ufffd", text)
+
+
 def clean_text(text: str) -> str:
     """Return text without what no file can hold: lone surrogates, and control characters but tab and new line."""
-    return _CONTROL.sub("", _SURROGATES.sub("\ufffd", text))
+    return _CONTROL.sub("", without_surrogates(text))
 
 
 def _text(value: Any) -> Any:

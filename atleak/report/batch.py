@@ -8,9 +8,10 @@ from pathlib import Path
 
 from atleak.catalogue.limits import Verdict
 from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError
+from atleak.errors import AtleakError, InputError, Place
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
+from atleak.paper import DEFAULT_PAPER
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.system.files import replace_file
@@ -43,10 +44,10 @@ def write_reports(
     *,
     formats: Iterable[str] = ("pdf",),
     language: str = "en",
-    paper: str = "a4",
+    paper: str = DEFAULT_PAPER,
     progress: Callable[[int, int, Reported], None] | None = None,
 ) -> list[Reported]:
-    """Write the reports of every job file; a job that cannot be read is reported and does not stop the others.
+    """Write the reports of every job file; a job that fails, in whatever way, is reported and stops no other.
 
     What stands in the place of a report is replaced, whole: ask `report_paths` where that must not be.
 
@@ -64,16 +65,20 @@ def write_reports(
     done = []
     folder.mkdir(parents=True, exist_ok=True)
     for source, paths in zip(sources, report_paths(sources, folder, tuple(formats)), strict=True):
+        written: list[Path] = []
         try:
             job_file = read_job_file(source)
             diagnosis = job_file.diagnose()
-            written = []
             for form, path in paths.items():
                 replace_file(path, _report(form, diagnosis, job_file.job, language, paper))
                 written.append(path)
             reported = Reported(source, tuple(written), diagnosis.verdict)
         except AtleakError as error:
-            reported = Reported(source, error=error)
+            reported = Reported(source, tuple(written), error=error)
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException as error:  # noqa: BLE001 (a panic of a library in Rust is no Exception)
+            reported = Reported(source, tuple(written), error=_unexpected(error, source))
         done.append(reported)
         if progress is not None:
             progress(len(done), len(sources), reported)
@@ -85,7 +90,15 @@ def _report(form: str, diagnosis: Diagnosis, job: Job, language: str, paper: str
         return write_pdf(diagnosis, job, language=language, paper=paper)
     if form == "xlsx":
         return write_workbook(diagnosis, job, paper=paper)
-    return to_json(diagnosis_record(diagnosis)).encode()
+    return to_json(diagnosis_record(diagnosis)).encode("utf-8", errors="backslashreplace")
+
+
+def _unexpected(error: BaseException, source: Path) -> AtleakError:
+    """Put a fault of the program in words; the fault itself stays its cause."""
+    problem = f"unexpected {type(error).__name__}: {error}. This is a fault of atleak"
+    fault = InputError(problem, place=Place(file=source.name))
+    fault.__cause__ = error
+    return fault
 
 
 def _free(stem: str, taken: set[str]) -> str:

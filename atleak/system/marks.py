@@ -34,7 +34,8 @@ _TAIL = 1 << 20  # bytes at the end of a PDF: its metadata and table of contents
 _ENTRIES = 1000  # most entries of an archive that is looked at
 _DIRECTORY = 1 << 20  # bytes of an archive's table of contents
 _PROPERTIES = 1 << 16  # bytes of a workbook's own properties
-_NO_ARCHIVE = (  # the exceptions that zipfile raises for a damaged archive
+PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # of the entries of every archive that atleak makes
+NO_SOUND_ZIP = (  # the exceptions that zipfile raises for a damaged archive
     zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error, struct.error,
     NotImplementedError, RuntimeError, ValueError, EOFError, IndexError,
 )  # fmt: skip
@@ -162,14 +163,14 @@ def _archive(stream: BinaryIO, size: int) -> Kind | None:
             if mark is None or mark[2] != _seal(bundle.infolist()):
                 return None
             return next((kind for kind in get_args(Kind) if kind == mark[1]), None)
-    except _NO_ARCHIVE:
+    except NO_SOUND_ZIP:
         return None
 
 
 def _beginning(bundle: zipfile.ZipFile, name: str, limit: int) -> bytes | None:
     """Return the first bytes of an entry; None without one, or where it is packed in a way that atleak does not use."""
     entry = bundle.NameToInfo.get(name)
-    if entry is None or entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+    if entry is None or entry.compress_type not in PACKINGS:
         return None
     with bundle.open(entry) as part:
         return part.read(limit)

@@ -23,9 +23,12 @@ from atleak.job.case import SLOTS, Case, Choice, LogChoices, Reader, Slot, Sourc
 from atleak.readings import Readings
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
-FITTED: dict[str, dict[str, Any]] = {  # choices that belong to one file, and go with it
-    "readings": {"sheet_name": None, "sheet_unit": None, "sheet_where": ()},
-    "road_test": {"columns": (), "units": (), "constants": (), "remember": True},
+_CHOICES = {  # those that belong to one file, and go with it
+    "readings": ("sheet_name", "sheet_unit", "sheet_where"),
+    "road_test": ("columns", "units", "constants", "remember"),
+}
+FITTED: dict[str, dict[str, Any]] = {  # the same, as a fresh job has them
+    slot: {name: getattr(Case, name) for name in names} for slot, names in _CHOICES.items()
 }
 
 

@@ -14,7 +14,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import PROFILES, Profile
 from atleak.errors import AtleakError
 from atleak.intake.units import unit
-from atleak.job.case import SLOTS, SourceFile
+from atleak.job.case import SLOTS, Slot, SourceFile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from pages.shared import fields, show
 from pages.shared.cases import PageCase, catalogue_entry, controller_of, diagnosis_of
@@ -64,12 +64,14 @@ def draw() -> None:
         st.button("New, empty job", on_click=new_job, width="stretch", help=cleared)
         st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
         _job_file()
-        for kind in ("controller", "fluid", "limits"):
-            with st.container():
-                _choice(kind)
+        for choice in SLOTS.values():
+            if choice.part is None:
+                with st.container():
+                    _choice(choice)
         with st.expander("Instruments"):
-            for kind in ("spool_instrument", "sleeve_instrument"):
-                _choice(kind)
+            for choice in SLOTS.values():
+                if choice.part is not None:
+                    _choice(choice)
         _condition()
         _profile()
     result = current_diagnosis()
@@ -146,28 +148,27 @@ def _status(slot: str, result: Diagnosis) -> None:
     st.caption(f"{origin}**{show.plain(file.name)}** · {about}")
 
 
-def _choice(kind: str) -> None:
-    label, folder = SLOTS[kind].label, SLOTS[kind].folder
-    current = getattr(session().case, kind)
-    ids = list(catalogue_files(folder))
-    if kind.endswith("instrument"):
-        ids = [name for name in ids if kind.split("_")[0] in catalogue_entry(kind, name).measures]
+def _choice(slot: Slot) -> None:
+    current = getattr(session().case, slot.name)
+    ids = list(catalogue_files(slot.folder))
+    if slot.part is not None:
+        ids = [name for name in ids if slot.part in catalogue_entry(slot.name, name).measures]
     options = [*dict.fromkeys([*ids, *([current] if isinstance(current, str) else [])]), OWN]
     picked = st.selectbox(
-        label,
+        slot.label,
         options,
         index=options.index(current if isinstance(current, str) else OWN),
-        key=_key(kind),
-        format_func=lambda option: option if option == OWN else catalogue_entry(kind, option).name,
+        key=_key(slot.name),
+        format_func=lambda option: option if option == OWN else catalogue_entry(slot.name, option).name,
     )
     if picked != OWN:
-        choose(**{kind: picked})
+        choose(**{slot.name: picked})
         return
     if isinstance(current, SourceFile):
         st.caption(f"**{show.plain(current.name)}**")
-    own = st.file_uploader(f"Your own file: {label.lower()}", key=_key(f"own-{kind}"))
+    own = st.file_uploader(f"Your own file: {slot.label.lower()}", key=_key(f"own-{slot.name}"))
     if own is not None:
-        choose(**{kind: SourceFile(own.name, own.getvalue())})
+        choose(**{slot.name: SourceFile(own.name, own.getvalue())})
 
 
 def _condition() -> None:

@@ -147,7 +147,7 @@ def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
 
 def test_folds_stay_as_the_user_left_them(page: Page) -> None:
     to(page, "Report")
-    fold = page.get_by_test_id("stExpander").filter(has_text="As fold")
+    fold = page.get_by_test_id("stExpander").filter(has_text="As found")
     assert opened(form(page))
     assert not opened(fold)
     fold.locator("summary").click()

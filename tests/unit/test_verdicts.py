@@ -123,8 +123,9 @@ def test_every_level_has_a_look_and_a_word(language: str) -> None:
     assert list(LOOKS) == list(VERDICTS)
     say = wording(language)
     assert all(say.level(level) for level in (*VERDICTS, *BANDS))
-    signs = [look.sign for look in LOOKS.values()]
-    assert len(set(signs)) == len(signs)
+    for feature in ("sign", "fill", "pattern"):
+        looks = {getattr(look, feature) for look in LOOKS.values()}
+        assert len(looks) == len(LOOKS), feature
 
 
 def test_order_of_severity() -> None:

@@ -18,9 +18,9 @@ from typing import Any
 import typst
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.errors import unknown
 from atleak.job.record import Job, clean_text
 from atleak.look import LOOKS, PAPER
+from atleak.paper import DEFAULT_PAPER, Paper, find_paper
 from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
@@ -37,7 +37,6 @@ from atleak.views.road_series import RoadSeries, road_series
 from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
-PAPERS = {"a4": "a4", "letter": "us-letter"}
 STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
 TEMPLATE = Path(__file__).parent.parent / "templates" / "report.typ"
 _ROAD_POINTS = 1200
@@ -51,7 +50,7 @@ def write_pdf(
     job: Job | None = None,
     *,
     language: str = "en",
-    paper: str = "a4",
+    paper: str = DEFAULT_PAPER,
     sections: Iterable[str] | None = None,
 ) -> bytes:
     """Return the bytes of the report.
@@ -65,7 +64,7 @@ def write_pdf(
     language
         one of `atleak.wording.languages`.
     paper
-        ``"a4"`` or ``"letter"``.
+        one of `atleak.paper.PAPERS`.
     sections
         names of `atleak.report.pdf.body.SECTIONS`; all of them unless given.
 
@@ -81,17 +80,16 @@ def write_pdf(
     """
     job, say = job or Job(), wording(language)
     chosen = chosen_sections(sections)
-    if paper not in PAPERS:
-        raise unknown("no such paper", paper, PAPERS)
+    size = find_paper(paper)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         pictures = write_pictures(job, Path(folder))
-        data = report_data(diagnosis, job, say, paper, chosen, pictures)
+        data = report_data(diagnosis, job, say, size, chosen, pictures)
         shutil.copy(TEMPLATE, folder)
         return _compile(Path(folder), data, job.date, say)
 
 
 def report_data(
-    diagnosis: Diagnosis, job: Job, say: Wording, paper: str, chosen: tuple[str, ...], pictures: dict[str, str]
+    diagnosis: Diagnosis, job: Job, say: Wording, paper: Paper, chosen: tuple[str, ...], pictures: dict[str, str]
 ) -> dict[str, Any]:
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
     names = PrintedNames(diagnosis, diagnosis_record(diagnosis), job, say)
@@ -100,7 +98,7 @@ def report_data(
     title = say("title.report")
     return {
         "lang": say.language,
-        "paper": PAPERS[paper],
+        "paper": paper.typst,
         "title": title,
         "author": job.workshop.name or "atleak",
         "description": say("title.subject"),

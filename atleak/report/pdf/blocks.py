@@ -22,7 +22,7 @@ def facts(rows: Sequence[Sequence[str]]) -> Block:
 
 
 @dataclass(frozen=True)
-class Column:
+class PrintedColumn:
     """One column of a table: its title, the content of its cells and how it is set.
 
     ``cell`` turns the item of a row into the content of the cell: a text, or a dictionary with ``sign`` and ``text``
@@ -41,7 +41,7 @@ class Column:
         return f"{self.title}\n{self.unit}" if self.unit else self.title
 
 
-def table(columns: Sequence[Column], items: Iterable[Any], *, empty: bool = True) -> Block:
+def table(columns: Sequence[PrintedColumn], items: Iterable[Any], *, empty: bool = True) -> Block:
     """Return a table with one row per item; with ``empty`` False, empty columns are left out."""
     rows = [[column.cell(item) for column in columns] for item in items]
     kept = [

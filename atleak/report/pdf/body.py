@@ -10,7 +10,7 @@ from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
 from atleak.diagnosis import LandDiagnosis
 from atleak.errors import unknown
 from atleak.job.record import RepairDecision
-from atleak.report.pdf.blocks import Block, Column, facts, joined, table, text
+from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
@@ -106,19 +106,19 @@ class Body:
         idle = names.idle
         decided = any(land.decision for land in flagged)
         columns = [
-            Column(names.column("pair"), names.pair, width=4),
-            Column(names.column("land"), names.land, side="c"),
-            Column(names.column("verdict"), names.verdict),
-            Column(names.column("clearance"), names.clearance, "µm", side="r"),
-            Column(names.column("mounting"), names.mounting, "µm", side="r"),
-            Column(names.column("wear"), names.wear, "%", side="r"),
-            Column(names.column("share"), names.share, "%", side="r"),
+            PrintedColumn(names.column("pair"), names.pair, width=4),
+            PrintedColumn(names.column("land"), names.land, side="c"),
+            PrintedColumn(names.column("verdict"), names.verdict),
+            PrintedColumn(names.column("clearance"), names.clearance, "µm", side="r"),
+            PrintedColumn(names.column("mounting"), names.mounting, "µm", side="r"),
+            PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
+            PrintedColumn(names.column("share"), names.share, "%", side="r"),
         ]
         if idle is not None:
-            columns.append(Column(names.column("share_hot_idle"), names.share_hot_idle, "%", side="r"))
+            columns.append(PrintedColumn(names.column("share_hot_idle"), names.share_hot_idle, "%", side="r"))
         if decided:
-            columns.append(Column(names.column("decision"), names.decision, width=3))
-        columns.append(Column(names.column("reason"), names.reason, width=7))
+            columns.append(PrintedColumn(names.column("decision"), names.decision, width=3))
+        columns.append(PrintedColumn(names.column("reason"), names.reason, width=7))
         yield table(columns, flagged)
         notes = [say("texts.both_rules")]
         notes += [say("texts.decision")] if decided else []
@@ -131,12 +131,12 @@ class Body:
             return
         yield text(say("texts.repair_order", condition=self.names.condition(plan[0].condition)))
         columns = [
-            Column("", lambda step: str(1 + plan.index(step)), side="r"),
-            Column(say("columns.pair"), lambda step: self.names.land_name(step.land), width=5),
-            Column(say("columns.verdict"), lambda step: self.names.verdict(step.land)),
-            Column(say("columns.before"), lambda step: say.percent(step.share_before), width=2, side="r"),
-            Column(say("columns.after"), lambda step: say.percent(step.share_after), width=2, side="r"),
-            Column(say("columns.replace_at"), lambda step: self._replace_at(step.land), width=2, side="r"),
+            PrintedColumn("", lambda step: str(1 + plan.index(step)), side="r"),
+            PrintedColumn(say("columns.pair"), lambda step: self.names.land_name(step.land), width=5),
+            PrintedColumn(say("columns.verdict"), lambda step: self.names.verdict(step.land)),
+            PrintedColumn(say("columns.before"), lambda step: say.percent(step.share_before), width=2, side="r"),
+            PrintedColumn(say("columns.after"), lambda step: say.percent(step.share_after), width=2, side="r"),
+            PrintedColumn(say("columns.replace_at"), lambda step: self._replace_at(step.land), width=2, side="r"),
         ]
         yield table(columns, plan, empty=False)
         if any(_worth_saying(step.land.replace_mileage) for step in plan):
@@ -163,17 +163,23 @@ class Body:
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
         columns = [
-            Column(names.column("pair"), names.pair, width=1),
-            Column(names.column("land"), names.land, side="c"),
-            Column(names.column("sleeve"), lambda at: say.number(at.state.sleeve_diameter * MM, 4), "mm", side="r"),
-            Column(names.column("spool"), lambda at: say.number(at.state.spool_diameter * MM, 4), "mm", side="r"),
-            Column(names.column("clearance"), names.clearance, "µm", side="r"),
-            Column(names.column("mounting"), names.mounting, "µm", side="r"),
-            Column(names.column("wear"), names.wear, "%", side="r"),
-            Column(names.column("effective"), lambda at: say.number(at.effective_clearance * UM, 1), "µm", side="r"),
-            Column(names.column("leakage"), names.leakage, "dm³/min", side="r"),
-            Column(names.column("share"), names.share, "%", side="r"),
-            Column(names.column("verdict"), names.verdict),
+            PrintedColumn(names.column("pair"), names.pair, width=1),
+            PrintedColumn(names.column("land"), names.land, side="c"),
+            PrintedColumn(
+                names.column("sleeve"), lambda at: say.number(at.state.sleeve_diameter * MM, 4), "mm", side="r"
+            ),
+            PrintedColumn(
+                names.column("spool"), lambda at: say.number(at.state.spool_diameter * MM, 4), "mm", side="r"
+            ),
+            PrintedColumn(names.column("clearance"), names.clearance, "µm", side="r"),
+            PrintedColumn(names.column("mounting"), names.mounting, "µm", side="r"),
+            PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
+            PrintedColumn(
+                names.column("effective"), lambda at: say.number(at.effective_clearance * UM, 1), "µm", side="r"
+            ),
+            PrintedColumn(names.column("leakage"), names.leakage, "dm³/min", side="r"),
+            PrintedColumn(names.column("share"), names.share, "%", side="r"),
+            PrintedColumn(names.column("verdict"), names.verdict),
         ]
         yield table(columns, self.diagnosis.lands)
         at = self.names.condition(self.diagnosis.projection.condition)
@@ -237,27 +243,27 @@ class Body:
         }
         flow = self.names.flow_with_unit
         columns = [
-            Column("", lambda row: str(row[0]), side="r"),
-            Column(say("columns.instant"), lambda row: say(f"instants.{row[1][0]}"), width=4),
-            Column(say("columns.time"), lambda row: f"{say.number(row[1][1].time, 1)} s", width=2, side="r"),
-            Column(say("columns.leakage"), lambda row: flow(row[1][1].leakage), width=2, side="r"),
-            Column(say("columns.capacity"), lambda row: flow(row[1][1].pump_capacity), width=2, side="r"),
-            Column(say("columns.share"), lambda row: say.percent(row[1][1].share), width=2, side="r"),
+            PrintedColumn("", lambda row: str(row[0]), side="r"),
+            PrintedColumn(say("columns.instant"), lambda row: say(f"instants.{row[1][0]}"), width=4),
+            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row[1][1].time, 1)} s", width=2, side="r"),
+            PrintedColumn(say("columns.leakage"), lambda row: flow(row[1][1].leakage), width=2, side="r"),
+            PrintedColumn(say("columns.capacity"), lambda row: flow(row[1][1].pump_capacity), width=2, side="r"),
+            PrintedColumn(say("columns.share"), lambda row: say.percent(row[1][1].share), width=2, side="r"),
         ]
         yield table(columns, numbered)
 
     def _repair(self, charts: dict[str, str]) -> Iterable[Block]:
         say = self.say
         columns = [
-            Column(say("columns.pair"), self._repaired_pair, width=4),
-            Column(say("columns.work"), lambda each: each.work, width=5),
-            Column(
+            PrintedColumn(say("columns.pair"), self._repaired_pair, width=4),
+            PrintedColumn(say("columns.work"), lambda each: each.work, width=5),
+            PrintedColumn(
                 say("columns.decision"),
                 lambda each: say.get("job_decisions", each.decision) if each.decision else "–",
                 width=2,
             ),
-            Column(say("columns.reason"), lambda each: each.reason, width=6),
-            Column(say("columns.date"), lambda each: say.date(each.date) if each.date else "", width=2),
+            PrintedColumn(say("columns.reason"), lambda each: each.reason, width=6),
+            PrintedColumn(say("columns.date"), lambda each: say.date(each.date) if each.date else "", width=2),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
 
@@ -284,9 +290,9 @@ class Body:
         ]
         yield facts([row for row in rows if row[1]])
         columns = [
-            Column(say("columns.component"), lambda each: joined((each.component, each.part), " "), width=3),
-            Column(say("columns.land"), lambda each: str(each.land or ""), width=1),
-            Column(say("facts.scratches"), lambda each: each.description, width=6),
+            PrintedColumn(say("columns.component"), lambda each: joined((each.component, each.part), " "), width=3),
+            PrintedColumn(say("columns.land"), lambda each: str(each.land or ""), width=1),
+            PrintedColumn(say("facts.scratches"), lambda each: each.description, width=6),
         ]
         yield table(columns, [each for each in job.scratches if not each.empty])
 
@@ -366,10 +372,10 @@ class Body:
     def _limits(self, charts: dict[str, str]) -> Iterable[Block]:
         say, limits = self.say, self.diagnosis.limits
         columns = [
-            Column(say("columns.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
-            Column(say("columns.limit"), lambda rule: self._levels(*rule), width=4),
-            Column(say("columns.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
-            Column(say("columns.source"), lambda rule: rule[1].source, width=6),
+            PrintedColumn(say("columns.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
+            PrintedColumn(say("columns.limit"), lambda rule: self._levels(*rule), width=4),
+            PrintedColumn(say("columns.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
+            PrintedColumn(say("columns.source"), lambda rule: rule[1].source, width=6),
         ]
         yield table(columns, limits.rules.items())
         yield text(f"{isolated(limits.name)}. {say('texts.limit_note')}", small=True)
@@ -451,9 +457,11 @@ class Body:
         profile = self.diagnosis.profile.label
         yield text(say("texts.made_with", version=__version__, profile=profile, language=say.texts["language"]))
         columns = [
-            Column("", lambda name: say(f"facts.{name}"), width=2),
-            Column(say("columns.file"), lambda name: record[name].get("file") or record[name].get("id"), width=3),
-            Column("SHA-256", lambda name: record[name]["sha256"], width=8),
+            PrintedColumn("", lambda name: say(f"facts.{name}"), width=2),
+            PrintedColumn(
+                say("columns.file"), lambda name: record[name].get("file") or record[name].get("id"), width=3
+            ),
+            PrintedColumn("SHA-256", lambda name: record[name]["sha256"], width=8),
         ]
         used = ("readings", "road_test", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.engine.projection import Projection
-from atleak.report.pdf.blocks import Block, Column, joined, table
+from atleak.report.pdf.blocks import Block, joined, table
+from atleak.report.pdf.blocks import PrintedColumn as Column
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM

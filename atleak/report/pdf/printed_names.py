@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.controller import STATED, OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job
@@ -25,10 +25,10 @@ class PrintedNames:
     def condition(self, point: OperatingPoint) -> str:
         """Return the name of a condition in the reader's language."""
         say = self.say
-        if point.name in say.texts["conditions"] and point.name != "stated":
+        if point.name in say.texts["conditions"] and point.name != STATED:
             name = say(f"conditions.{point.name}")
             return say("conditions.at", name=name, temperature=say.plain(point.temperature))
-        if point.name == "stated":
+        if point.name == STATED:
             temperature, speed = say.plain(point.temperature), say.number(point.engine_speed * RPM, 0)
             return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
         return point.label.replace(" °C", "\u00a0°C")

@@ -13,6 +13,7 @@ import xlsxwriter
 
 from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
+from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.live import LiveSheets, write_readings
 from atleak.report.xlsx.sheets import Sheets
@@ -26,7 +27,7 @@ _UNDATED = dt.datetime(2000, 1, 1)  # of a job without a date: the same job give
 _OPTIONS = {"in_memory": True, "strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
 
 
-def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str = "a4") -> bytes:
+def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str = DEFAULT_PAPER) -> bytes:
     """Return the bytes of the workbook.
 
     Parameters
@@ -36,9 +37,14 @@ def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str =
     job
         what the workshop wrote down; what is not filled in is left out.
     paper
-        ``"a4"`` or ``"letter"``, for printing.
+        one of `atleak.paper.PAPERS`, for printing.
+
+    Raises
+    ------
+    InputError
+        if there is no such paper.
     """
-    job = job or Job()
+    job, size = job or Job(), find_paper(paper)
     target = io.BytesIO()
     with xlsxwriter.Workbook(target, _OPTIONS) as workbook:
         created = dt.datetime.combine(job.date, dt.time()) if job.date else _UNDATED
@@ -46,7 +52,7 @@ def write_workbook(diagnosis: Diagnosis, job: Job | None = None, *, paper: str =
             {"title": "Valve body leakage", "author": "", "comments": f"atleak {__version__}", "created": created}
         )
         workbook.set_custom_property(PROPERTY, unsealed("report workbook"))
-        _write(Book(workbook, paper), diagnosis, job)
+        _write(Book(workbook, size), diagnosis, job)
     return sealed(target.getvalue())
 
 

@@ -13,10 +13,13 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.job.record import clean_text
 from atleak.look import HEADING, LOOKS, look_of
+from atleak.paper import Paper
 from atleak.verdicts import Band, Verdict
 from atleak.wording import wording
+from atleak.written_numbers import MILEAGE
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
+_TOO_FAR = MILEAGE.limits[1] + 1.0  # [km] the first mileage that no vehicle has
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
 
 
@@ -39,7 +42,7 @@ NUMBER_FORMATS = {
     "time": "0.00",
     "count": "0",
     "scientific": "0.00E+00",
-    "mileage": _or_words("10000000", "beyond 10 million", "0"),
+    "mileage": _or_words(f"{_TOO_FAR:.0f}", f"beyond {_TOO_FAR / 1e6:.0f} million", "0"),
     "plain": "General",
 }
 
@@ -47,7 +50,7 @@ NUMBER_FORMATS = {
 class Book:
     """The workbook with its formats; text is always written as text."""
 
-    def __init__(self, workbook: xlsxwriter.Workbook, paper: str) -> None:
+    def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper) -> None:
         self.workbook, self.paper = workbook, paper
         self._formats: dict[tuple[tuple[str, Any], ...], Format] = {}
         self.sheets: dict[str, Worksheet] = {}
@@ -80,7 +83,7 @@ class Book:
         """Add a sheet, ready to print: one page wide, headings repeated, page numbers."""
         sheet = self.workbook.add_worksheet(name)
         self.sheets[name] = sheet
-        sheet.set_paper(1 if self.paper == "letter" else 9)
+        sheet.set_paper(self.paper.excel)
         if landscape:
             sheet.set_landscape()
         sheet.fit_to_pages(1, 0)

@@ -15,10 +15,10 @@ from atleak.diagnosis import LandDiagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
 from atleak.look import INPUT
-from atleak.report.xlsx.book import cell, exact, span
+from atleak.report.xlsx.book import NO_DELIVERY, cell, exact, span
 from atleak.rules import LandKey
 from atleak.verdicts import VERDICTS, Verdict
-from atleak.wording import signed, value_names
+from atleak.wording import signed, value_names, wording
 from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
 
 CHANGEABLE = {"font_color": INPUT}  # numbers that an auditor may change
@@ -185,7 +185,8 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         return issued
 
     def decision(row: LandRow) -> Cell:
-        return Cell("plain", row.record["decision"] and row.record["decision"].replace("_", " "))
+        name = row.record["decision"]
+        return Cell("plain", None if name is None else wording("en").get("decisions", name))
 
     def because(row: LandRow) -> Cell:
         rule = row.land.deciding
@@ -216,7 +217,7 @@ def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:
 
 def share_of(leakage: str, capacity: str) -> str:
     """Return the formula of a share [%]: 0 without leakage, infinite where a pump without flow feeds any leakage."""
-    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,9.99E99,0))"
+    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,{exact(NO_DELIVERY)},0))"
 
 
 def address(row: int, column: int) -> str:

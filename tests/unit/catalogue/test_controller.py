@@ -252,6 +252,7 @@ def test_rings_of_main_pressure_can_be_given_apart(four_speed: Controller, edite
         ("[1, 2, 3, 4, 5, 6]", "[1, 2, 2]", None, "gears", ("twice", "2")),
         ("gear = 2", "gear = 7", "operating_points[1] (driving_second)", "gear", ("7", "[1, 2, 3, 4, 5, 6]")),
         ('name = "hot_idle"', 'name = "driving_second"', "operating_points[2]", "name", ("twice",)),
+        ('name = "hot_idle"', 'name = "stated"', "operating_points[2]", "name", ("a job states", "another name")),
         ("mounting_clearance_um = 18.0", "mounting_clearance_um = 0.018", None, "mounting_clearance_um", ("0.018",)),
         ("displacement_mm3 = 18000.0\n", "", "pump", None, ("displacement_mm3", "tooth_height_mm")),
         ("displacement_mm3 = 18000.0", "displacement_mm3 = 1.0\nteeth = 3", "pump", None, ("not both",)),

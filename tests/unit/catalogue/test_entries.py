@@ -253,3 +253,11 @@ def test_a_place_says_only_what_is_known() -> None:
     assert str(Place()) == ""
     everything = Place(file="a.xlsx", sheet="S", row=3, column="C", table="pump", key="teeth")
     assert str(everything) == "a.xlsx, sheet 'S', row 3, column C, [pump], key 'teeth'"
+
+
+@pytest.mark.parametrize("line", ["deep = " + "[" * 5000 + "]" * 5000, "long = " + "9" * 5000])
+def test_a_file_nested_too_deep_or_a_number_too_long_is_refused_in_words(tmp_path: Path, line: str) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(f"{line}\n", encoding="utf-8")
+    for load in LOADERS.values():
+        assert str(refused(load, path)).startswith("own.toml: is not valid TOML")

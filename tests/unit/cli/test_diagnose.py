@@ -12,11 +12,19 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
+from atleak.job.case import SLOTS, Case
 from atleak.job.file import read_job_file
 
 Run = Callable[..., tuple[int, str, str]]
 RecordOf = Callable[..., dict[str, Any]]
 SmallSheet = Callable[..., Path]
+OWN_FILES = {
+    "controller": "minimal_example",
+    "fluid": Case.fluid,
+    "limits": Case.limits,
+    "spool_instrument": Case.spool_instrument,
+    "sleeve_instrument": Case.sleeve_instrument,
+}
 
 
 def test_json_stands_alone_on_standard_output(sample_readings: Path, sample_log: Path, record_of: RecordOf) -> None:
@@ -349,3 +357,45 @@ def test_a_constant_of_no_quantity_is_refused(run: Run, sample_readings: Path, s
     status, _, err = run("diagnose", sample_readings, "--road-test", sample_log, "--constant", "atf_temp=90")
     assert status == 2
     assert "did you mean 'atf_temperature'?" in err
+
+
+@pytest.mark.parametrize("slot", SLOTS)
+def test_force_never_writes_over_a_catalogue_file_of_the_command(run: Run, small_sheet: SmallSheet, slot: str) -> None:
+    sheet = small_sheet()
+    own = sheet.with_name("mine.toml")
+    own.write_bytes(catalogue_files(SLOTS[slot].folder)[OWN_FILES[slot]].read_bytes())
+    before = own.read_bytes()
+    controller = () if slot == "controller" else ("--controller", "minimal_example")
+    option = f"--{slot.replace('_', '-')}"
+    status, out, err = run("diagnose", sheet, *controller, option, own, "--json", own, "--force")
+    assert (status, out) == (2, "")
+    assert "would be written over another file of this command" in err
+    assert own.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("option", "typed", "shown"),
+    [("--rpm", "8505", "8505 rpm"), ("--temperature", "-35", "−35 °C"), ("--mileage", "106", "106 km")],
+)
+def test_an_unusual_number_is_taken_and_doubted_in_one_line(
+    run: Run, small_sheet: SmallSheet, option: str, typed: str, shown: str
+) -> None:
+    job = ("diagnose", small_sheet(), "--controller", "minimal_example", "--fluid", "mobil_atf_220", "--json", "-")
+    status, out, err = run(*job, option, typed)
+    assert status == 0
+    assert json.loads(out)["format"] == 1
+    assert err.startswith("atleak: ")
+    assert shown in err
+    assert err.count("\n") == 1
+
+
+def test_without_options_the_command_line_takes_every_default_of_a_job(
+    small_sheet: SmallSheet, record_of: RecordOf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Case, "__init__", _with_other_defaults(Case.__init__))
+    record = record_of(small_sheet(), "--controller", "minimal_example")
+    assert record["profile"]["name"] == "paper"
+
+
+def _with_other_defaults(make: Callable[..., None]) -> Callable[..., None]:
+    return lambda case, **fields: make(case, **{"profile": "paper", **fields})

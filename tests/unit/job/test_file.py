@@ -211,3 +211,43 @@ def test_nothing_is_left_behind(content, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     read_job_file(content).diagnose()
     assert list(Path(tmp_path).iterdir()) == []
+
+
+def with_bytes_flipped(content: bytes, name: str) -> bytes:
+    """The zip with an entry's packed bytes damaged."""
+    with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+        info = bundle.getinfo(name)
+    start = info.header_offset + 30 + len(name)
+    return content[:start] + bytes(255 - byte for byte in content[start : start + 40]) + content[start + 40 :]
+
+
+def packed_by(content: bytes, method: int) -> bytes:
+    target = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(target, "w", method) as new:
+        for name in old.namelist():
+            new.writestr(name, old.read(name))
+    return target.getvalue()
+
+
+def test_damaged_packing_and_entries_without_a_name_are_refused_in_words(content):
+    for damaged, words in (
+        (with_bytes_flipped(content, "result.json"), "shop.zip: is no sound zip"),
+        (packed_by(content, zipfile.ZIP_LZMA), "shop.zip: is packed in a way that no job is"),
+        (content.replace(b"readings", b"\0eadings"), "shop.zip: "),
+    ):
+        with pytest.raises(InputError, match=words):
+            read_job_file(damaged, name="shop.zip")
+
+
+def test_names_that_cannot_be_encoded_are_cleaned_on_reading(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as bundle:
+        files = json.loads(bundle.read("job.json"))["files"]
+    job_file = read_job_file(with_choices(content, files=files | {"road_test": "a\ud800b.csv"}))
+    assert job_file.case.road_test.name == "a\ufffdb.csv"
+    assert json.dumps(diagnosis_record(job_file.diagnose()), ensure_ascii=False).encode()
+
+
+def test_a_file_of_the_job_that_cannot_be_used_is_named_with_its_zip(content):
+    broken = changed(content, **{"catalogue/fluid.toml": b"deep = " + b"[" * 5000})
+    with pytest.raises(InputError, match=r"^shop\.zip: mobil_atf_220\.toml: is not valid TOML"):
+        read_job_file(broken, name="shop.zip").diagnose()

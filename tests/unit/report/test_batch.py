@@ -6,6 +6,7 @@ import json
 
 from atleak.job.file import write_job_file
 from atleak.job.record import Job
+from atleak.report import batch
 from atleak.report.batch import Reported, write_reports
 
 
@@ -28,3 +29,21 @@ def test_every_job_gets_its_reports_and_progress_is_told(unmeasured, tmp_path):
     ]
     assert json.loads((tmp_path / "out" / "job.json").read_text(encoding="utf-8"))["verdict"] == "not_measured"
     assert done[2].verdict == "not_measured"
+
+
+def test_a_fault_of_the_program_in_one_job_stops_no_other(unmeasured, tmp_path, monkeypatch):
+    sources = [tmp_path / "first.zip", tmp_path / "second.zip"]
+    for source in sources:
+        source.write_bytes(write_job_file(unmeasured, Job(number=source.stem)))
+    write = batch.write_workbook
+
+    def faulty(diagnosis, job, **options):
+        if job.number == "first":
+            raise ZeroDivisionError("division by zero")
+        return write(diagnosis, job, **options)
+
+    monkeypatch.setattr(batch, "write_workbook", faulty)
+    first, second = write_reports(sources, tmp_path / "out", formats=("json", "xlsx"))
+    assert str(first.error).startswith("first.zip: unexpected ZeroDivisionError: division by zero")
+    assert [path.name for path in first.written] == ["first.json"]
+    assert [path.name for path in second.written] == ["second.json", "second.xlsx"]

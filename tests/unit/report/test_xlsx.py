@@ -16,10 +16,11 @@ from python_calamine import CalamineWorkbook
 from atleak.catalogue.controller import load_controller
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
+from atleak.errors import InputError
 from atleak.job.record import Job
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
-from atleak.wording import signed
+from atleak.wording import signed, wording
 
 SHEETS = ["Summary", "Lands", "Gaps", "Gaps hot idle", "Rules", "Readings", "Road test", "Conditions", "Limits"]
 
@@ -274,3 +275,24 @@ def test_a_pump_that_delivers_nothing_and_another_controller(worn, calculator):
             if not same(sheets.value(sheet, address), sheets.cached[sheet][address].value)
         ]
         assert wrong == []
+
+
+@pytest.mark.parametrize(("paper", "number"), [("a4", 9), ("letter", 1)])
+def test_every_sheet_prints_on_the_paper_that_was_chosen(unmeasured, paper, number):
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(unmeasured, paper=paper)))
+    assert {int(sheet.page_setup.paperSize) for sheet in book} == {number}
+
+
+def test_an_unknown_paper_is_refused(unmeasured):
+    with pytest.raises(InputError, match="did you mean 'letter'"):
+        write_workbook(unmeasured, paper="leter")
+
+
+def test_a_decision_is_named_as_the_texts_name_it(worn, monkeypatch):
+    decisions = {land.uncertainty.decision for land in worn.lands if land.uncertainty is not None} - {None}
+    for decision in decisions:
+        monkeypatch.setitem(wording("en").texts["decisions"], decision, f"decided: {decision}")
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn)), data_only=True)
+    column = column_of(book, "Lands", "decision as issued")
+    assert {cell.value for cell in book["Lands"][column][1:]} - {None} == {f"decided: {name}" for name in decisions}
+    assert decisions

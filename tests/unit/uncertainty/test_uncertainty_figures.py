@@ -10,8 +10,9 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.limits import LimitOrigin, Limits, Steps
 from atleak.figures import uncertainty_figures as figures
-from atleak.uncertainty import DEFAULTS, UnitUncertainty
+from atleak.uncertainty import DECISIONS, DEFAULTS, UnitUncertainty
 from atleak.verdicts import Verdict
+from atleak.wording import wording
 
 from .conftest import a_sheet
 
@@ -70,3 +71,10 @@ def test_limit_of_a_clearance_is_drawn_where_it_decides(
     unit = judge(a_sheet(four_speed, clearance=32 * UM), limits=only, draws=500).unit
     limit = next(trace for trace in figures.clearances(unit).data if trace.name == "limit")
     assert list(limit.x) == pytest.approx([30.0] * len(limit.x), rel=1e-12, abs=0.0)
+
+
+def test_a_decision_is_named_as_the_texts_name_it(unit: UnitUncertainty, monkeypatch: pytest.MonkeyPatch) -> None:
+    for decision in DECISIONS:
+        monkeypatch.setitem(wording("en").texts["decisions"], decision, f"decided: {decision}")
+    named = {trace.name for trace in figures.clearances(unit, lands=len(unit.lands)).data}
+    assert named >= {f"decided: {land.decision}" for land in unit.lands}
