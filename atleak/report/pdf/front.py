@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.engine.projection import Projection
-from atleak.report.pdf.blocks import Block, joined, table
-from atleak.report.pdf.blocks import PrintedColumn as Column
+from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -102,18 +101,22 @@ class Front:
     def _totals(self) -> Block:
         say, diagnosis = self.say, self.diagnosis
         columns = [
-            Column(say("columns.condition"), lambda at: self.names.condition(at.condition), width=1),
-            Column(say("columns.temperature"), lambda at: say.plain(at.condition.temperature), "°C", side="r"),
-            Column(say("columns.speed"), lambda at: say.number(at.condition.engine_speed * RPM, 0), "1/min", side="r"),
-            Column(say("columns.gear"), lambda at: str(at.condition.gear), side="r"),
-            Column(
+            PrintedColumn(say("columns.condition"), lambda at: self.names.condition(at.condition), width=1),
+            PrintedColumn(say("columns.temperature"), lambda at: say.plain(at.condition.temperature), "°C", side="r"),
+            PrintedColumn(
+                say("columns.speed"), lambda at: say.number(at.condition.engine_speed * RPM, 0), "1/min", side="r"
+            ),
+            PrintedColumn(say("columns.gear"), lambda at: str(at.condition.gear), side="r"),
+            PrintedColumn(
                 say("columns.pressure"), lambda at: say.number(at.condition.main_pressure * KPA, 0), "kPa", side="r"
             ),
-            Column(say("columns.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
-            Column(say("columns.capacity"), lambda at: say.number(at.pump_capacity * DM3_MIN, 2), "dm³/min", side="r"),
-            Column(say("columns.share"), self._share, "%", side="r"),
-            Column(say("columns.band"), self._band),
-            Column(say("columns.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
+            PrintedColumn(say("columns.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
+            PrintedColumn(
+                say("columns.capacity"), lambda at: say.number(at.pump_capacity * DM3_MIN, 2), "dm³/min", side="r"
+            ),
+            PrintedColumn(say("columns.share"), self._share, "%", side="r"),
+            PrintedColumn(say("columns.band"), self._band),
+            PrintedColumn(say("columns.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
         return table(columns, diagnosis.reported)
 
