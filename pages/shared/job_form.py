@@ -50,7 +50,7 @@ def draw(controller: Controller) -> Job:
             values[table] = getattr(record, table).model_dump() | {
                 name: _text(place, f"{table}-{name}", name, getattr(getattr(record, table), name)) for name in names
             }
-    with fields.fold("As changed", key=key("fold-changed")):
+    with fields.fold("As found", key=key("fold-found")):
         values |= _as_found(record)
     with fields.fold("Repair decisions, scratches, instruments", key=key("fold-tables")):
         values |= _tables(record, controller)
