@@ -18,10 +18,11 @@ from atleak.catalogue.limits import Limits, load_limits
 ROOT = Path(__file__).resolve().parents[1]
 
 # No deadline: how long an example takes says more about the machine than about the code. The README's round tries the
-# same examples everywhere, so that it fails for what was changed; continuous integration asks for the thorough profile
-# (--hypothesis-profile=thorough), which looks for new ones.
+# same examples everywhere, so that it fails for what was changed, and continuous integration (the thorough profile) tries
+# more of them. --hypothesis-profile=search looks for new ones at every run; what it finds becomes an @example.
 settings.register_profile("quick", deadline=None, max_examples=40, derandomize=True)
-settings.register_profile("thorough", deadline=None, max_examples=300)
+settings.register_profile("thorough", deadline=None, max_examples=300, derandomize=True)
+settings.register_profile("search", deadline=None, max_examples=1000)
 settings.load_profile("quick")
 
 # A machine without a browser or an office program skips the tests that need one. Where everything is installed, as in

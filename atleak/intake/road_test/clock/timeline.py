@@ -64,8 +64,9 @@ def build(seconds: np.ndarray) -> Timeline:
         return _finish(stamps, steps, usable, unreadable=unreadable, stale=stale)
     median = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
     shifted, order, reordered, restarts = _in_order(stamps, steps, median)
+    time = np.maximum.accumulate(shifted[order])  # a stretch that was moved may begin a rounding error too early
     return _finish(
-        shifted[order], np.diff(shifted[order]), usable[order],
+        time, np.diff(time), usable[order],
         unreadable=unreadable, stale=stale, reordered=reordered, restarts=restarts[0], breaks=restarts[1],
     )  # fmt: skip
 

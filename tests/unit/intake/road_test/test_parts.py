@@ -8,7 +8,7 @@ import itertools
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from atleak.intake.road_test.channels import suspects
@@ -200,6 +200,7 @@ def test_jitter_is_put_in_order_and_restarts_are_kept_apart() -> None:
 
 
 @given(st.lists(st.one_of(st.floats(0, 1e5), st.just(float("nan"))), min_size=1, max_size=60))
+@example([32770.5870884603, 1.8528981677700358])
 def test_time_base_is_always_ascending(stamps: list[float]) -> None:
     line = build(np.array(stamps))
     assert (np.diff(line.time) >= 0).all()
