@@ -18,7 +18,7 @@ from atleak.catalogue.limits import Limits, load_limits
 ROOT = Path(__file__).resolve().parents[1]
 
 # No deadline: how long an example takes says more about the machine than about the code. The README's round tries the
-# same examples everywhere, so that it fails for what was changed, and continuous integration (the thorough profile) tries
+# same examples everywhere, so that it fails for what was changed; continuous integration (the thorough profile) tries
 # more of them. --hypothesis-profile=search looks for new ones at every run; what it finds becomes an @example.
 settings.register_profile("quick", deadline=None, max_examples=40, derandomize=True)
 settings.register_profile("thorough", deadline=None, max_examples=300, derandomize=True)
