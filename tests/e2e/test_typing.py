@@ -207,10 +207,7 @@ def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
     write(fold, "Engine speed [rpm]", "2000")
     expect(page.get_by_test_id("stMain").get_by_test_id("stAlert").first).not_to_have_text(with_point)
     write(fold, "Engine speed [rpm]", "850,5")
-    wait_until_idle(page)
-    expect(page.get_by_test_id("stMain").get_by_test_id("stAlert").first).to_have_text(
-        re.compile(re.escape(with_point.split("\n")[0][:60]))
-    )
+    expect(page.get_by_test_id("stMain").get_by_test_id("stAlert").first).to_contain_text(re.compile(r"85[01] rpm"))
     wait_until_idle(page)
     assert share(page) == with_point
     assert fold.get_by_label("Engine speed [rpm]").input_value() == "850,5"
