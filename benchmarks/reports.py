@@ -37,6 +37,7 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.intake.road_test import read_road_test
 from atleak.job.file import write_job_file
 from atleak.job.record import Job
+from atleak.paper import find_paper
 from atleak.readings import Reading, Readings
 from atleak.report import pdf
 from atleak.report.batch import write_reports
@@ -101,7 +102,7 @@ def bare_typst(diagnosis: Diagnosis, job: Job, folder: Path) -> Callable[[], byt
     """Return a run that compiles the same pages with everything but typst's own work done beforehand."""
     say = wording("en")
     pictures = pdf.write_pictures(job, folder)
-    data = pdf.report_data(diagnosis, job, say, "a4", pdf.chosen_sections(None), pictures)
+    data = pdf.report_data(diagnosis, job, say, find_paper("a4"), pdf.chosen_sections(None), pictures)
     shutil.copy(pdf.TEMPLATE, folder)
     inputs = {"data": json.dumps(data, ensure_ascii=False)}
     fonts = pdf.bundled_fonts()
