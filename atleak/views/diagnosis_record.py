@@ -194,6 +194,9 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
         "verdict": rule.verdict,
         "decision": decided.decision if decided else None,
         "probability_over_limit": decided.probability_over_limit if decided else None,
+        "measurable": uncertainty.measurable(decided) if uncertainty and decided else None,
+        "new": _scaled(rule.new, rule.kind.factor),
+        "growth_percent": _scaled(rule.growth, PERCENT),
         "origin": rule.origin,
     }
 
