@@ -120,10 +120,11 @@ class LandUncertainty:
         return allowed is None or self.guard_factor * rule.standard_uncertainty < allowed
 
     def _allowed_wear(self, rule: RuleDecision) -> float | None:
-        """Return how far the limit is from a new pair, in the rule's unit; None for a share."""
+        """Return how far the limit is above a new pair, in the rule's unit; None for a share, or below a new pair."""
         if rule.rule.kind is RuleKind.WEAR:
             return rule.limit
-        return rule.limit - self.sources.state.land.mounting_high if rule.rule.kind is RuleKind.CLEARANCE else None
+        allowed = rule.limit - self.sources.state.land.mounting_high
+        return allowed if rule.rule.kind is RuleKind.CLEARANCE and allowed > 0.0 else None
 
     def gauges_that_do(self, rule: RuleDecision) -> str:
         """Say which gauges of the catalogue tell the limit from a new pair."""
