@@ -160,6 +160,7 @@ class _Drawn:
         law = self.condition.model.law
         c = effective_clearance(clearance, land.thermal_rate, self.rise)
         d = law.diameter(state.spool_diameter, c)
+        c = law.flow_clearance(c, *state.form_moments)
         if not law.linear:
             flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length) for gap, _ in gaps]
             flow = sum(flows)
