@@ -252,6 +252,8 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
         "decision": total.decision.decision if total else None,
         "probability_over_limit": total.decision.probability_over_limit if total else None,
         "minimum_engine_rpm": projection.minimum_speed * RPM,
+        "concentric_factor_low": projection.concentric_factor[0],
+        "concentric_factor_high": projection.concentric_factor[1],
         "source": at.source,
     }
 

@@ -219,6 +219,50 @@ def test_entry_loss_alone_is_the_orifice_law() -> None:
     assert q == pytest.approx(math.pi * 0.01 * 1e-3 * math.sqrt(2 * 800e3 / (1.5 * 800.0)), rel=1e-6, abs=0.0)
 
 
+def around(clearance: float, relative: float) -> np.ndarray:
+    """The clearance around an eccentric spool."""
+    return clearance * (1.0 + relative * np.cos(np.linspace(0.0, 2.0 * np.pi, 721)[:-1]))
+
+
+@given(gaps, st.floats(0.0, 1.0))
+def test_entry_loss_flow_of_an_eccentric_gap_lies_between_its_limits(values: tuple[float, ...], e: float) -> None:
+    p, d, c, _, rho, _ = values
+    factor = gap.eccentricity_factor(e * c, c)
+    q, concentric = gap.entry_loss_flow(*values, eccentricity_factor=factor), gap.entry_loss_flow(*values)
+    assert concentric * (1 - 1e-14) <= q <= factor * concentric * (1 + 1e-14)
+    assert q <= factor * gap.annular_flow(*values) * (1 + 1e-14)
+    assert q < math.pi * d * c * math.sqrt(p / (0.75 * rho)) * (1 + 1e-14)  # nothing spent on friction
+
+
+@given(gaps, st.floats(0.0, 1.0))
+def test_entry_loss_flow_of_an_eccentric_gap_is_close_to_the_integral_around_it(
+    values: tuple[float, ...], e: float
+) -> None:
+    p, d, c, nu, rho, length = values
+    q = gap.entry_loss_flow(*values, eccentricity_factor=gap.eccentricity_factor(e * c, c))
+    local = gap.entry_loss_flow(p, d, np.maximum(around(c, e), 0.0), nu, rho, length)
+    assert 0.89 * q < float(np.mean(local)) < q * (1 + 1e-9)
+
+
+# --- a gap that is not the same all around ---------------------------------------------------------------
+
+
+@given(st.lists(st.floats(1e-6, 200e-6), min_size=1, max_size=8), st.floats(0.0, 50e-6))
+def test_flow_equal_clearance_is_the_mean_cube_while_the_gap_is_open(several: list[float], opened: float) -> None:
+    c = np.array(several)
+    mean = float(c.mean())
+    even = gap.flow_equal_clearance(mean + opened, float(((c - mean) ** 2).mean()), float(((c - mean) ** 3).mean()))
+    assert even**3 == pytest.approx(gap.circumferential_cube(c + opened), rel=1e-9, abs=0.0)
+
+
+@given(st.floats(1e-9, 500e-6), st.floats(0.0, 100e-6), st.floats(0.0, 100e-6), st.floats(-3.0, 3.0))
+def test_flow_equal_clearance_rises_and_is_never_below_the_mean(c: float, more: float, u: float, skew: float) -> None:
+    moments = u**2, skew * u**3
+    even = gap.flow_equal_clearance(c, *moments)
+    assert even >= c * (1 - 1e-15)
+    assert gap.flow_equal_clearance(c + more, *moments) >= even * (1 - 1e-15)
+
+
 # --- Reynolds number -------------------------------------------------------------------------------------
 
 
@@ -376,6 +420,9 @@ def test_first_offending_value_and_its_place_are_named() -> None:
         (referees.annular_flow_compressible, (8e5, 0.010, 3e-5, 0.0085, 0.008, 783.0, -1.0)),
         (referees.annular_flow_compressible, (8e5, 0.010, -3e-5, 0.0085, 0.008, 783.0, 783.0)),
         (gap.entry_loss_flow, (8e5, 0.010, 3e-5, 1e-5, 783.0, 0.008, -0.1)),
+        (gap.entry_loss_flow, (8e5, 0.010, 3e-5, 1e-5, 783.0, 0.008, 1.5, 0.0)),
+        (gap.flow_equal_clearance, (-1e-6, 1e-12, 0.0)),
+        (gap.flow_equal_clearance, (3e-5, -1e-12, 0.0)),
         (gap.reynolds_number, (1e-6, 0.0, 1e-5)),
         (gap.reynolds_number, (1e-6, 0.01, 0.0)),
         (referees.taper_cube, (-1e-6, 3e-5)),
