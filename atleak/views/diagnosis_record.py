@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import Instant, RoadLeakage
@@ -15,6 +15,7 @@ from atleak.errors import Message
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
+from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
@@ -59,7 +60,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "uncertainty": _uncertainty(diagnosis.uncertainty),
         "verdict": diagnosis.verdict,
         "unit": _unit(diagnosis),
-        "lands": [_land(land) for land in diagnosis.lands],
+        "lands": [_land(row) for row in condition_matrix(diagnosis)],
         "gaps": [_gap(gap) for gap in projection.gaps],
         "projection": _projection(diagnosis, projection),
         "hot_idle": None if idle is None else _projection(diagnosis, idle),
@@ -143,7 +144,8 @@ def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
-def _land(land: LandDiagnosis) -> dict[str, Any]:
+def _land(row: MatrixRow) -> dict[str, Any]:
+    land = row.land
     state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
     low, high = (uncertainty.leakage_interval if uncertainty else None) or (None, None)
     return {
@@ -168,8 +170,22 @@ def _land(land: LandDiagnosis) -> dict[str, Any]:
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": land.replace_mileage,
         "representative": list(nominal.representative),
+        "conditions": [_at_condition(cell) for cell in row.cells],
         "rules": [_rule(rule, uncertainty) for rule in land.rules],
         "messages": [message_record(message) for message in land.messages],
+    }
+
+
+def _at_condition(cell: LandAtCondition) -> dict[str, Any]:
+    condition = cell.projection.condition
+    return {
+        "name": condition.name,
+        "label": condition.label,
+        "leakage_dm3_min": cell.leakage * DM3_MIN,
+        "drawn_from_pump_dm3_min": cell.drawn_from_pump * DM3_MIN,
+        "share_percent": _finite(cell.share * PERCENT),
+        "verdict": cell.verdict,
+        "elsewhere": cell.elsewhere or None,
     }
 
 

@@ -1,0 +1,118 @@
+"""Lay out what every land leaks at every condition: the matrix that record, page, terminal and reports show."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from atleak.catalogue.limits import RuleKind
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.projection import Projection
+from atleak.verdicts import Verdict
+
+ANOTHER_CIRCUIT = "another circuit"
+
+
+@dataclass(frozen=True)
+class LandAtCondition:
+    """What one land leaks at one condition, and what its share of the pump's flow is judged to be there."""
+
+    projection: Projection
+    leakage: float  # [m³/s] through every gap of the land
+    drawn_from_pump: float  # [m³/s] the part of it that counts in the total
+    share: float  # drawn from the pump / pump capacity: the shares of all lands add up to the total's
+    verdict: Verdict | None  # None where no limit of a land's share is set
+    #: sections into which it leaks without drawing from the pump; None for one that the valve body's file does not name
+    circuits: tuple[str | None, ...]
+
+    @property
+    def elsewhere(self) -> str:
+        """Say into which circuits it leaks without drawing from the pump; an empty text where it does not."""
+        return elsewhere(self.circuits)
+
+
+@dataclass(frozen=True)
+class MatrixRow:
+    """One land at every condition, in the order of the diagnosis: the stated one first."""
+
+    land: LandDiagnosis
+    cells: tuple[LandAtCondition, ...]
+
+    @property
+    def leaks(self) -> bool:
+        """Tell whether the land leaks at any condition."""
+        return any(cell.leakage > 0.0 for cell in self.cells)
+
+    @property
+    def worst(self) -> LandAtCondition:
+        """Return the condition at which the land's share is judged worst; of several, where it is largest."""
+        return max(self.cells, key=lambda cell: (_rank(cell.verdict), cell.share))
+
+    @property
+    def circuits(self) -> tuple[str | None, ...]:
+        """Return the sections into which it leaks at any condition without drawing from the pump."""
+        return tuple(dict.fromkeys(circuit for cell in self.cells for circuit in cell.circuits))
+
+    @property
+    def elsewhere(self) -> str:
+        """Say into which circuits it leaks at any condition without drawing from the pump; empty where it does not."""
+        return elsewhere(self.circuits)
+
+
+def elsewhere(circuits: Iterable[str | None]) -> str:
+    """Say that a land leaks into live circuits.
+
+    >>> elsewhere(["p_m"])
+    'leaks into p_m, not drawn from the pump'
+    >>> elsewhere([])
+    ''
+    """
+    names = " and ".join(circuit or ANOTHER_CIRCUIT for circuit in circuits)
+    return f"leaks into {names}, not drawn from the pump" if names else ""
+
+
+def condition_matrix(diagnosis: Diagnosis) -> tuple[MatrixRow, ...]:
+    """Return every land at every condition, lands in the controller's order."""
+    return tuple(
+        MatrixRow(land, tuple(land_at(land, projection) for projection in diagnosis.projections))
+        for land in diagnosis.lands
+    )
+
+
+def leaking_worst_first(diagnosis: Diagnosis) -> tuple[MatrixRow, ...]:
+    """Return the lands that leak at any condition: the worst verdict first, then the largest share anywhere."""
+    rows = [row for row in condition_matrix(diagnosis) if row.leaks]
+    return tuple(sorted(rows, key=lambda row: (-row.land.verdict.rank, -_largest(row))))
+
+
+def land_at(land: LandDiagnosis, projection: Projection) -> LandAtCondition:
+    """Return what one land leaks at one of the conditions of its diagnosis."""
+    drawn = projection.drawn_by(land.key)
+    aside = [gap.gap for gap in projection.gaps_of(land.key) if gap.leakage > 0.0 and not gap.drawn_from_pump]
+    return LandAtCondition(
+        projection=projection,
+        leakage=projection.leakage_of(land.key),
+        drawn_from_pump=drawn,
+        share=projection.share_of(drawn),
+        verdict=_verdict(land, projection),
+        circuits=tuple(dict.fromkeys(gap.low.section for gap in aside)),
+    )
+
+
+def _verdict(land: LandDiagnosis, projection: Projection) -> Verdict | None:
+    """Return the verdict of the land's share there; half a measurement can pass a limit, but never be called ok."""
+    shares = (rule for rule in land.rules if rule.kind is RuleKind.PAIR_SHARE)
+    rule = next((rule for rule in shares if rule.condition == projection.condition), None)
+    if rule is None:
+        return None if land.state.measured else Verdict.NOT_MEASURED
+    whole = land.state.status == "measured"
+    return rule.verdict if whole or rule.verdict.flagged else Verdict.NOT_MEASURED
+
+
+def _rank(verdict: Verdict | None) -> int:
+    return -1 if verdict is None else verdict.rank
+
+
+def _largest(row: MatrixRow) -> float:
+    return max((cell.share for cell in row.cells if math.isfinite(cell.share)), default=0.0)
