@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atleak.catalogue.complaints import Complaint
 from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import Instruments
@@ -108,6 +109,7 @@ class Diagnosis:
     repair_plan: tuple[RepairStep, ...]  # flagged lands in order of repair
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
+    complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
     messages: tuple[Message, ...]
 
     @property
@@ -121,13 +123,36 @@ class Diagnosis:
         return next((each for each in self.projections if each.condition.name == HOT_IDLE), None)
 
     @property
+    def complained(self) -> tuple[Projection, ...]:
+        """Return the projections at which the customer's complaint can show; none without one."""
+        names = self.complaint.conditions if self.complaint is not None else ()
+        return tuple(each for name in names for each in self.projections if each.condition.name == name)
+
+    @property
+    def presented(self) -> tuple[Projection, ...]:
+        """Return every projection in the order in which people read them: those of the complaint lead."""
+        first = self.complained
+        return (*first, *(each for each in self.projections if not any(each is led for led in first)))
+
+    @property
     def reported(self) -> tuple[Projection, ...]:
-        """Return the projections that reports show: the stated condition, hot idle, and the one that decided."""
-        shown = [self.projection, self.hot_idle]
+        """Return the projections that must stand in every report, in the order in which people read them.
+
+        These are those of the complaint, the stated condition, hot idle, the one at which the total is worst, and the
+        one of the rule that decided.
+        """
+        shown = [*self.complained, self.projection, self.hot_idle, self.worst]
         decided_by = self.decided_by
-        if isinstance(decided_by, Rule) and decided_by.condition is not None:
-            shown.append(self.at(decided_by.condition))
-        return tuple(each for each in self.projections if any(each is other for other in shown))
+        rule = decided_by if decided_by is None or isinstance(decided_by, Rule) else decided_by.deciding
+        if rule is not None and rule.condition is not None:
+            shown.append(self.at(rule.condition))
+        return tuple(each for each in self.presented if any(each is other for other in shown))
+
+    @property
+    def worst(self) -> Projection:
+        """Return the projection at which the total reached the worst band; of several, the largest share."""
+        condition = self.worst_total.condition
+        return self.projection if condition is None else self.at(condition)
 
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
@@ -222,6 +247,7 @@ def diagnose(
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
     guard_factor: float = GUARD_FACTOR,
+    complaint: Complaint | None = None,
 ) -> Diagnosis:
     """Diagnose a unit from its readings and a road test: a verdict for every land and for the whole.
 
@@ -241,6 +267,8 @@ def diagnose(
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
     guard_factor
         k of the guard band k·u around every limit; 1.645 leaves a risk of 5 %.
+    complaint
+        one of the controller's, which leads the result; it changes no number and no verdict.
 
     Raises
     ------
@@ -290,6 +318,7 @@ def diagnose(
         repair_plan=_repair_plan(lands, projections, when_new, idle),
         uncertainty=uncertainty,
         total_rules=rules.totals,
+        complaint=complaint,
         messages=tuple(messages),
     )
 

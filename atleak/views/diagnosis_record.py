@@ -16,6 +16,7 @@ from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
+from atleak.views.measure_first import measure_first
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
@@ -58,6 +59,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "lands_total": len(diagnosis.lands),
         },
         "uncertainty": _uncertainty(diagnosis.uncertainty),
+        "complaint": _complaint(diagnosis),
         "verdict": diagnosis.verdict,
         "unit": _unit(diagnosis),
         "lands": [_land(row) for row in condition_matrix(diagnosis)],
@@ -101,6 +103,31 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
             "value": _finite(rule.value * rule.kind.factor) if rule else None,
             "limit": rule.limit * rule.kind.factor if rule else None,
         },
+    }
+
+
+def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the customer's complaint, the conditions at which it can show, and the lands to measure first."""
+    complaint = diagnosis.complaint
+    if complaint is None:
+        return None
+    return {
+        "id": complaint.id,
+        "label": complaint.label,
+        "source": complaint.source,
+        "conditions": list(complaint.conditions),
+        "measure_first": [
+            {
+                "component": component,
+                "land": land,
+                "doubt": each.doubt,
+                "condition": each.projection.condition.name,
+                "part_percent": each.part * PERCENT,
+                "reason": each.reason,
+            }
+            for each in measure_first(diagnosis)
+            for component, land in [each.land.key]
+        ],
     }
 
 
