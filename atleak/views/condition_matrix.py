@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from atleak.catalogue.limits import RuleKind
@@ -34,10 +34,15 @@ class LandAtCondition:
 
 @dataclass(frozen=True)
 class MatrixRow:
-    """One land at every condition, in the order of the diagnosis: the stated one first."""
+    """One land at every condition."""
 
     land: LandDiagnosis
     cells: tuple[LandAtCondition, ...]
+
+    @classmethod
+    def of(cls, land: LandDiagnosis, projections: Iterable[Projection]) -> MatrixRow:
+        """Return one land at some of the conditions of its diagnosis."""
+        return cls(land, tuple(land_at(land, projection) for projection in projections))
 
     @property
     def leaks(self) -> bool:
@@ -72,17 +77,21 @@ def elsewhere(circuits: Iterable[str | None]) -> str:
     return f"leaks into {names}, not drawn from the pump" if names else ""
 
 
-def condition_matrix(diagnosis: Diagnosis) -> tuple[MatrixRow, ...]:
-    """Return every land at every condition, lands in the controller's order."""
-    return tuple(
-        MatrixRow(land, tuple(land_at(land, projection) for projection in diagnosis.projections))
-        for land in diagnosis.lands
-    )
+def condition_matrix(diagnosis: Diagnosis, projections: Sequence[Projection] | None = None) -> tuple[MatrixRow, ...]:
+    """Return every land at every condition, lands in the controller's order.
+
+    Parameters
+    ----------
+    projections
+        those of the diagnosis that are wanted, in their order; all of them, the stated one first, unless given.
+    """
+    at = diagnosis.projections if projections is None else projections
+    return tuple(MatrixRow.of(land, at) for land in diagnosis.lands)
 
 
-def leaking_worst_first(diagnosis: Diagnosis) -> tuple[MatrixRow, ...]:
-    """Return the lands that leak at any condition: the worst verdict first, then the largest share anywhere."""
-    rows = [row for row in condition_matrix(diagnosis) if row.leaks]
+def leaking_worst_first(diagnosis: Diagnosis, projections: Sequence[Projection] | None = None) -> tuple[MatrixRow, ...]:
+    """Return the lands that leak at any of the conditions: the worst verdict first, then the largest share anywhere."""
+    rows = [row for row in condition_matrix(diagnosis, projections) if row.leaks or row.land.verdict.flagged]
     return tuple(sorted(rows, key=lambda row: (-row.land.verdict.rank, -_largest(row))))
 
 
