@@ -1,4 +1,4 @@
-"""Judge a unit by its limits: which pairs, by which rule, what they cost the pump, and what to repair first."""
+"""Judge a unit by its limits: which pairs, by which rule, and what they cost the pump."""
 
 from __future__ import annotations
 
@@ -83,16 +83,6 @@ class LandDiagnosis:
 
 
 @dataclass(frozen=True)
-class RepairStep:
-    """The repair of one land to its mounting clearance, after the steps before it."""
-
-    land: LandDiagnosis
-    condition: OperatingPoint
-    share_before: float  # total, at that condition
-    share_after: float
-
-
-@dataclass(frozen=True)
 class Diagnosis:
     """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more."""
 
@@ -107,7 +97,6 @@ class Diagnosis:
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     road: RoadLeakage | None
-    repair_plan: tuple[RepairStep, ...]  # flagged lands in order of repair
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
@@ -184,7 +173,8 @@ class Diagnosis:
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
         """Return the lands at watch or past it, the worst first, then the costliest."""
-        return _flagged(self.lands)
+        flagged = [land for land in self.lands if land.verdict.flagged]
+        return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
 
     @property
     def ranked(self) -> tuple[LandDiagnosis, ...]:
@@ -325,7 +315,6 @@ def diagnose(
         projections=tuple(projections),
         new_projections=tuple(when_new),
         road=road,
-        repair_plan=_repair_plan(lands, projections, when_new, idle),
         uncertainty=uncertainty,
         total_rules=rules.totals,
         complaint=complaint,
@@ -336,30 +325,6 @@ def diagnose(
 def _certainty(decision: Decision | None) -> int:
     """Rank a decision: the surer a limit is passed, the higher."""
     return -1 if decision is None else DECISIONS.index(decision)
-
-
-def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:
-    flagged = [land for land in lands if land.verdict.flagged]
-    return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
-
-
-def _repair_plan(
-    lands: Iterable[LandDiagnosis],
-    projections: list[Projection],
-    when_new: list[Projection],
-    idle: Projection | None,
-) -> tuple[RepairStep, ...]:
-    """Order the flagged lands, with the total share before and after each comes back to its mounting clearance.
-
-    The total is that at hot idle where the controller states it: there the pump is weakest.
-    """
-    index = projections.index(idle) if idle is not None else 0
-    now, new = projections[index], when_new[index]
-    leakage, steps = now.leakage, []
-    for land in _flagged(lands):
-        before, leakage = leakage, leakage - (now.drawn_by(land.key) - new.drawn_by(land.key))
-        steps.append(RepairStep(land, now.condition, now.share_of(before), now.share_of(leakage)))
-    return tuple(steps)
 
 
 def _land(

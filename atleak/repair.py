@@ -14,7 +14,7 @@ from atleak.catalogue.controller import OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.rules import Rule
-from atleak.verdicts import Band, Verdict
+from atleak.verdicts import Band
 
 _NEARLY = 1e-8  # relative: a total must be under its limit by more than floating point can tell
 _NODES = 20_000  # of the search for the fewest lands; beyond it a few more than the fewest may be named
@@ -46,7 +46,7 @@ class Total:
     @property
     def first_limit(self) -> float:
         """Return the share at which green ends."""
-        return self.rule.steps.levels[0][1]
+        return min(limit for _, limit in self.rule.steps.levels)
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,11 @@ class RepairStep:
         """Tell whether the repair lowers the total at any condition."""
         return self.at.saving > 0.0
 
+    @property
+    def leaks(self) -> bool:
+        """Tell whether the land leaks at any condition as it was measured."""
+        return any(each.before.projection.leakage_of(self.land.key) > 0.0 for each in self.conditions)
+
 
 @dataclass(frozen=True)
 class Remainder:
@@ -129,9 +134,9 @@ class RepairPlan:
 def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     """Plan the repairs that a diagnosis calls for, over every condition that was judged.
 
-    First come the lands that reached a limit of their own, the worst verdict first; of equal ones that which saves most,
-    measured by the limit of the condition at which it saves most. Where a total is still not green, the fewest lands
-    within their limits follow that bring it back to green, at every condition where lands can.
+    First come the lands that reached a limit of their own, the worst verdict first; of equal ones that which saves
+    most, measured by the limit of the condition at which it saves most. Where a total is still not green, the fewest
+    lands within their limits follow that bring it back to green, at every condition where lands can.
     """
     lands = [land for land in diagnosis.lands if land.state.measured]
     saved = {land.key: _saved_by(land, diagnosis) for land in lands}
@@ -256,14 +261,14 @@ def fewest(gains: Sequence[Sequence[float]], needs: Sequence[float]) -> list[int
         nonlocal steps
         if max(left) <= 0.0:
             return []
+        if count == 0:
+            return None
         for place in range(start, len(order) - count + 1):
             steps += 1
             if steps > _NODES or any(most[need][place][count] < each for need, each in enumerate(left)):
                 return None
             row = order[place]
-            rest = search(
-                place + 1, count - 1, [each - gain for each, gain in zip(left, gains[row], strict=True)]
-            ) if count else None
+            rest = search(place + 1, count - 1, [each - gain for each, gain in zip(left, gains[row], strict=True)])
             if rest is not None:
                 return [row, *rest]
         return None

@@ -32,7 +32,7 @@ st.subheader("Land by condition")
 conditions.matrix(diagnosis)
 
 st.subheader("Order of repair")
-show.repair_plan(diagnosis, record)
+conditions.repairs(diagnosis)
 
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)

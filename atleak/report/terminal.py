@@ -15,11 +15,13 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
+from atleak.repair import plan_repairs
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.measure_first import measure_first
+from atleak.views.repair_words import plan_ends, step_helps
 from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -62,15 +64,8 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         console.print(Text("No measured land has reached a limit."))
     for part in _matrix(diagnosis):
         console.print(part)
-    for number, step in enumerate(diagnosis.repair_plan, start=1):
-        land = step.land.state.land
-        console.print(
-            Text(
-                f"{number}. {land.component}/{land.land} {controller.components[land.component]}: total share at "
-                f"{step.condition.label} "
-                f"{step.share_before * PERCENT:.1f} → {step.share_after * PERCENT:.1f} %"
-            )
-        )
+    for line in _repairs(diagnosis):
+        console.print(Text(line))
     if diagnosis.road is not None:
         console.print(Text(_road(diagnosis.road)))
     for message in diagnosis.messages:
@@ -241,6 +236,17 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
         if row.elsewhere:
             component, land = row.land.key
             yield Text(f"{component}/{land} {row.elsewhere}")
+
+
+def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
+    """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
+    plan = plan_repairs(diagnosis)
+    if plan.steps:
+        yield "Order of repair, each land as new after those before it:"
+    for number, step in enumerate(plan.steps, start=1):
+        component, land = step.land.key
+        yield f"{number:3}. {component}/{land} {diagnosis.controller.components[component]}: {step_helps(step)}"
+    yield from plan_ends(plan)
 
 
 def _share(cell: LandAtCondition) -> Text:

@@ -12,11 +12,13 @@ from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import Instant, RoadLeakage
 from atleak.errors import Message
+from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
 from atleak.views.measure_first import measure_first
+from atleak.views.repair_words import plan_ends
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
@@ -30,7 +32,7 @@ def to_json(record: Any) -> str:
 def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
     readings, idle = diagnosis.readings, diagnosis.hot_idle
-    projection = diagnosis.projection
+    projection, plan = diagnosis.projection, plan_repairs(diagnosis)
     return {
         "format": FORMAT,
         "atleak": __version__,
@@ -67,17 +69,8 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "projection": _projection(diagnosis, projection),
         "hot_idle": None if idle is None else _projection(diagnosis, idle),
         "conditions": [_projection(diagnosis, each) for each in diagnosis.projections],
-        "repair_plan": [
-            {
-                "component": step.land.state.land.component,
-                "land": step.land.state.land.land,
-                "verdict": step.land.verdict,
-                "at": step.condition.name,
-                "share_before_percent": _finite(step.share_before * PERCENT),
-                "share_after_percent": _finite(step.share_after * PERCENT),
-            }
-            for step in diagnosis.repair_plan
-        ],
+        "repair_plan": [_repair_step(step) for step in plan.steps],
+        "repair_plan_ends": _repair_ends(plan),
         "road_test": None if diagnosis.road is None else _road(diagnosis.road),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
@@ -293,6 +286,57 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
         "probability_over_limit": total.decision.probability_over_limit if total else None,
         "minimum_engine_rpm": projection.minimum_speed * RPM,
         "source": at.source,
+    }
+
+
+def _repair_step(step: RepairStep) -> dict[str, Any]:
+    component, land = step.land.key
+    return {
+        "component": component,
+        "land": land,
+        "verdict": step.land.verdict,
+        "for_total": step.for_total,
+        "at": step.at.condition.name,
+        "share_before_percent": _finite(step.at.before.share * PERCENT),
+        "share_after_percent": _finite(step.at.after.share * PERCENT),
+        "conditions": [
+            {
+                "name": each.condition.name,
+                "label": each.condition.label,
+                "share_before_percent": _finite(each.before.share * PERCENT),
+                "share_after_percent": _finite(each.after.share * PERCENT),
+                "band_after": each.after.band,
+            }
+            for each in step.conditions
+        ],
+    }
+
+
+def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
+    """Return the totals that the plan ends at, and what else than lands those may be up to that are not green."""
+    return {
+        "reached": plan.reached,
+        "conditions": [_end(total) for total in plan.ends],
+        "remaining": [
+            {
+                **_end(left.total),
+                "new_share_percent": _finite(left.new_share * PERCENT),
+                "kinematic_viscosity_mm2_s": left.kinematic_viscosity * MM2_S,
+                "pump_loss_percent": left.pump_loss * PERCENT,
+            }
+            for left in plan.remaining
+        ],
+        "lands_not_measured": plan.unmeasured,
+        "text": " ".join(plan_ends(plan)),
+    }
+
+
+def _end(total: Total) -> dict[str, Any]:
+    return {
+        "name": total.condition.name,
+        "label": total.condition.label,
+        "share_percent": _finite(total.share * PERCENT),
+        "band": total.band,
     }
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 import pandas as pd
@@ -10,16 +12,19 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.look import look_of
+from atleak.repair import RepairPlan, Total, plan_repairs
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import measure_first
+from atleak.views.repair_words import no_help, plan_ends
+from atleak.wording import signed
 from atleak.workshop_units import PERCENT
 from pages.shared import show
 from pages.shared.show import plain
-from pages.shared.words import land_name, listed
+from pages.shared.words import land_name, listed, pair
 
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
-_PAIR, _ELSEWHERE = "Pair", "Elsewhere"
+_PAIR, _ELSEWHERE, _STEP = "a pair", "leaks elsewhere", "a step"  # no condition's name has a blank
 _COLUMN = 104  # pixels of a condition: two of them stand beside the pair on a phone
 
 
@@ -62,9 +67,9 @@ def matrix(diagnosis: Diagnosis) -> None:
     frame = pd.DataFrame(
         [
             {
-                _PAIR: f"{row.land.key[0]} · {row.land.key[1]} {diagnosis.controller.components[row.land.key[0]]}",
+                _PAIR: pair(diagnosis.controller, *row.land.key),
                 **{
-                    f"at {name}": cell.share * PERCENT if math.isfinite(cell.share) else math.nan
+                    name: cell.share * PERCENT if math.isfinite(cell.share) else math.nan
                     for name, cell in zip(names, row.cells, strict=True)
                 },
                 _ELSEWHERE: row.elsewhere,
@@ -77,23 +82,27 @@ def matrix(diagnosis: Diagnosis) -> None:
         for level in (*Verdict, None):
             these = [place for place, row in enumerate(rows) if row.cells[number].verdict == level]
             if these:
-                part = pd.IndexSlice[these, [f"at {name}"]]
+                part = pd.IndexSlice[these, [name]]
                 style = style.format(_written(level), subset=part, na_rep=_beyond(level))
                 if level is not None:
-                    style = style.map(lambda _, css=show.colours(level): css, subset=part)
+                    style = style.map(partial(_css, level), subset=part)
     config: dict[str, Any] = {
-        f"at {each.condition.name}": st.column_config.Column(
+        each.condition.name: st.column_config.Column(
             each.condition.label, width=_COLUMN, help=f"share of the pump's flow [%], {each.condition.label}"
         )
         for each in diagnosis.presented
     }
-    config[_PAIR] = st.column_config.TextColumn(width=126, pinned=True, help="component, land and name")
+    config[_PAIR] = st.column_config.TextColumn("Pair", width=126, pinned=True, help="component, land and name")
     config[_ELSEWHERE] = None if not any(frame[_ELSEWHERE]) else st.column_config.TextColumn("Besides", width=300)
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
     st.caption(
         "What each land draws as a share of the pump's flow [%]; the sign is the verdict of that share alone, at that "
         "condition. The shares of all lands add up to the condition's total."
     )
+
+
+def _css(level: Verdict, _: object) -> str:
+    return show.colours(level)
 
 
 def _written(level: Verdict | None) -> str:
@@ -103,3 +112,55 @@ def _written(level: Verdict | None) -> str:
 def _beyond(level: Verdict | None) -> str:
     """Say, in place of a number, that the pump delivers nothing."""
     return f"{look_of(level or Verdict.CRITICAL).sign} no flow"
+
+
+def repairs(diagnosis: Diagnosis) -> None:
+    """Show the order of repair with what each step brings, and where the plan ends."""
+    plan = plan_repairs(diagnosis)
+    if plan.steps:
+        rows = [
+            {
+                "No.": number,
+                "Pair": pair(diagnosis.controller, *step.land.key),
+                "Before [%]": _percent(step.at.before.share) if step.helps else None,
+                "After [%]": _percent(step.at.after.share) if step.helps else None,
+                "Then": signed(step.at.after.band) if step.helps else None,
+                "Helps most at": step.at.condition.label if step.helps else no_help(step),
+                "Verdict": step.land.verdict,
+            }
+            for number, step in enumerate(plan.steps, start=1)
+        ]
+        show.verdict_table(rows, dict.fromkeys(("Before [%]", "After [%]"), 1))
+        st.caption("Total share before and after, when each land is made as new, one after another.")
+    st.markdown("\n".join(f"- {plain(sentence)}" for sentence in plan_ends(plan)))
+    if plan.steps and len(diagnosis.projections) > 1:
+        with st.expander("Every step at every condition"):
+            _steps_at_conditions(diagnosis, plan)
+
+
+def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan) -> None:
+    first = plan.steps[0]
+    rows: list[dict[str, Any]] = [{_STEP: "as measured", **_totals(each.before for each in first.conditions)}]
+    for number, step in enumerate(plan.steps, start=1):
+        name = f"{number}. {pair(diagnosis.controller, *step.land.key)}"
+        rows.append({_STEP: name, **_totals(each.after for each in step.conditions)})
+    config: dict[str, Any] = {
+        each.condition.name: st.column_config.TextColumn(each.condition.label, width=_COLUMN + 40)
+        for each in diagnosis.projections
+    }
+    config[_STEP] = st.column_config.TextColumn("After step", width=150, pinned=True)
+    st.dataframe(pd.DataFrame(rows), hide_index=True, width="stretch", column_config=config)
+    st.caption("Total share of the pump's flow after each step, with its band.")
+
+
+def _totals(totals: Iterable[Total]) -> dict[str, str]:
+    return {
+        total.condition.name: f"{total.share * PERCENT:.1f} % {signed(total.band)}"
+        if math.isfinite(total.share)
+        else f"no flow {signed(total.band)}"
+        for total in totals
+    }
+
+
+def _percent(share: float) -> float | None:
+    return share * PERCENT if math.isfinite(share) else None

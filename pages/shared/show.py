@@ -42,11 +42,14 @@ HELP = {
     "to": "95 % interval of the leakage",
     "Before [%]": "total share before the step, at the condition that it helps most",
     "After [%]": "total share after the step, at the condition that it helps most",
+    "Then": "the band of the total after the step, at that condition",
+    "Helps most at": "the condition at which the step saves most, measured by the limit of that condition",
     "Limit at [km]": "mileage at which the wear limit for replacing is reached, if wear goes on as so far",
 }
 WIDTHS = {
-    "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150, "u [µm]": 56, "Over it [%]": 76, "from": 60,
-    "to": 60, "Before [%]": 80, "After [%]": 72, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
+    "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,
+    "u [µm]": 56, "Over it [%]": 76, "from": 60, "to": 60, "Before [%]": 80, "After [%]": 72, "Then": 92,
+    "Helps most at": 150, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
 }  # fmt: skip
 HAIR_SPACE = "\u200a"
 

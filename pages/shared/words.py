@@ -67,7 +67,9 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     several = len(diagnosis.projections) > 1
     totals = [_total(row, worst=several and at is diagnosis.worst) for at, row in reported(diagnosis, record)]
     worst = next(row for at, row in reported(diagnosis, record) if at is diagnosis.worst)
-    holds = f"For this leakage alone the pump needs **{worst['minimum_engine_rpm']:.0f} rpm** at {plain(worst['label'])}."
+    holds = (
+        f"For this leakage alone the pump needs **{worst['minimum_engine_rpm']:.0f} rpm** at {plain(worst['label'])}."
+    )
     return f"{head} The unit leaks {listed(totals)}. {holds}"
 
 
@@ -108,7 +110,7 @@ def land_rows(
         rows.append(
             {
                 "Verdict": land["verdict"],
-                "Pair": pair(diagnosis.controller, land),
+                "Pair": pair(diagnosis.controller, *diagnosed.key),
                 "Wear [%]": land["wear_percent"],
                 "Share [%]": land["share_percent"],
                 "Largest share [%]": _share(worst) if several else None,
@@ -132,9 +134,9 @@ def land_rows(
     return [{name: row[name] for name in filled} for row in rows]
 
 
-def pair(controller: Controller, land: dict[str, Any]) -> str:
+def pair(controller: Controller, component: str, land: int) -> str:
     """Return component, land and name, so that a narrow column cuts the name only: ``25 · 1 main pressure valve``."""
-    return f"{land['component']} · {land['land']} {controller.components[land['component']]}"
+    return f"{component} · {land} {controller.components[component]}"
 
 
 def _decided_by(land: LandDiagnosis, rule: Rule | None) -> str | None:
@@ -200,7 +202,7 @@ def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[
     return [
         {
             "Verdict": row["verdict"],
-            "Pair": pair(controller, row),
+            "Pair": pair(controller, row["component"], row["land"]),
             **{heading: row[name] for name, heading in names.items()},
         }
         for row in rows
