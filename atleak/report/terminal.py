@@ -15,13 +15,13 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
-from atleak.repair import plan_repairs
+from atleak.repair import RepairStep, plan_repairs
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
-from atleak.views.measure_first import measure_first
-from atleak.views.repair_words import plan_ends, step_helps
+from atleak.views.measure_first import measure_first, reason
+from atleak.views.repair_words import no_help, plan_ends
 from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -179,7 +179,7 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
     ranked = measure_first(diagnosis)
     for each in ranked[:MEASURE_FIRST]:
         component, land = each.land.key
-        yield f"  {component}/{land} {diagnosis.controller.components[component]}: {each.reason}"
+        yield f"  {component}/{land} {diagnosis.controller.components[component]}: {reason(each)}"
     if len(ranked) > MEASURE_FIRST:
         yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
     if not ranked:
@@ -245,8 +245,16 @@ def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
         yield "Order of repair, each land as new after those before it:"
     for number, step in enumerate(plan.steps, start=1):
         component, land = step.land.key
-        yield f"{number:3}. {component}/{land} {diagnosis.controller.components[component]}: {step_helps(step)}"
+        yield f"{number:3}. {component}/{land} {diagnosis.controller.components[component]}: {_helps(step)}"
     yield from plan_ends(plan)
+
+
+def _helps(step: RepairStep) -> str:
+    if not step.helps:
+        return no_help(step)
+    at = step.at
+    shares = f"{at.before.share * PERCENT:.1f} → {at.after.share * PERCENT:.1f} %"
+    return f"total share at {at.condition.label} {shares} ({at.after.band})"
 
 
 def _share(cell: LandAtCondition) -> Text:

@@ -17,7 +17,7 @@ from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
-from atleak.views.measure_first import measure_first
+from atleak.views.measure_first import measure_first, reason
 from atleak.views.repair_words import plan_ends
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
@@ -116,7 +116,7 @@ def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
                 "doubt": each.doubt,
                 "condition": each.projection.condition.name,
                 "part_percent": each.part * PERCENT,
-                "reason": each.reason,
+                "reason": reason(each),
             }
             for each in measure_first(diagnosis)
             for component, land in [each.land.key]

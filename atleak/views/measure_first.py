@@ -1,4 +1,4 @@
-"""Say which lands a complaint asks to measure first."""
+"""Say which lands a complaint asks to measure first, and why."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from enum import StrEnum
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.workshop_units import PERCENT
+from atleak.views.repair_words import Named, label_of
+from atleak.wording import Wording, wording
 
 
 class Doubt(StrEnum):
@@ -37,19 +38,20 @@ class MeasureFirst:
         decided = self.land.deciding_uncertainty
         return Doubt.CONDITIONAL if decided is not None and decided.conditional else Doubt.NONE
 
-    @property
-    def reason(self) -> str:
-        """Say in plain words what is open about the land and how much it carries."""
-        carried = f"{self.part * PERCENT:.1f} % of what leaks at “{self.projection.condition.label}”"
-        return _REASONS[self.doubt].format(verdict=self.land.verdict.replace("_", " "), carried=carried)
 
+def reason(each: MeasureFirst, say: Wording | None = None, named: Named = label_of) -> str:
+    """Say what is open about a land and how much it carries.
 
-_REASONS = {
-    Doubt.NOT_MEASURED: "not measured; as new it carries {carried}",
-    Doubt.HALF_MEASURED: "measured on one part only; with the other one as new it carries {carried}",
-    Doubt.CONDITIONAL: "its verdict, {verdict}, is closer to a limit than the readings can tell; it carries {carried}",
-    Doubt.NONE: "measured, its verdict is {verdict}; it carries {carried}",
-}
+    Parameters
+    ----------
+    say
+        the words of a language; English unless given.
+    named
+        names a condition in that language.
+    """
+    say = say or wording("en")
+    carried = say("complaint.carried", part=say.percent(each.part), condition=named(each.projection.condition))
+    return say(f"complaint.{each.doubt}", verdict=say.level(each.land.verdict), carried=carried)
 
 
 def measure_first(diagnosis: Diagnosis) -> tuple[MeasureFirst, ...]:

@@ -1,56 +1,58 @@
-"""Say in plain words what a repair brings and where the plan ends."""
+"""Say in a reader's language what a repair brings and where the plan ends."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 
-from atleak.repair import Remainder, RepairedAt, RepairPlan, RepairStep
-from atleak.wording import signed
-from atleak.workshop_units import MM2_S, PERCENT
+from atleak.catalogue.controller import OperatingPoint
+from atleak.repair import Remainder, RepairPlan, RepairStep
+from atleak.wording import Wording, wording
+from atleak.workshop_units import MM2_S
+
+Named = Callable[[OperatingPoint], str]
 
 
-def step_helps(step: RepairStep) -> str:
-    """Say at which condition a repair helps most and what it brings there, or why it brings nothing."""
-    return change(step.at) if step.helps else no_help(step)
+def label_of(condition: OperatingPoint) -> str:
+    """Name a condition as the controller's file labels it."""
+    return condition.label
 
 
-def no_help(step: RepairStep) -> str:
+def no_help(step: RepairStep, say: Wording | None = None) -> str:
     """Say why a land that lowers no total is on the list."""
-    why = "it draws no more from the pump than a new one" if step.leaks else "no operating point lets it leak"
-    return f"for its own verdict: {why}"
+    say = say or wording("en")
+    return say("plan.draws_no_more" if step.leaks else "plan.never_leaks")
 
 
-def change(at: RepairedAt) -> str:
-    """Say what a repair changes at one condition: ``total share at hot idle 23.6 → 18.9 % (▲ amber)``."""
-    before, after = at.before.share * PERCENT, at.after.share * PERCENT
-    return f"total share at {at.condition.label} {before:.1f} → {after:.1f} % ({signed(at.after.band)})"
+def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label_of) -> Iterator[str]:
+    """Say where the plan ends: green everywhere, or what remains and what that may be up to.
 
-
-def plan_ends(plan: RepairPlan) -> list[str]:
-    """Say where the plan ends, one sentence each: green everywhere, or what remains and what that may be up to."""
-    said = []
-    if plan.for_total == 1:
-        said.append("The last land is within its own limits: the total asks for it.")
-    elif plan.for_total:
-        said.append(f"The last {plan.for_total} lands are within their own limits: the total asks for them.")
+    Parameters
+    ----------
+    say
+        the words of a language; English unless given.
+    named
+        names a condition in that language.
+    """
+    say = say or wording("en")
+    if plan.for_total:
+        yield say("plan.for_total", count=plan.for_total)
     if plan.reached:
-        said.append("The plan ends green at every condition." if plan.steps else "Every total is green as it is.")
-    said += [_remains(left) for left in plan.remaining]
+        yield say("plan.green" if plan.steps else "plan.green_already")
+    for left in plan.remaining:
+        yield _remains(left, say, named)
     if plan.unmeasured:
-        lands = "lands were" if plan.unmeasured > 1 else "land was"
-        said.append(f"{plan.unmeasured} {lands} not measured on both parts: what is missing is taken as new.")
-    return said
+        yield say("plan.unmeasured", count=plan.unmeasured)
 
 
-def _remains(left: Remainder) -> str:
-    label = left.total.condition.label
-    if not math.isfinite(left.total.share):
-        return f"At {label} the pump delivers nothing: that is not up to the lands."
-    stays = f"At {label} the total stays at {left.total.share * PERCENT:.1f} % ({signed(left.total.band)})"
+def _remains(left: Remainder, say: Wording, named: Named) -> str:
+    total = left.total
+    condition = named(total.condition)
+    if not math.isfinite(total.share):
+        return say("plan.no_delivery", condition=condition)
+    stays = say("plan.stays", condition=condition, share=say.percent(total.share), band=say.level(total.band))
     if not left.new_is_past:
-        return f"{stays}: no measured land can bring it back to green."
-    return (
-        f"{stays}, and a unit with every land new is at {left.new_share * PERCENT:.1f} %: the rest is not up to the "
-        f"lands but to the limit, the fluid ({left.kinematic_viscosity * MM2_S:.2f} mm²/s there) or the pump, which "
-        f"loses {left.pump_loss * PERCENT:.0f} % of what it displaces."
-    )
+        return f"{stays} {say('plan.by_lands')}"
+    viscosity, loss = say.number(left.kinematic_viscosity * MM2_S, 2), say.percent(left.pump_loss, 0)
+    new = say("plan.as_new", share=say.percent(left.new_share))
+    return f"{stays} {new} {say('plan.not_lands', viscosity=viscosity, loss=loss)}"

@@ -15,7 +15,7 @@ from atleak.look import look_of
 from atleak.repair import RepairPlan, Total, plan_repairs
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
-from atleak.views.measure_first import measure_first
+from atleak.views.measure_first import measure_first, reason
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.wording import signed
 from atleak.workshop_units import PERCENT
@@ -34,7 +34,7 @@ def complaint(diagnosis: Diagnosis) -> None:
         return
     shows = listed([f"**{plain(each.condition.label)}**" for each in diagnosis.complained])
     ranked = measure_first(diagnosis)
-    lines = [f"- **{plain(land_name(diagnosis, each.land.key))}**: {plain(each.reason)}" for each in ranked]
+    lines = [f"- **{plain(land_name(diagnosis, each.land.key))}**: {plain(reason(each))}" for each in ranked]
     st.subheader(f"Complaint: {plain(diagnosis.complaint.label)}")
     first = "Measure first:" if lines else "No land leaks there."
     st.markdown("\n".join([f"It shows at {shows}. {first}", "", *lines[:MEASURE_FIRST]]))
@@ -79,13 +79,15 @@ def matrix(diagnosis: Diagnosis) -> None:
     )
     style = frame.style
     for number, name in enumerate(names):
+        cells = [row.cells[number] for row in rows]
         for level in (*Verdict, None):
-            these = [place for place, row in enumerate(rows) if row.cells[number].verdict == level]
-            if these:
-                part = pd.IndexSlice[these, [name]]
-                style = style.format(_written(level), subset=part, na_rep=_beyond(level))
-                if level is not None:
-                    style = style.map(partial(_css, level), subset=part)
+            these = [place for place, cell in enumerate(cells) if cell.leakage > 0.0 and cell.verdict == level]
+            part = pd.IndexSlice[these, [name]]
+            style = style.format(_written(level), subset=part, na_rep=_beyond(level))
+            if level is not None:
+                style = style.map(partial(_css, level), subset=part)
+        silent = [place for place, cell in enumerate(cells) if cell.leakage == 0.0]
+        style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
     config: dict[str, Any] = {
         each.condition.name: st.column_config.Column(
             each.condition.label, width=_COLUMN, help=f"share of the pump's flow [%], {each.condition.label}"
@@ -93,7 +95,7 @@ def matrix(diagnosis: Diagnosis) -> None:
         for each in diagnosis.presented
     }
     config[_PAIR] = st.column_config.TextColumn("Pair", width=126, pinned=True, help="component, land and name")
-    config[_ELSEWHERE] = None if not any(frame[_ELSEWHERE]) else st.column_config.TextColumn("Besides", width=300)
+    config[_ELSEWHERE] = None if not any(frame[_ELSEWHERE]) else st.column_config.TextColumn("Elsewhere", width=300)
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
     st.caption(
         "What each land draws as a share of the pump's flow [%]; the sign is the verdict of that share alone, at that "
@@ -132,7 +134,7 @@ def repairs(diagnosis: Diagnosis) -> None:
         ]
         show.verdict_table(rows, dict.fromkeys(("Before [%]", "After [%]"), 1))
         st.caption("Total share before and after, when each land is made as new, one after another.")
-    st.markdown("\n".join(f"- {plain(sentence)}" for sentence in plan_ends(plan)))
+    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan)))
     if plan.steps and len(diagnosis.projections) > 1:
         with st.expander("Every step at every condition"):
             _steps_at_conditions(diagnosis, plan)
