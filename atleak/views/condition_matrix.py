@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
+from atleak.rules import Rule
 from atleak.verdicts import Verdict
 
 ANOTHER_CIRCUIT = "another circuit"
@@ -22,7 +23,8 @@ class LandAtCondition:
     leakage: float  # [m³/s] through every gap of the land
     drawn_from_pump: float  # [m³/s] the part of it that counts in the total
     share: float  # drawn from the pump / pump capacity: the shares of all lands add up to the total's
-    verdict: Verdict | None  # None where no limit of a land's share is set
+    rule: Rule | None  # of the land's share there; None where nothing was measured or no such limit is set
+    verdict: Verdict | None  # of that share alone; None where no such limit is set
     #: sections into which it leaks without drawing from the pump; None for one that the valve body's file does not name
     circuits: tuple[str | None, ...]
 
@@ -97,22 +99,22 @@ def leaking_worst_first(diagnosis: Diagnosis, projections: Sequence[Projection] 
 
 def land_at(land: LandDiagnosis, projection: Projection) -> LandAtCondition:
     """Return what one land leaks at one of the conditions of its diagnosis."""
-    drawn = projection.drawn_by(land.key)
+    shares = (rule for rule in land.rules if rule.kind is RuleKind.PAIR_SHARE)
+    rule = next((rule for rule in shares if rule.condition == projection.condition), None)
     aside = [gap.gap for gap in projection.gaps_of(land.key) if gap.leakage > 0.0 and not gap.drawn_from_pump]
     return LandAtCondition(
         projection=projection,
         leakage=projection.leakage_of(land.key),
-        drawn_from_pump=drawn,
-        share=projection.share_of(drawn),
-        verdict=_verdict(land, projection),
+        drawn_from_pump=projection.drawn_by(land.key),
+        share=projection.share_drawn_by(land.key),
+        rule=rule,
+        verdict=_verdict(land, rule),
         circuits=tuple(dict.fromkeys(gap.low.section for gap in aside)),
     )
 
 
-def _verdict(land: LandDiagnosis, projection: Projection) -> Verdict | None:
-    """Return the verdict of the land's share there; half a measurement can pass a limit, but never be called ok."""
-    shares = (rule for rule in land.rules if rule.kind is RuleKind.PAIR_SHARE)
-    rule = next((rule for rule in shares if rule.condition == projection.condition), None)
+def _verdict(land: LandDiagnosis, rule: Rule | None) -> Verdict | None:
+    """Return the verdict of a land's share; half a measurement can pass a limit, but never be called ok."""
     if rule is None:
         return None if land.state.measured else Verdict.NOT_MEASURED
     whole = land.state.status == "measured"
