@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.rules import Rule
-from atleak.verdicts import Band
+from atleak.verdicts import BANDS, Band
 
 _NEARLY = 1e-8  # relative: a total must be under its limit by more than floating point can tell
 _NODES = 20_000  # of the search for the fewest lands; beyond it a few more than the fewest may be named
@@ -43,10 +43,9 @@ class Total:
         """Return the band that the share has reached."""
         return Band(self.rule.steps.judge(self.share, Band.GREEN)[0])
 
-    @property
-    def first_limit(self) -> float:
-        """Return the share at which green ends."""
-        return min(limit for _, limit in self.rule.steps.levels)
+    def limit_above(self, band: Band) -> float:
+        """Return the share at which a band ends: the lowest limit of those that are worse."""
+        return min(limit for level, limit in self.rule.steps.levels if BANDS.index(Band(level)) > BANDS.index(band))
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ class RepairedAt:
     def saving(self) -> float:
         """Return the share that is saved over the share at which green ends: so that conditions can be compared."""
         saved = self.before.share - self.after.share
-        return saved / self.before.first_limit if math.isfinite(saved) else 0.0
+        return saved / self.before.limit_above(Band.GREEN) if math.isfinite(saved) else 0.0
 
 
 @dataclass(frozen=True)
@@ -135,8 +134,8 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     """Plan the repairs that a diagnosis calls for, over every condition that was judged.
 
     First come the lands that reached a limit of their own, the worst verdict first; of equal ones that which saves
-    most, measured by the limit of the condition at which it saves most. Where a total is still not green, the fewest
-    lands within their limits follow that bring it back to green, at every condition where lands can.
+    most, measured by the limit of the condition at which it saves most. Where totals are still not green, the fewest
+    lands within their limits follow that bring each into the best band that repairs can bring it into.
     """
     lands = [land for land in diagnosis.lands if land.state.measured]
     saved = {land.key: _saved_by(land, diagnosis) for land in lands}
@@ -151,7 +150,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     steps = _steps(flagged, totals, saved)
     ends = _ends(steps, totals)
     others = [land for land in lands if not land.verdict.flagged and saving(land) > 0.0]
-    more = sorted(_back_to_green(others, ends, saved), key=lambda land: -saving(land))
+    more = sorted(_best_bands(others, ends, saved), key=lambda land: -saving(land))
     steps = _steps([*flagged, *more], totals, saved)
     ends = _ends(steps, totals)
     return RepairPlan(
@@ -207,25 +206,24 @@ def _remainder(diagnosis: Diagnosis, end: Total, new: Projection) -> Remainder:
     )
 
 
-# --- the fewest lands that bring the totals back to green
+# --- the fewest lands that bring the totals into their best bands
 
 
-def _back_to_green(
+def _best_bands(
     lands: Sequence[LandDiagnosis], totals: Sequence[Total], saved: dict[tuple[str, int], tuple[float, ...]]
 ) -> list[LandDiagnosis]:
-    """Return the fewest lands whose repair brings every total back to green that lands can bring back."""
+    """Return the fewest lands whose repair brings every total into the best band that repairs can bring it into."""
     gains: list[list[float]] = [[] for _ in lands]
     needs: list[float] = []
     for number, total in enumerate(totals):
-        if total.band is Band.GREEN or not math.isfinite(total.share):
+        less = [max(saved[land.key][number], 0.0) for land in lands]
+        best = replace(total, leakage=total.leakage - sum(less)).band
+        if best is total.band:
             continue
-        limit = total.first_limit
-        need = total.share / limit - 1.0 + _NEARLY
-        here = [total.projection.share_of(max(saved[land.key][number], 0.0)) / limit for land in lands]
-        if sum(here) >= need:
-            needs.append(need)
-            for gain, column in zip(here, gains, strict=True):
-                column.append(gain)
+        limit = total.limit_above(best)
+        needs.append(total.share / limit - 1.0 + _NEARLY)
+        for gain, flow in zip(gains, less, strict=True):
+            gain.append(total.projection.share_of(flow) / limit)
     return [lands[number] for number in fewest(gains, needs)]
 
 
@@ -289,8 +287,10 @@ def _enough(order: Sequence[int], gains: Sequence[Sequence[float]], needs: Seque
     """Return rows that meet every need, the most useful one each time, without those that are not needed."""
     chosen: list[int] = []
     left = list(needs)
-    while max(left) > 0.0:
-        best = max((row for row in order if row not in chosen), key=lambda row: _use(gains[row], left))
+    while max(left) > 0.0 and len(chosen) < len(order):  # floating point may leave a need open with every row chosen
+        rest = [row for row in order if row not in chosen]
+        uses = [_use(gains[row], left) for row in rest]
+        best = rest[uses.index(max(uses))]
         chosen.append(best)
         left = [each - gain for each, gain in zip(left, gains[best], strict=True)]
     for row in reversed(chosen.copy()):
