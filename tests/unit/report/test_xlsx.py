@@ -22,7 +22,8 @@ from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
 from atleak.wording import signed, wording
 
-SHEETS = ["Summary", "Lands", "Gaps", "Gaps hot idle", "Rules", "Readings", "Road test", "Conditions", "Limits"]
+SHEETS = ["Summary", "Lands", "Land by condition", "Gaps", "Gaps hot idle", "Rules", "Readings", "Directions"]
+SHEETS += ["Road test", "Conditions", "Limits"]
 
 
 def column_of(book: openpyxl.Workbook, sheet: str, heading: str) -> str:
@@ -53,7 +54,7 @@ def test_sheets_and_numbers_are_read_by_pandas(worn, content):
     shares = [land.share * 100 for land in worn.lands]
     assert lands["share of pump capacity [%], stated condition"].tolist() == pytest.approx(shares, rel=1e-12, abs=0.0)
     assert len(sheets["Gaps"]) == len(worn.projection.gaps)
-    assert sheets["Gaps"]["leakage q [mm³/s]"].sum() == pytest.approx(
+    assert sheets["Gaps"]["leakage q [mm³/s], spools concentric"].sum() == pytest.approx(
         sum(gap.leakage for gap in worn.projection.gaps) * 1e9, rel=1e-12, abs=0.0
     )
     assert len(sheets["Readings"]) == len(worn.readings.readings)
