@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +13,7 @@ from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel, narrow_gap_messages
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import Projection, mileage_at_wear, project, repaired
+from atleak.engine.projection import Projection, mileage_at_wear, project, project_new
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
 from atleak.readings import LandClearance, Readings, clearances
@@ -42,7 +42,7 @@ class LandDiagnosis:
     effective_clearance: float  # [m] at the stated condition
     leakage: float  # [m³/s] at the stated condition, through every gap of the land
     drawn_from_pump: float  # [m³/s] the part of the leakage that counts in the total
-    share: float  # leakage / pump capacity at the stated condition
+    share: float  # what it draws / pump capacity at the stated condition
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[Rule, ...]
@@ -104,6 +104,7 @@ class Diagnosis:
     model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
     lands: tuple[LandDiagnosis, ...]  # in the controller's order
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
+    new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     road: RoadLeakage | None
     repair_plan: tuple[RepairStep, ...]  # flagged lands in order of repair
     uncertainty: UnitUncertainty | None  # None without readings
@@ -129,6 +130,14 @@ class Diagnosis:
             shown.append(self.at(decided_by.condition))
         return tuple(each for each in self.projections if any(each is other for other in shown))
 
+    def total_rule(self, projection: Projection) -> Rule:
+        """Return the rule of the total at the condition of one of the projections."""
+        return next(rule for rule in self.total_rules if rule.condition == projection.condition)
+
+    def new_at(self, projection: Projection) -> Projection:
+        """Return the projection of the same unit new at the condition of one of the projections."""
+        return next(each for each in self.new_projections if each.condition == projection.condition)
+
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
         return next(each for each in self.projections if each.condition == condition)
@@ -145,7 +154,7 @@ class Diagnosis:
 
     def band(self, projection: Projection) -> Band:
         """Return the band that the total share of one of the projections has reached."""
-        return Band(next(rule.level for rule in self.total_rules if rule.condition == projection.condition))
+        return Band(self.total_rule(projection).level)
 
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
@@ -252,14 +261,13 @@ def diagnose(
     condition = condition or controller.operating_points[0]
     states = clearances(readings, controller)
     model = LeakageModel(controller, states, fluid, profile)
-    new = LeakageModel(controller, repaired(states, [state.land.key for state in states]), fluid, profile)
     conditions = [condition]
     conditions += [point for point in controller.operating_points if point != condition]
     projections = [project(model, point) for point in conditions]
-    when_new = [project(new, point) for point in conditions]
+    when_new = project_new(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
-    rules = unit_rules(states, projections, limits)
+    rules = unit_rules(states, projections, when_new, limits)
     uncertainty = None
     if readings is not None:
         uncertainty = assess(
@@ -286,6 +294,7 @@ def diagnose(
         model=model,
         lands=lands,
         projections=tuple(projections),
+        new_projections=when_new,
         road=road,
         repair_plan=_repair_plan(lands, projections, when_new, idle),
         uncertainty=uncertainty,
@@ -307,7 +316,7 @@ def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:
 def _repair_plan(
     lands: Iterable[LandDiagnosis],
     projections: list[Projection],
-    when_new: list[Projection],
+    when_new: Sequence[Projection],
     idle: Projection | None,
 ) -> tuple[RepairStep, ...]:
     """Order the flagged lands, with the total share before and after each comes back to its mounting clearance.
@@ -326,7 +335,7 @@ def _repair_plan(
 def _land(
     state: LandClearance,
     projections: list[Projection],
-    when_new: list[Projection],
+    when_new: Sequence[Projection],
     rules: UnitRules,
     mileage: float | None,
     uncertainty: UnitUncertainty | None,
@@ -347,7 +356,7 @@ def _land(
         effective_clearance=state.effective_clearance(stated.condition.temperature),
         leakage=leakage,
         drawn_from_pump=stated.drawn_by(land.key),
-        share=stated.share_of(leakage),
+        share=stated.share_drawn_by(land.key),
         excess_share=excess,
         verdict=_verdict(state, own_rules),
         rules=own_rules,
@@ -377,7 +386,7 @@ def _replace_mileage(
     if rule is None or mileage is None:
         return None
     doubt = uncertainty.u_clearance if uncertainty is not None and uncertainty.u_clearance is not None else 0.0
-    if state.radial_clearance - state.land.mounting_clearance <= 2.0 * doubt:
+    if state.radial_clearance - state.land.mounting_high <= 2.0 * doubt:
         return None
     limit = rule.steps.limit_of(Verdict.REPLACE)
     reached = mileage_at_wear(mileage, rule.value, rule.steps.levels[-1][1] if limit is None else limit)

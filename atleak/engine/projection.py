@@ -51,6 +51,10 @@ class Projection:
         """Return the part of one land's leakage that counts in the total [m³/s]."""
         return sum(gap.leakage for gap in self.gaps_of(key) if gap.drawn_from_pump)
 
+    def share_drawn_by(self, key: tuple[str, int]) -> float:
+        """Return that part as a share of the pump's flow; the shares of all lands add up to the total's."""
+        return self.share_of(self.drawn_by(key))
+
 
 def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     """Compute leakage, pump flow and share at one condition.
@@ -150,14 +154,22 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
 
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
-    """Return the same unit with some lands brought back to their mounting clearance, the same all around."""
+    """Return the same unit with some lands brought back to the clearance of new pairs, the same all around."""
     chosen = set(lands)
     return tuple(
-        replace(_with_clearance(state, state.land.mounting_clearance), stations=())
-        if state.land.key in chosen
-        else state
+        replace(_with_clearance(state, state.land.new_clearance), stations=()) if state.land.key in chosen else state
         for state in clearances
     )
+
+
+def project_new(
+    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
+) -> tuple[Projection, ...]:
+    """Project the same unit with every land as new pairs are, with the same fluid and to the same conditions."""
+    states = tuple(states)
+    new = repaired(states, [state.land.key for state in states])
+    as_new = LeakageModel(model.controller, new, model.fluid, model.profile)
+    return tuple(project(as_new, each.condition) for each in projections)
 
 
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:

@@ -12,12 +12,12 @@ from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
-from atleak.equations.gap import FULLY_ECCENTRIC, axial_cube, circumferential_cube
+from atleak.equations.gap import FULLY_ECCENTRIC
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
-from atleak.uncertainty.advice import Remedy, advise, remedy
+from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
 from atleak.uncertainty.propagation import DRAWS, SEED, LandSpread, TotalSpread, propagate
@@ -33,10 +33,10 @@ Interval = tuple[float, float]
 class Shape:
     """The shape of a land's clearance, which its mean does not show.
 
-    ``effective_clearance`` [m] is the cube root of the effective c³: the mean of c³ around each plane, then the
-    harmonic mean along the planes. ``cube_factor`` is the effective c³ over the cube of the mean clearance, by which
-    the engine's flow would be multiplied; None where a direction closes the gap. ``lower_bound`` says that the sleeve
-    was measured in one direction only, so that wear to one side may not be in the clearance at all.
+    ``effective_clearance`` [m] is the cube root of the mean of c³ over the directions and planes measured, which is
+    what leaks. ``cube_factor`` is that mean over the cube of the mean clearance; None where a direction closes the
+    gap. ``lower_bound`` says that the sleeve was measured in one direction only, so that wear to one side may not be
+    in the clearance at all.
     """
 
     worst_direction: float | None  # [°]
@@ -55,13 +55,12 @@ class AtCondition:
     leakage: float  # [m³/s]
     u_leakage: float
     leakage_interval: Interval
-    share: float
+    share: float  # of the pump's flow, what is drawn from the pump
     u_share: float
     share_interval: Interval
     eccentric: Interval  # [m³/s] the leakage concentric and fully eccentric, everything else as measured
     budget: tuple[tuple[str, float], ...]  # parts of the share's linear variance, the largest first
     clearance_fraction: float  # part of that variance which the clearance carries
-    closed_form: bool  # leakage by closed form instead of draws
 
 
 @dataclass(frozen=True)
@@ -115,11 +114,33 @@ class LandUncertainty:
         """Return the decision on one of the land's rules."""
         return next((decided for decided in self.rules if decided.rule == rule), None)
 
+    def measurable(self, rule: RuleDecision) -> bool:
+        """Return whether these gauges can tell a pair at the limit of wear or clearance from a new one."""
+        allowed = self._allowed_wear(rule)
+        return allowed is None or self.guard_factor * rule.standard_uncertainty < allowed
+
+    def _allowed_wear(self, rule: RuleDecision) -> float | None:
+        """Return how far the limit is above a new pair, in the rule's unit; None for a share, or below a new pair."""
+        if rule.rule.kind is RuleKind.WEAR:
+            return rule.limit
+        allowed = rule.limit - self.sources.state.land.mounting_high
+        return allowed if rule.rule.kind is RuleKind.CLEARANCE and allowed > 0.0 else None
+
+    def gauges_that_do(self, rule: RuleDecision) -> str:
+        """Say which gauges of the catalogue tell the limit from a new pair."""
+        allowed = self._allowed_wear(rule) or 0.0
+        return gauges_that_do(self.sources, rule, self._per_clearance(rule), self.guard_factor, allowed)
+
     def remedy(self, rule: RuleDecision) -> Remedy | None:
-        """Return what would decide a conditional rule; None where it is decided already."""
+        """Return what would decide a conditional rule; None where it is decided already.
+
+        Where the limit is finer than the gauge, this is what would tell a pair at the limit from a new one.
+        """
         if not rule.conditional:
             return None
-        return remedy(self.sources, rule, self._per_clearance(rule), self.guard_factor)
+        measurable = self.measurable(rule)
+        distance = abs(rule.value - rule.limit) if measurable else self._allowed_wear(rule)
+        return remedy(self.sources, rule, self._per_clearance(rule), self.guard_factor, distance or 0.0, measurable)
 
     def advice_on(self, rule: RuleDecision) -> str | None:
         """Say in plain words what would decide a conditional rule; None where it is decided already."""
@@ -150,7 +171,7 @@ class LandUncertainty:
         if rule.kind is RuleKind.CLEARANCE:
             return 1.0
         if rule.kind is RuleKind.WEAR:
-            return 1.0 / self.sources.state.land.mounting_clearance
+            return 1.0 / self.sources.state.land.mounting_high
         if not self.u_clearance:
             return 0.0
         condition = self._at(rule)
@@ -170,6 +191,8 @@ class TotalUncertainty:
     u_share: float
     share_interval: Interval
     minimum_speed_interval: Interval  # [1/s]
+    new_leakage_interval: Interval  # [m³/s] of the same unit new
+    growth_interval: Interval  # of the leakage over that of the same unit new, as a fraction
     decision: RuleDecision  # about the total's bands
     band_probabilities: tuple[tuple[Band, float], ...]
     budget: tuple[tuple[str, float], ...]  # of the share's linear variance, the largest first
@@ -256,8 +279,8 @@ def assess(
     Notes
     -----
     The clearance is normal with the root sum of squares of its sources (linear in the diameters, so this is exact);
-    its decisions and those on wear are closed forms. Flows and shares are the draws'; only where nothing but a normal
-    clearance is uncertain does the flow have its closed form. The linear (GUM) propagation serves the budgets alone.
+    its decisions and those on wear are closed forms. Flows, shares and growth are the draws'. The linear (GUM)
+    propagation serves the budgets alone.
 
     References
     ----------
@@ -267,27 +290,24 @@ def assess(
     instruments = instruments or load_instruments()
     sources, repeats = find_sources(states, readings, model.controller, instruments, assumptions)
     limits = rules.limits
-    pair = limits.pair_share
-    pair_limits = [limit for _, limit in pair.levels] if pair else []
-    total_limits = [limit for _, limit in limits.total_share.levels]
     spread = propagate(
         model,
         sources,
         projections,
         assumptions,
-        pair_limits=pair_limits,
-        total_limits=total_limits,
+        pair_share=limits.pair_share,
+        total_share=limits.total_share,
         coverage=coverage,
         draws=draws,
         seed=seed,
     )
     eccentric = model.law.eccentricity_factor
     lands = tuple(
-        _land(land, land_spreads, projections, rules.of_land(land.key), coverage, guard_factor, eccentric)
+        _land(land, land_spreads, projections, rules, coverage, guard_factor, eccentric)
         for land, land_spreads in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
-        _total(projection, total_spread, rule, rules.limits, guard_factor)
+        _total(projection, total_spread, rule, guard_factor)
         for projection, total_spread, rule in zip(projections, spread.totals, rules.totals, strict=True)
     )
     return UnitUncertainty(
@@ -300,7 +320,7 @@ def assess(
         guard_factor=guard_factor,
         draws=draws,
         seed=seed,
-        messages=tuple(_messages(sources, instruments, repeats)),
+        messages=(*_messages(sources, instruments, repeats), *_too_fine(lands)),
     )
 
 
@@ -322,7 +342,7 @@ def _land(
     land: LandSources,
     land_spreads: Sequence[LandSpread],
     projections: Sequence[Projection],
-    rules: Sequence[Rule],
+    rules: UnitRules,
     coverage: float,
     guard_factor: float,
     eccentric: float,
@@ -337,40 +357,52 @@ def _land(
         _at(land, projection, spread, eccentric) for projection, spread in zip(projections, land_spreads, strict=True)
     )
     spreads = {projection.condition: spread for projection, spread in zip(projections, land_spreads, strict=True)}
-    decided = tuple(_decided(rule, land, spreads, guard_factor) for rule in rules)
+    decided = tuple(_decided(rule, land, spreads, rules.limits, guard_factor) for rule in rules.of_land(land.key))
     # a true clearance cannot be below zero
     interval = (max(c - reach, min(c, 0.0)), c + reach)
     return LandUncertainty(land, u, interval, conditions, decided, _shape(state), guard_factor)
 
 
 def _decided(
-    rule: Rule, land: LandSources, spreads: Mapping[OperatingPoint, LandSpread], guard_factor: float
+    rule: Rule,
+    land: LandSources,
+    spreads: Mapping[OperatingPoint, LandSpread],
+    limits: Limits,
+    guard_factor: float,
 ) -> RuleDecision:
     """Decide a land's rule: clearance and wear by closed forms, a share by the draws at its condition."""
-    limits = [limit for _, limit in rule.steps.levels]
+    reached = [limit for _, limit in rule.steps.levels]
     if rule.kind is RuleKind.PAIR_SHARE:
         assert rule.condition is not None
         share = spreads[rule.condition].share_spread
-        us = (share.standard_uncertainty,) * len(limits)
+        us = (share.standard_uncertainty,) * len(reached)
         skewed = share.standard_uncertainty > 0.0
         return decide_rule(rule, us, share.probabilities, guard_factor, skewed=skewed)
     worn = rule.kind is RuleKind.WEAR
-    us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(limits)
-    each = tuple(probability_over(rule.value, limits, us).tolist())
+    us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(reached)
+    each = tuple(probability_over(rule.value, reached, us).tolist())
     return decide_rule(rule, us, each, guard_factor, skewed=False)
 
 
-def _wear_uncertainties(land: LandSources, limits: Sequence[float]) -> tuple[float, ...]:
+def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:
     """Return the standard uncertainty of wear at each limit.
 
     Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values is needed.
+    Over a limit in µm it means c_r − c_m above it. From the upper end of a range wear is sure as far as c_r is.
     """
-    mounting, u_mounting = land.state.land.mounting_clearance, land.assumptions.mounting_clearance
-    return tuple(math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for limit in limits)
+    pair = land.state.land
+    u_mounting = 0.0 if isinstance(pair.mounting_clearance, tuple) else land.u_mounting
+    steps = limits.wear
+    assert steps is not None
+    stated = dict(steps.levels)
+    factors = (
+        1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in steps.of_wear(pair.mounting_high)
+    )
+    return tuple(math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high for factor in factors)
 
 
 def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric: float) -> AtCondition:
-    share = projection.share_of(spread.leakage)
+    share = projection.share_drawn_by(land.key)
     of_clearance = (spread.share_per_clearance * land.standard_uncertainty) ** 2
     effects = {source.label: fraction * of_clearance for source, fraction in land.budget}
     effects |= {name: effect**2 for name, effect in spread.share_effects.items()}
@@ -387,7 +419,6 @@ def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric
         eccentric=(spread.leakage / eccentric, FULLY_ECCENTRIC * spread.leakage / eccentric),
         budget=_fractions(effects),
         clearance_fraction=of_clearance / variance if variance > 0.0 and math.isfinite(variance) else 0.0,
-        closed_form=spread.by_quadrature,
     )
 
 
@@ -400,20 +431,15 @@ def _fractions(variances: dict[str, float]) -> tuple[tuple[str, float], ...]:
 
 
 def _shape(state: LandClearance) -> Shape:
-    planes: dict[str, list[float]] = {}
-    for station in state.stations:
-        planes.setdefault(station.plane, []).append(station.radial_clearance)
-    clearances = list(planes.values()) or [[state.radial_clearance]]
-    effective = factor = None
-    if min(min(plane) for plane in clearances) > 0.0:
-        cube = float(axial_cube([float(circumferential_cube(plane)) ** (1.0 / 3.0) for plane in clearances]))
-        effective = cube ** (1.0 / 3.0)
-        factor = cube / state.radial_clearance**3
+    square, third = state.form_moments
+    mean = state.radial_clearance
+    cube = mean**3 + 3.0 * mean * square + third
+    open_ = min((station.radial_clearance for station in state.stations), default=mean) > 0.0
     return Shape(
         worst_direction=state.worst_direction,
         worst_clearance=state.max_clearance,
-        effective_clearance=effective,
-        cube_factor=factor,
+        effective_clearance=cube ** (1.0 / 3.0) if open_ else None,
+        cube_factor=cube / mean**3 if open_ else None,
         lower_bound=_lower_bound(state),
     )
 
@@ -426,13 +452,11 @@ def _lower_bound(state: LandClearance) -> bool:
 # --- the whole
 
 
-def _total(
-    projection: Projection, spread: TotalSpread, rule: Rule, limits: Limits, guard_factor: float
-) -> TotalUncertainty:
-    condition, share, bands = projection.condition, projection.share, limits.bands
+def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor: float) -> TotalUncertainty:
+    condition, share, bands = projection.condition, projection.share, rule.steps.levels
     u = spread.share_spread.standard_uncertainty
     decision = decide_rule(rule, (u,) * len(bands), spread.share_spread.probabilities, guard_factor, skewed=u > 0.0)
-    names = (Band.GREEN, *(band for band, _ in bands))
+    names = (Band.GREEN, *(Band(band) for band, _ in bands))
     return TotalUncertainty(
         condition=condition.name,
         label=condition.label,
@@ -443,6 +467,8 @@ def _total(
         u_share=u,
         share_interval=spread.share_spread.interval,
         minimum_speed_interval=spread.minimum_speed_interval,
+        new_leakage_interval=spread.new_leakage_interval,
+        growth_interval=spread.growth_interval,
         decision=decision,
         band_probabilities=tuple(zip(names, spread.band_probabilities, strict=True)),
         budget=_fractions({name: effect**2 for name, effect in spread.effects.items()}),
@@ -481,6 +507,18 @@ def _messages(
         text = f"{missing} of {len(sources)} lands were not measured and are in the total at their mounting clearance."
         messages.append(Message("warning", "total_with_unmeasured", text))
     return messages
+
+
+def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
+    """Name the lands whose limits are finer than the gauges, with gauges that would do."""
+    fine = [(land, rule) for land in lands for rule in land.rules if not land.measurable(rule.at_first_level)]
+    if not fine:
+        return []
+    names = ", ".join(dict.fromkeys(f"{land.key[0]} land {land.key[1]}" for land, _ in fine))
+    land, rule = min(fine, key=lambda each: each[1].at_first_level.limit / each[1].at_first_level.standard_uncertainty)
+    text = f"Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {names}."
+    text = f"{text} {land.gauges_that_do(rule.at_first_level)}"
+    return [Message("info", "limit_finer_than_gauge", text)]
 
 
 def _in_words(decided: RuleDecision, land: LandUncertainty) -> tuple[str, str, str]:

@@ -9,13 +9,16 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
-from atleak.catalogue.controller import Controller
+import numpy as np
+
+from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Instrument, Instruments, Part
 from atleak.equations.uncertainty import (
+    normal_quantile,
     persistent_rounding_variance,
     pooled_standard_deviation,
     rectangular,
@@ -37,7 +40,6 @@ SourceKind = Literal[
 ]
 
 _ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
-_NORMAL_ENOUGH = 0.02  # excess kurtosis below which a clearance is taken as normal
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
 _STEP_TOLERANCE = 1e-9  # [m]
 _READINGS_THAT_SHOW_A_STEP = 12
@@ -93,6 +95,19 @@ class _MeasuringPlan:
     rounding_weight: float  # the same for the rounding error that repeats do not average out
     two_lobe: float  # 0 … 1: how much of a two-lobe form the directions leave in the mean
     repeats: int
+    residual: float  # of what two directions leave of other forms: 1 for two
+    angles: tuple[float, ...]  # [rad] of every plane and direction measured
+    weights: tuple[float, ...]  # of each in the mean diameter; they add up to 1
+
+    def seen_of_one_side(self, phase: Any) -> Any:
+        """Return how much of the mean wear the two-point diameters show where a bore is worn to the side at ``phase``.
+
+        A diameter across wear w₀ max(cos θ, 0) grows by w₀ |cos θ|, and half of that is taken as clearance.
+        """
+        shown = sum(
+            weight * np.abs(np.cos(angle - phase)) for angle, weight in zip(self.angles, self.weights, strict=True)
+        )
+        return 0.5 * math.pi * shown
 
 
 @dataclass(frozen=True)
@@ -152,18 +167,22 @@ class LandSources:
         return math.fsum(fraction for source, fraction in self.budget if source.part == part)
 
     @property
-    def is_normal(self) -> bool:
-        """Return whether the clearance is normal for practical purposes: its excess kurtosis is near zero."""
-        rectangular_parts = [fraction for source, fraction in self.budget if source.shape == "rectangular"]
-        return 1.2 * math.fsum(fraction * fraction for fraction in rectangular_parts) <= _NORMAL_ENOUGH
+    def u_mounting(self) -> float:
+        """Return the standard uncertainty of the mounting clearance as this pair's own [m]."""
+        return mounting_uncertainty(self.state.land, self.assumptions)
 
     def variance_with(
         self,
         *,
         repeats: Mapping[Part, int] | None = None,
         instruments: Mapping[Part, Instrument] | None = None,
+        four_directions: Sequence[Part] = (),
     ) -> float:
-        """Return the variance of the clearance [m²] had it been measured with more repeats or other instruments."""
+        """Return the variance of the clearance [m²] had it been measured otherwise.
+
+        With more repeats of some parts, with other instruments, or in four directions, among which a two-lobe form
+        cancels and half as much of the rest is left.
+        """
         chosen = Instruments(**{part: (instruments or {}).get(part, self.instruments.of(part)) for part in PARTS})
         changed: list[UncertaintySource] = []
         for part in PARTS:
@@ -175,6 +194,8 @@ class LandSources:
                 s = instrument.repeatability if instrument.repeatability is not None else 0.0
                 spread = RepeatSpread(part, s, 0, instrument.resolution, 1, "instrument", spread.ovality)
             times = (repeats or {}).get(part, plan.repeats) / plan.repeats
+            if part in four_directions:
+                plan = replace(plan, two_lobe=0.0, residual=min(plan.residual, 0.5))
             changed += _part_sources(self.state, part, instrument, chosen, plan, spread, self.assumptions, times)
         changed += [source for source in self.sources if source.part is None]
         return LandSources(self.state, tuple(changed), {}, {}, chosen, self.assumptions).standard_uncertainty ** 2
@@ -212,6 +233,20 @@ def find_sources(
     ), spreads
 
 
+def mounting_uncertainty(land: Land, assumptions: Assumptions) -> float:
+    """Return how uncertain a land's mounting clearance is as that of one pair [m], one standard deviation.
+
+    A tolerance holds 95 % of the pairs of a type; a range holds all of them, any value alike likely; a number without
+    either is this pair's own.
+    """
+    low, high = land.mounting_range
+    if low < high:
+        return rectangular(0.5 * (high - low))
+    if land.mounting_tolerance is not None:
+        return land.mounting_tolerance / float(normal_quantile(0.975))
+    return assumptions.mounting_clearance
+
+
 _Stations = dict[tuple[str, float | None], list[Reading]]
 
 
@@ -231,7 +266,7 @@ def _land_sources(
 ) -> LandSources:
     sources: list[UncertaintySource] = []
     plans: dict[Part, _MeasuringPlan] = {}
-    mounting = assumptions.mounting_clearance
+    mounting = mounting_uncertainty(state.land, assumptions)
     if not state.measured:
         sources.append(UncertaintySource("mounting clearance", None, mounting))
     else:
@@ -286,7 +321,7 @@ def _form(
     """
     ovality = state.spool_ovality if part == "spool" else state.sleeve_ovality
     taper = state.spool_taper if part == "spool" else state.sleeve_taper
-    residual = assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
+    residual = plan.residual * assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
     if ovality is None:
         ovality = spread.ovality if spread.ovality is not None else assumptions.unseen_ovality
     return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), residual)
@@ -296,14 +331,15 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
     planes: dict[str, list[float | None]] = defaultdict(list)
     for plane, direction in stations:
         planes[plane].append(direction)
-    weights, repeats, means = [], [], []
+    weights, angles, repeats, means = [], [], [], []
     repeat_weight = 0.0
-    for (plane, _), group in stations.items():
+    for (plane, direction), group in stations.items():
         weight = 1.0 / (len(planes) * len(planes[plane]))
         counts = _multiplicities(group)
         # a copied or mirrored reading is the same error over again
         repeat_weight += weight * weight * sum(count * count for count in counts) / len(group) ** 2
         weights.append(weight)
+        angles.append(math.radians(direction or 0.0))  # of one direction that is not stated any will do
         repeats.append(len(counts))
         means.append(math.fsum(reading.diameter for reading in group) / len(group))
     # places with the same reading are rounded the same way; others are rounded independently
@@ -313,6 +349,9 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
         rounding_weight=math.fsum(weight * weight for weight in weights) if apart else 1.0,
         two_lobe=math.fsum(_two_lobe(directions) for directions in planes.values()) / len(planes),
         repeats=min(repeats),
+        residual=2.0 / max(2, min(len(directions) for directions in planes.values())),
+        angles=tuple(angles),
+        weights=tuple(weights),
     )
 
 
