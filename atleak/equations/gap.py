@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from atleak.equations._domain import not_negative, positive, refuse, result, values
-from atleak.errors import DomainError
 
 #: Below this Reynolds number gap flow is laminar for certain [-]: choice of this project, half of the 2000 from which
 #: on flow in a duct is commonly taken as turbulent.
@@ -259,76 +258,6 @@ def reynolds_number(flow: ArrayLike, diameter: ArrayLike, kinematic_viscosity: A
     return result((2.0 / math.pi) * np.abs(q) / (d * nu))
 
 
-def circumferential_cube(clearances: ArrayLike, axis: int = -1) -> Any:
-    """Compute the effective cubed clearance of clearances measured around the circumference, ``mean(c³)``.
-
-    Parameters
-    ----------
-    clearances : array
-        Radial clearances at equally spaced directions [m]; a scalar counts as one direction.
-    axis : int, optional
-        The axis along which the directions lie; it disappears.
-
-    Returns
-    -------
-    float or ndarray
-        What stands for c³ in the gap law [m³]. Never below the cube of the mean clearance.
-
-    Raises
-    ------
-    DomainError
-        Negative clearance, or none at all.
-
-    References
-    ----------
-    Paths side by side add their flows; the thin-gap law, Dziubak & Szczepaniak, Energies 2023, 16, 7667,
-    eq. (4), integrated around the circumference.
-
-    Examples
-    --------
-    >>> round(circumferential_cube([20e-6, 40e-6]) ** (1 / 3) * 1e6, 3)
-    33.019
-    """
-    c = _several(clearances, axis)
-    return result(np.mean(c * c * c, axis=axis))
-
-
-def axial_cube(clearances: ArrayLike, axis: int = -1) -> Any:
-    """Compute the effective cubed clearance of clearances measured along the length, ``1 / mean(c⁻³)``.
-
-    Parameters
-    ----------
-    clearances : array
-        Radial clearances at equally spaced planes [m]; a scalar counts as one plane.
-    axis : int, optional
-        The axis along which the planes lie; it disappears.
-
-    Returns
-    -------
-    float or ndarray
-        What stands for c³ in the gap law [m³]. Zero where one plane is closed.
-
-    Raises
-    ------
-    DomainError
-        Negative clearance, or none at all.
-
-    References
-    ----------
-    Paths one behind the other add their pressure drops; the thin-gap law, Dziubak & Szczepaniak, Energies
-    2023, 16, 7667, eq. (4), integrated along the gap.
-
-    Examples
-    --------
-    >>> round(axial_cube([20e-6, 40e-6]) ** (1 / 3) * 1e6, 3)
-    24.228
-    """
-    c = _several(clearances, axis)
-    with np.errstate(divide="ignore", over="ignore"):
-        resistance = np.mean(1.0 / (c * c * c), axis=axis)
-        return result(1.0 / resistance)
-
-
 def flow_equal_clearance(clearance: ArrayLike, second_moment: ArrayLike, third_moment: ArrayLike) -> Any:
     """Compute the clearance of the even gap that leaks as much as one whose clearance varies around its mean.
 
@@ -422,11 +351,3 @@ def _eccentricity(eccentricity: ArrayLike, clearance: Any) -> Any:
     if e.ndim or e != 0.0:
         refuse("eccentricity", e, e > clearance, "at most the radial clearance", "m")
     return e
-
-
-def _several(clearances: ArrayLike, axis: int) -> Any:
-    """Return clearances along an axis, at least one."""
-    c = np.atleast_1d(not_negative("radial clearance", clearances, "m"))
-    if c.shape[axis] == 0:
-        raise DomainError("radial clearances must be at least one along the axis that is averaged, found none")
-    return c

@@ -96,18 +96,14 @@ class _MeasuringPlan:
     two_lobe: float  # 0 … 1: how much of a two-lobe form the directions leave in the mean
     repeats: int
     residual: float  # of what two directions leave of other forms: 1 for two
-    angles: tuple[float, ...]  # [rad] of every plane and direction measured
-    weights: tuple[float, ...]  # of each in the mean diameter; they add up to 1
+    angles: Mapping[float, float]  # [rad] of every direction, with its weight in the mean diameter; they add up to 1
 
     def seen_of_one_side(self, phase: Any) -> Any:
         """Return how much of the mean wear the two-point diameters show where a bore is worn to the side at ``phase``.
 
         A diameter across wear w₀ max(cos θ, 0) grows by w₀ |cos θ|, and half of that is taken as clearance.
         """
-        shown = sum(
-            weight * np.abs(np.cos(angle - phase)) for angle, weight in zip(self.angles, self.weights, strict=True)
-        )
-        return 0.5 * math.pi * shown
+        return 0.5 * math.pi * sum(weight * np.abs(np.cos(angle - phase)) for angle, weight in self.angles.items())
 
 
 @dataclass(frozen=True)
@@ -331,7 +327,8 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
     planes: dict[str, list[float | None]] = defaultdict(list)
     for plane, direction in stations:
         planes[plane].append(direction)
-    weights, angles, repeats, means = [], [], [], []
+    weights, repeats, means = [], [], []
+    angles: dict[float, float] = defaultdict(float)
     repeat_weight = 0.0
     for (plane, direction), group in stations.items():
         weight = 1.0 / (len(planes) * len(planes[plane]))
@@ -339,7 +336,7 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
         # a copied or mirrored reading is the same error over again
         repeat_weight += weight * weight * sum(count * count for count in counts) / len(group) ** 2
         weights.append(weight)
-        angles.append(math.radians(direction or 0.0))  # of one direction that is not stated any will do
+        angles[math.radians(direction or 0.0)] += weight  # of one direction that is not stated any will do
         repeats.append(len(counts))
         means.append(math.fsum(reading.diameter for reading in group) / len(group))
     # places with the same reading are rounded the same way; others are rounded independently
@@ -350,8 +347,7 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
         two_lobe=math.fsum(_two_lobe(directions) for directions in planes.values()) / len(planes),
         repeats=min(repeats),
         residual=2.0 / max(2, min(len(directions) for directions in planes.values())),
-        angles=tuple(angles),
-        weights=tuple(weights),
+        angles=dict(angles),
     )
 
 

@@ -144,10 +144,10 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     yield LandColumn("beta_k", "expansion of body β_k [1e-6/K]", 12, body)
     spool = changeable("plain", lambda land: land.state.land.spool_expansion * _PER_KELVIN)
     yield LandColumn("beta_s", "expansion of spool β_s [1e-6/K]", 12, spool)
-    second = changeable("plain", lambda land: land.state.form_moments[0] * UM**2)
-    yield LandColumn("m2", "form: mean of (c − c_r)² as measured [µm²]", 12, second)
-    third = changeable("plain", lambda land: land.state.form_moments[1] * UM**3)
-    yield LandColumn("m3", "form: mean of (c − c_r)³ as measured [µm³]", 12, third)
+    square = changeable("plain", lambda land: land.state.form_moments[0] * UM**2)
+    yield LandColumn("m2", "form: mean of (c − c_r)² as measured [µm²]", 12, square)
+    cube = changeable("plain", lambda land: land.state.form_moments[1] * UM**3)
+    yield LandColumn("m3", "form: mean of (c − c_r)³ as measured [µm³]", 12, cube)
 
 
 def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandColumn]:

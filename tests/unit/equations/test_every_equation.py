@@ -58,8 +58,8 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
 # These give a pair, words, truth values or reduce an axis; the tests of their own rooms cover them.
 OTHERS = {
     clearance.one_sided_moments,
-    gap.circumferential_cube,
-    gap.axial_cube,
+    referees.circumferential_cube,
+    referees.axial_cube,
     gap.obliteration,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
