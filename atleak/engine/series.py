@@ -200,7 +200,7 @@ def _open(gaps: Sequence[GapGeometry], law: GapLaw, lowest: float, highest: floa
     One does as long as it is open and, where it is not the same all around, leaks more than its mean clearance would.
     """
     clearance = _clearances(gaps, lowest, highest)
-    follows = clearance > 0.0
+    follows: Any = clearance > 0.0
     if law.counts_form:
         m2, m3 = _moments(gaps)
         follows &= 3.0 * clearance * m2 + m3 >= 0.0
