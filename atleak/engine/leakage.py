@@ -395,9 +395,10 @@ def _entry_loss_messages(law: GapLaw, gaps: Sequence[GapLeakage], at: str) -> li
     ).T
     losses = law.entry_loss(drop, clearance, gaps[0].kinematic_viscosity, gaps[0].density, length)
     taken: dict[str, float] = {}
-    for number in np.flatnonzero(losses > ENTRY_LOSS_WORTH_SAYING):
-        land = _lands([gaps[number]])
-        taken[land] = max(float(losses[number]), taken.get(land, 0.0))
+    for gap, loss in zip(gaps, losses.tolist(), strict=True):
+        if loss > ENTRY_LOSS_WORTH_SAYING:
+            land = _lands([gap])
+            taken[land] = max(loss, taken.get(land, 0.0))
     if not taken:
         return []
     largest_first = sorted(taken.items(), key=lambda item: -item[1])
