@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from atleak.catalogue.controller import Controller, Land, load_controller
+from atleak.catalogue.controller import Controller, Land, NewOrigin, load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.instruments import Instruments, load_instrument
 from atleak.catalogue.limits import Limits, load_limits
@@ -26,7 +26,6 @@ from simulated.pairs import Pair, random_forms
 
 SEED = 20261121
 NEW = (6.4e-6, 20e-6)  # [m] radial clearance of new valves: Sonnax, valve body inspection, 0.0127 … 0.040 mm diametral
-MIDDLE = 0.5 * (NEW[0] + NEW[1])
 DIAMETER = (8e-3, 16e-3)  # [m]
 LENGTH = (4e-3, 12e-3)  # [m] of contact
 ALUMINIUM, STEEL = 21.3e-6, 12.0e-6  # [1/K]
@@ -128,5 +127,6 @@ def _in_file(rng: np.random.Generator, pair: Pair, known: Known) -> Land:
     if known is Known.PAIR:
         return replace(pair.land, mounting_clearance=pair.mounting + DEFAULTS.mounting_clearance * error)
     if known is Known.TYPE:
-        return replace(pair.land, mounting_clearance=pair.mounting + TOLERANCE / 1.96 * error)
-    return replace(pair.land, mounting_clearance=MIDDLE)
+        middle = pair.mounting + TOLERANCE / 1.96 * error
+        return replace(pair.land, mounting_clearance=middle, mounting_tolerance=TOLERANCE, new_origin=NewOrigin.TYPE)
+    return replace(pair.land, mounting_clearance=NEW, new_origin=NewOrigin.RANGE)

@@ -131,12 +131,13 @@ def simulate(world: World, unit: int, draws: int) -> Simulated:
     sheet = reader.read(rng, pairs)
     states = clearances(sheet, controller)
     model = LeakageModel(controller, states, fluid, WORKSHOP)
-    projections = [project(model, point) for point in controller.operating_points]
+    new = LeakageModel(controller, clearances(None, controller), fluid, WORKSHOP)
+    projections, when_new = ([project(each, point) for point in controller.operating_points] for each in (model, new))
     assessed = assess(
         model,
         states,
         projections,
-        unit_rules(states, projections, limits),
+        unit_rules(states, projections, when_new, limits),
         readings=sheet,
         instruments=instruments,
         draws=draws,
