@@ -14,7 +14,7 @@ from atleak.catalogue.instruments import Instrument, Instruments, load_instrumen
 from atleak.catalogue.limits import LimitOrigin, Limits, Steps, load_limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
-from atleak.engine.projection import project
+from atleak.engine.projection import project, project_new
 from atleak.readings import clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, UnitUncertainty, assess
@@ -131,8 +131,8 @@ def simulate(world: World, unit: int, draws: int) -> Simulated:
     sheet = reader.read(rng, pairs)
     states = clearances(sheet, controller)
     model = LeakageModel(controller, states, fluid, WORKSHOP)
-    new = LeakageModel(controller, clearances(None, controller), fluid, WORKSHOP)
-    projections, when_new = ([project(each, point) for point in controller.operating_points] for each in (model, new))
+    projections = [project(model, point) for point in controller.operating_points]
+    when_new = project_new(states, model, projections)
     assessed = assess(
         model,
         states,
