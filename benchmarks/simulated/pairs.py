@@ -41,6 +41,8 @@ class Pair:
     side: float  # [rad] φ, the middle of the worn side
     length: float  # [m] of contact
     forms: Mapping[Part, Form]
+    eccentricity: float = 0.0  # of the spool's axis over the clearance of the even gap
+    lies: float = 0.0  # [rad] the direction in which the gap is widest for that
 
     @property
     def clearance(self) -> float:
@@ -74,17 +76,13 @@ class Pair:
         # c(θ) + c(θ + π): of max(cos, 0) at both ends one is zero
         return self.spool + 2.0 * self.even + self.deepest * abs(math.cos(angle - self.side)) + shape
 
-    def flow_clearance(self, widened: float = 0.0) -> float:
-        """Return the clearance [m] of a round, straight gap with the same flow: the cube root of the mean of c³.
-
-        Parameters
-        ----------
-        widened
-            what warmth adds all around [m].
-        """
+    def around(self, widened: float = 0.0) -> np.ndarray:
+        """Return the radial clearance at `ANGLES` [m]; ``widened`` [m] is what warmth adds all around."""
         radial = self.even + self.deepest * np.maximum(np.cos(ANGLES - self.side), 0.0) + widened
         radial += 0.5 * (self.forms["sleeve"].deviation(ANGLES) - self.forms["spool"].deviation(ANGLES))
-        return float(np.cbrt(np.mean(np.maximum(radial, 0.0) ** 3)))
+        # a spool off the middle leaves more room on one side and as much less on the other
+        radial += self.eccentricity * (self.even + widened) * np.cos(ANGLES - self.lies)
+        return np.maximum(radial, 0.0)
 
 
 def random_forms(rng: np.random.Generator, sleeve_ovality: float, spool_ovality: float = 1e-6) -> dict[Part, Form]:

@@ -13,7 +13,7 @@ from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.instruments import Instrument, Instruments, load_instrument
 from atleak.catalogue.limits import LimitOrigin, Limits, Steps, load_limits
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.profile import WORKSHOP
+from atleak.engine.profile import UNKNOWN, WORKSHOP
 from atleak.engine.projection import project, project_new
 from atleak.readings import clearances
 from atleak.rules import unit_rules
@@ -45,6 +45,7 @@ class World:
     ovality: float = 4e-6  # [m] root mean square of the sleeves' difference of diameters
     room_temperature: float = 0.5  # [K] half width of its range
     one_sided: float = 0.0  # fraction of every land's wear that is on one side
+    spools_anywhere: bool = False  # e/c of each component's spool anywhere from 0 to 1, and assessed as unknown
 
 
 AS_DECLARED = World("as declared")
@@ -52,6 +53,7 @@ ONE_SIDED = (
     World("wear to one side: half of it", one_sided=0.5),
     World("wear to one side: all of it", one_sided=1.0),
 )
+ANYWHERE = World("spools lie anywhere, assessed as unknown", spools_anywhere=True)
 WRONG = (
     World("heavy tails", heavy_tails=True),
     World("common error twice as declared", common=2.0),
@@ -60,7 +62,8 @@ WRONG = (
     World("one direction, ovality three times as assumed", directions=(0.0,), ovality=12e-6),
     World("room within 5 K instead of 0.5 K", room_temperature=5.0),
 )
-WORLDS = (AS_DECLARED, *ONE_SIDED, *WRONG)
+TRUE = (AS_DECLARED, *ONE_SIDED, ANYWHERE)  # to the assumptions: how much is worn to one side is among them
+WORLDS = (*TRUE, *WRONG)
 
 
 @dataclass(frozen=True)
@@ -130,7 +133,8 @@ def simulate(world: World, unit: int, draws: int) -> Simulated:
     pairs = _pairs(rng, world, controller)
     sheet = reader.read(rng, pairs)
     states = clearances(sheet, controller)
-    model = LeakageModel(controller, states, fluid, WORKSHOP)
+    profile = replace(WORKSHOP, eccentricity=UNKNOWN) if world.spools_anywhere else WORKSHOP
+    model = LeakageModel(controller, states, fluid, profile)
     projections = [project(model, point) for point in controller.operating_points]
     when_new = project_new(states, model, projections)
     assessed = assess(
@@ -149,6 +153,9 @@ def simulate(world: World, unit: int, draws: int) -> Simulated:
 
 def _pairs(rng: np.random.Generator, world: World, controller: Controller) -> tuple[Pair, ...]:
     u = DEFAULTS
+    eccentricity = dict.fromkeys((land.component for land in controller.lands), 0.0)
+    if world.spools_anywhere:
+        eccentricity = {component: rng.uniform() for component in eccentricity}
     pairs = []
     for land in controller.lands:
         mounting = land.mounting_clearance + rng.normal(0.0, u.mounting_clearance)
@@ -162,6 +169,8 @@ def _pairs(rng: np.random.Generator, world: World, controller: Controller) -> tu
                 side=rng.uniform(0.0, 2.0 * math.pi),
                 length=land.contact_length + rng.normal(0.0, u.contact_length),
                 forms=random_forms(rng, world.ovality),
+                eccentricity=eccentricity[land.component],
+                lies=rng.uniform(0.0, 2.0 * math.pi),
             )
         )
     return tuple(pairs)
