@@ -131,6 +131,7 @@ def show_world(rates: dict[str, Any]) -> None:
     print(f"\n{rates['world']}: {rates['units']} units, {rates['lands']} lands")
     print("  95 % interval holds the truth [%]:", _each(rates["coverage"]))
     print("  the truth is above it [%]:", _each(rates["missed_above"]))
+    print("  mean width of the total's interval, of the total shown [%]:", _text(rates["width_of_total"]))
     by_repeats = rates["coverage_by_repeats"]
     print("  with 1, 2, 3 repeats, clearance [%]:", ", ".join(_text(by_repeats[n]["clearance"]) for n in (1, 2, 3)))
     print("  rule         truly over   pass (of them over)   conditional   fail (of them under)   unguarded wrong")
@@ -157,6 +158,7 @@ def show_population(rates: dict[str, Any]) -> None:
         )
     print("  95 % interval holds the truth [%]:", _each(rates["coverage"]))
     print("  the truth is above it [%]:", _each(rates["missed_above"]))
+    print("  mean width of the total's interval, of the total shown [%]:", _text(rates["width_of_total"]))
     print(f"  {rates['new_units']} units without any wear are ok [%]: {_text(rates['new_units_ok'])}")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import LandDiagnosis
-from atleak.uncertainty import LandUncertainty, RuleDecision
+from atleak.uncertainty import LandUncertainty, RuleDecision, TotalUncertainty
 from atleak.verdicts import Verdict
 from simulated import population, worlds
 from simulated.pairs import Pair
@@ -36,8 +36,13 @@ def count_world(world: World, units: range, draws: int) -> Counter[str]:
             _count_land(counts, simulated, pair, land)
         total, true = simulated.assessed.totals[0], simulated.true
         counts["units"] += 1
-        _count_side(counts, "total leakage", total.leakage_interval, true.total)
-        _count_side(counts, "total share", total.share_interval, true.total / true.capacity)
+        for name, interval, value in (
+            ("total leakage", total.leakage_interval, true.total),
+            ("total share", total.share_interval, true.total / true.capacity),
+        ):
+            counts[name] += 1
+            _count_side(counts, name, interval, value)
+        counts["width"] += _width(total)  # type: ignore[assignment]  # a sum, not a count
         _count_rule(counts, "total share", total.decision, true.total / true.capacity)
     return counts
 
@@ -52,12 +57,21 @@ def _count_land(counts: Counter[str], simulated: worlds.Simulated, pair: Pair, l
         ("share", land.share_interval, share),
     ):
         assert interval is not None
+        if value == 0.0:  # drawn from another circuit: nothing to hold
+            continue
+        counts[name] += 1
         inside = _count_side(counts, name, interval, value)
         counts[f"{simulated.repeats} repeats {name}"] += inside
     truth = {"wear": pair.wear / pair.mounting, "clearance": pair.clearance, "share": share}
     for rule in land.rules:
         kind = COUNTED[rule.rule.kind]
         _count_rule(counts, kind, rule, truth[kind])
+
+
+def _width(total: TotalUncertainty) -> float:
+    """Return the width of a total's interval over the total that is shown."""
+    low, high = total.leakage_interval
+    return (high - low) / total.leakage
 
 
 def _count_side(counts: Counter[str], name: str, interval: tuple[float, float], value: float) -> bool:
@@ -79,7 +93,6 @@ def _count_rule(counts: Counter[str], kind: str, rule: RuleDecision, true: float
 
 def world_rates(world: World, counts: Counter[str]) -> dict[str, Any]:
     """Return the rates of one world [%]."""
-    whole = {name: counts["units" if name.startswith("total") else "lands"] for name in QUANTITIES}
     rules = {}
     for kind in ("clearance", "wear", "share", "total share"):
         every = counts[f"{kind}: all"]
@@ -106,8 +119,9 @@ def world_rates(world: World, counts: Counter[str]) -> dict[str, Any]:
         "world": world.name,
         "units": counts["units"],
         "lands": counts["lands"],
-        "coverage": {name: percent(counts[f"inside {name}"], whole[name]) for name in QUANTITIES},
-        "missed_above": {name: percent(counts[f"above {name}"], whole[name]) for name in QUANTITIES},
+        "coverage": {name: percent(counts[f"inside {name}"], counts[name]) for name in QUANTITIES},
+        "missed_above": {name: percent(counts[f"above {name}"], counts[name]) for name in QUANTITIES},
+        "width_of_total": percent(counts["width"], counts["total leakage"]),
         "coverage_by_repeats": by_repeats,
         "rules": rules,
     }
@@ -143,6 +157,7 @@ def count_population(known: Known, units: range) -> Counter[str]:
         for total in diagnosis.uncertainty.totals:
             counts["total leakage"] += 1
             _count_side(counts, "total leakage", total.leakage_interval, unit.true[total.condition].total)
+            counts["width"] += _width(total)  # type: ignore[assignment]
         counts["units"] += 1
         if unit.is_new:
             counts["new units"] += 1
@@ -174,6 +189,7 @@ def population_rates(known: Known, counts: Counter[str]) -> dict[str, Any]:
         "past": outcomes("past"),
         "coverage": {name: percent(counts[f"inside {name}"], counts[name]) for name in held},
         "missed_above": {name: percent(counts[f"above {name}"], counts[name]) for name in held},
+        "width_of_total": percent(counts["width"], counts["total leakage"]),
         "new_units": counts["new units"],
         "new_units_ok": percent(counts[f"new units {Verdict.OK}"], counts["new units"]),
     }
