@@ -59,6 +59,7 @@ WRONG = (
     World("common error twice as declared", common=2.0),
     World("all calibration twice as declared", common=2.0, calibration=2.0),
     World("one direction, ovality as assumed", directions=(0.0,)),
+    World("one direction, all wear to one side", directions=(0.0,), one_sided=1.0),
     World("one direction, ovality three times as assumed", directions=(0.0,), ovality=12e-6),
     World("room within 5 K instead of 0.5 K", room_temperature=5.0),
 )
