@@ -33,7 +33,7 @@ from timing import options
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--part", choices=("worlds", "population"), help="only one of the two")
-OPTIONS.add_argument("--units", type=int, default=2_000, help="units of each world in which no assumption is wrong")
+OPTIONS.add_argument("--units", type=int, default=1_000, help="units of each world in which no assumption is wrong")
 OPTIONS.add_argument("--other-units", type=int, default=500, help="units of each wrong assumption")
 OPTIONS.add_argument("--population-units", type=int, default=600, help="units of the population, in each case")
 OPTIONS.add_argument("--workers", type=int, default=os.cpu_count() or 1)
