@@ -22,7 +22,6 @@ import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any
 
@@ -51,36 +50,28 @@ def main(arguments: argparse.Namespace) -> int:
         arguments = argparse.Namespace(**vars(arguments) | SMALL)
     spare = SMALL_SPARE if arguments.small else 0.0
     started, failures = time.perf_counter(), []
-    results: dict[str, list[dict[str, Any]]] = {"worlds": [], "population": []}
+    worlds, population = [], []
     with ProcessPoolExecutor(arguments.workers) as pool:
-        for part, rates, show, failing in _runs(arguments, pool):
-            results[part].append(rates)
-            failures += failing(rates, spare)
+        for world in WORLDS if arguments.part != "population" else ():
+            parts = _portions(arguments.units if world in TRUE else arguments.other_units)
+            counts = pool.map(count_world, [world] * len(parts), parts, [arguments.draws] * len(parts))
+            worlds.append(world_rates(world, sum(counts, Counter())))
+            failures += world_failures(worlds[-1], spare)
             if not arguments.json:
-                show(rates)
+                show_world(worlds[-1])
+        for known in Known if arguments.part != "worlds" else ():
+            parts = _portions(arguments.population_units)
+            counts = pool.map(count_population, [known] * len(parts), parts)
+            population.append(population_rates(known, sum(counts, Counter())))
+            failures += population_failures(population[-1], spare)
+            if not arguments.json:
+                show_population(population[-1])
     if arguments.json:
-        print(json.dumps(results | {"failures": failures}, indent=2))
+        print(json.dumps({"worlds": worlds, "population": population, "failures": failures}, indent=2))
     else:
         print(f"\n{time.perf_counter() - started:.0f} s, {arguments.workers} processes, {arguments.draws} draws")
         print("\n".join(failures) or "All stated rates are met.")
     return 1 if failures else 0
-
-
-Run = tuple[str, dict[str, Any], Callable[[dict[str, Any]], None], Callable[[dict[str, Any], float], list[str]]]
-
-
-def _runs(arguments: argparse.Namespace, pool: ProcessPoolExecutor) -> Iterator[Run]:
-    """Run each world and each case of the population; give its rates, how to show and how to judge them."""
-    if arguments.part != "population":
-        for world in WORLDS:
-            parts = _portions(arguments.units if world in TRUE else arguments.other_units)
-            counts = pool.map(count_world, [world] * len(parts), parts, [arguments.draws] * len(parts))
-            yield "worlds", world_rates(world, sum(counts, Counter())), show_world, world_failures
-    if arguments.part != "worlds":
-        for known in Known:
-            parts = _portions(arguments.population_units)
-            counts = pool.map(count_population, [known] * len(parts), parts)
-            yield "population", population_rates(known, sum(counts, Counter())), show_population, population_failures
 
 
 def _portions(units: int) -> list[range]:
@@ -115,6 +106,7 @@ def population_failures(rates: dict[str, Any], spare: float) -> list[str]:
         ("unworn lands are a plain pass", rates["unworn"]["pass"], UNWORN_PASS - spare, 100.0),
         ("unworn lands are flagged", rates["unworn"]["flagged"], 0.0, UNWORN_FLAGGED + spare),
         ("lands past the limit of their share are flagged", rates["past"]["flagged"], PAST_FLAGGED - spare, 100.0),
+        *((f"intervals hold the {name}", held, HELD - spare, 100.0) for name, held in rates["coverage"].items()),
     )
     return [
         f"{rates['known']}: {value:.2f} % of {what}, not {low:g} … {high:g} %"
