@@ -151,6 +151,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         options=diagnosis.profile.options,
         condition=Condition(**settings_of(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
+        complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else {},
@@ -276,6 +277,7 @@ class Choices(_Strict):
     options: dict[str, bool | float | str] = {}
     condition: Condition
     mileage: Annotated[float, Field(ge=0)] | None = None
+    complaint: str | None = None
     readings: ReadingChoices = ReadingChoices()
     road_test: _LogChoices = {}
     assumptions: dict[str, float] = {}
@@ -290,6 +292,7 @@ class Choices(_Strict):
             options=differing_options(profile),
             point=OperatingPoint(**self.condition.model_dump()),
             mileage=self.mileage,
+            complaint=self.complaint,
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),
