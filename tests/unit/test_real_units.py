@@ -151,3 +151,18 @@ def test_unmeasured_lands_of_a_range_leak_its_mean_cube_with_all_of_it_in_the_in
     low, high = diagnosis.uncertainty.totals[0].new_leakage_interval
     assert low < diagnosis.new_projections[0].leakage < high
     assert high > 2.0 * low
+
+
+@pytest.mark.parametrize(
+    ("unit", "code"),
+    [
+        ("four_speed_2023", "mounting_clearance_used_unit"),
+        ("known_by_range", "mounting_clearance_range"),
+        ("minimal_example", None),
+    ],
+)
+def test_a_result_says_what_its_mounting_clearances_are(
+    unit: str, code: str | None, hipol: Fluid, limits: Limits
+) -> None:
+    codes = {each.code for each in diagnose(UNITS[unit], hipol, limits).messages}
+    assert {each for each in codes if each.startswith("mounting_clearance_")} == ({code} if code else set())
