@@ -279,8 +279,8 @@ def test_every_land_stands_beside_every_condition(worn, content):
         shares = [row.cells[number].share * 100.0 for row in rows]
         assert matrix[f"share of pump capacity [%], {label}"].tolist() == pytest.approx(shares, rel=1e-12, abs=1e-15)
         verdicts = [None if row.cells[number].rule is None else signed(row.cells[number].rule.verdict) for row in rows]
-        column = matrix[f"verdict of the share, {label}"]
-        assert column.where(column.notna(), None).tolist() == verdicts
+        issued = matrix[f"verdict of the share, {label}"].tolist()
+        assert [None if pd.isna(verdict) else verdict for verdict in issued] == verdicts
         assert sum(shares) == pytest.approx(projection.share * 100.0, rel=1e-9, abs=0.0)
     assert matrix["elsewhere, as issued"].iloc[0] == "leaks into p_m, not drawn from the pump"
 
@@ -302,8 +302,11 @@ def test_the_summary_holds_the_repairs_their_end_and_the_complaint(worn):
     plan = plan_repairs(worn)
     assert all(sentence in cells for sentence in plan_ends(plan))
     assert plan.steps
-    last = plan.steps[-1].conditions
-    assert all(str(each.after.share * 100.0) in cells for each in last)
+    for each in plan.steps[-1].conditions:
+        shares = rows[rows.isin([f"total after [%], {each.condition.label}"]).any(axis=1)].index
+        column = rows.columns[rows.loc[shares[0]] == f"total after [%], {each.condition.label}"][0]
+        after = rows.loc[shares[0] + len(plan.steps), column]
+        assert after == pytest.approx(each.after.share * 100.0, rel=1e-12, abs=0.0)
     assert complaint.label in cells
     assert "hot idle in drive, 100 °C (the worst, as issued)" in cells
     totals = [cell for cell in cells if cell.startswith(("hot idle in drive", "driving in second"))]
