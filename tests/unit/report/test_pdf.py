@@ -131,7 +131,8 @@ def test_a_complaint_stands_on_the_first_page(worn, language):
     first = re.sub(r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language))[0])
     say = wording(language)
     name = say("conditions.at", name=say("conditions.hot_idle"), temperature="100")
-    assert say("complaint.head", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
+    assert say("complaint.shows", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
+    assert say("complaint.first") in first
     assert first.index(say("conditions.hot_idle")) < first.index(say("conditions.driving_second"))
 
 

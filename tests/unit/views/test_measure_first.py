@@ -15,7 +15,7 @@ from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.readings import Readings
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from atleak.views.measure_first import Doubt, measure_first, reason
+from atleak.views.measure_first import Doubt, head, measure_first, reason
 from atleak.wording import languages, wording
 
 Build = Callable[..., Readings]
@@ -75,6 +75,14 @@ def test_of_several_conditions_the_one_counts_in_which_a_land_carries_most(sampl
             parts[at.condition.name] = at.leakage_of(each.land.key) / sum(gap.leakage for gap in at.gaps)
         assert each.projection.condition.name == max(parts, key=parts.__getitem__)
         assert each.part == pytest.approx(max(parts.values()), rel=1e-12, abs=0.0)
+
+
+def test_where_nothing_is_open_nothing_is_to_be_measured_first(sample: Diagnosis) -> None:
+    ranked = measure_first(with_complaint(sample, HOT))
+    sure = [each for each in ranked if each.doubt is Doubt.NONE]
+    assert head(ranked) == "Measure first:"
+    assert head(sure).startswith("Every land behind it is measured and its verdict is sure")
+    assert head([]) == "No land leaks there."
 
 
 def test_without_a_complaint_nothing_is_asked(sample: Diagnosis) -> None:
