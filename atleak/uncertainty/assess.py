@@ -395,9 +395,8 @@ def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:
     steps = limits.wear
     assert steps is not None
     stated = dict(steps.levels)
-    factors = (
-        1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in steps.of_wear(pair.mounting_high)
-    )
+    applied = steps.of_wear(pair.mounting_high, pair.mounting_tolerance or 0.0)
+    factors = (1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in applied)
     return tuple(math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high for factor in factors)
 
 
@@ -510,14 +509,15 @@ def _messages(
 
 
 def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
-    """Name the lands whose limits are finer than the gauges, with gauges that would do."""
-    fine = [(land, rule) for land in lands for rule in land.rules if not land.measurable(rule.at_first_level)]
+    """Name the lands that are left open because their limit is finer than the gauges, with gauges that would do."""
+    first = [(land, rule.at_first_level) for land in lands for rule in land.rules]
+    fine = [(land, rule) for land, rule in first if rule.conditional and not land.measurable(rule)]
     if not fine:
         return []
     names = ", ".join(dict.fromkeys(f"{land.key[0]} land {land.key[1]}" for land, _ in fine))
-    land, rule = min(fine, key=lambda each: each[1].at_first_level.limit / each[1].at_first_level.standard_uncertainty)
+    land, rule = min(fine, key=lambda each: each[1].limit / each[1].standard_uncertainty)
     text = f"Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {names}."
-    text = f"{text} {land.gauges_that_do(rule.at_first_level)}"
+    text = f"{text} {land.gauges_that_do(rule)}"
     return [Message("info", "limit_finer_than_gauge", text)]
 
 

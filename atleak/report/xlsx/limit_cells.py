@@ -23,7 +23,7 @@ _SHEET = "Limits"
 _LABELS: dict[RuleKind, dict[Part, str]] = {
     RuleKind.WEAR: {
         "limit": "wear [%]",
-        "at_least": "and clearance over the mounting clearance [µm]",
+        "at_least": "and clearance over the mounting clearance and its tolerance [µm]",
     },
     RuleKind.CLEARANCE: {"limit": "radial clearance [µm]"},
     RuleKind.PAIR_SHARE: {
@@ -63,12 +63,14 @@ class LimitCells:
             for level in row.values
         }
 
-    def wear(self, level: Level, mounting_clearance: str, before: str | None) -> str:
-        """Return the formula of a limit of wear [%] from the cells of c_m [µm] and of the limit before it."""
+    def wear(self, level: Level, mounting: str, tolerance: str | None, before: str | None) -> str:
+        """Return the formula of a limit of wear [%] from the cells of c_m and its tolerance [µm] and of the one before."""
         kind = RuleKind.WEAR
         terms = [self._cells[kind, level, "limit"]]
         if (kind, level, "at_least") in self._cells:
-            terms.append(f"{self._cells[kind, level, 'at_least']}/{mounting_clearance}*100")
+            at_least = self._cells[kind, level, "at_least"]
+            least = f"({at_least}+{tolerance})" if tolerance else at_least
+            terms.append(f"{least}/{mounting}*100")
         return largest_of([*terms, *([before] if before else [])])
 
     def clearance(self, level: Level) -> str:

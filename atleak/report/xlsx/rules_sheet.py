@@ -31,6 +31,7 @@ class _Line:
     land: LandDiagnosis | None  # None for a total
     value: str  # the cell with its value
     base: str | None = None  # the cell that its limits grow from: the same share when new, or the mounting clearance
+    tolerance: str | None = None  # the cell with that of the mounting clearance
 
 
 class RuleCells:
@@ -90,7 +91,9 @@ class RuleCells:
 
     def _line(self, land: LandDiagnosis, rule: Rule, of_land: Callable[[LandKey, ColumnKey], str]) -> _Line:
         if rule.kind is RuleKind.WEAR:
-            return _Line(rule, land, of_land(land.key, "wear"), of_land(land.key, "c_m"))
+            known = land.state.land.mounting_tolerance is not None
+            tolerance = of_land(land.key, "tolerance") if known else None
+            return _Line(rule, land, of_land(land.key, "wear"), of_land(land.key, "c_m"), tolerance)
         if rule.kind is RuleKind.CLEARANCE:
             return _Line(rule, land, of_land(land.key, "c_r"))
         prefix = next(at.prefix for at in self.conditions if at.projection.condition == rule.condition)
@@ -128,7 +131,7 @@ class RuleCells:
         if line.rule.new is not None:
             return self.limits.share(kind, level, cell(row, _NEW))
         if line.base is not None:
-            return self.limits.wear(level, line.base, before)
+            return self.limits.wear(level, line.base, line.tolerance, before)
         own = line.land is not None and line.land.state.land.clearance_limit is not None
         return None if own else self.limits.clearance(level)
 

@@ -20,13 +20,15 @@ from PIL import Image
 import atleak.wording
 from atleak.catalogue.controller import load_controller
 from atleak.diagnosis import diagnose
-from atleak.engine.profile import PAPER
+from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError
 from atleak.job.record import Job
 from atleak.look import look_of
+from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.pdf.pictures import printable_picture
+from atleak.views.condition_matrix import leaking_worst_first
 from atleak.wording import languages, wording
 
 TEXTS = Path(atleak.wording.__file__).parent / "texts"
@@ -103,6 +105,45 @@ def test_says_every_flagged_pair_with_its_numbers(worn, printed):
         assert word in text
     repair = sum(land.verdict in {"replace", "critical"} for land in worn.lands)
     assert f"{repair} of {worn.measured} measured lands" in text
+
+
+@pytest.mark.parametrize("language", languages())
+def test_says_what_each_land_draws_at_each_condition_and_what_repairs_bring(worn, language):
+    say = wording(language)
+    content = text_of(write_pdf(worn, language=language, sections=["matrix", "repair_order"]))
+    for row in leaking_worst_first(worn):
+        for cell in row.cells:
+            if cell.leakage > 0.0:
+                assert say.number(cell.share * 100.0, 2) in content
+    assert say("texts.matrix") in content
+    assert say("pressures.p_m") in content
+    plan = plan_repairs(worn)
+    for step in plan.steps:
+        for each in step.conditions:
+            assert f"{say.number(each.after.share * 100.0, 1)} {say.level(each.after.band)}" in content
+    assert say("plan.green") in content
+    assert say("plan.unmeasured", count=1) in content
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_complaint_stands_on_the_first_page(worn, language):
+    complaint = worn.controller.complaint("slips_hot")
+    first = re.sub(r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language))[0])
+    say = wording(language)
+    name = say("conditions.at", name=say("conditions.hot_idle"), temperature="100")
+    assert say("complaint.shows", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
+    assert say("complaint.first") in first
+    assert first.index(say("conditions.hot_idle")) < first.index(say("conditions.driving_second"))
+
+
+def test_many_conditions_are_set_a_few_abreast(worn):
+    idle = worn.controller.operating_points[1]
+    points = [replace(idle, name=f"point_{number}", label=f"point {number}") for number in range(11)]
+    controller = replace(worn.controller, operating_points=tuple(points))
+    diagnosis = diagnose(controller, worn.fluid, worn.limits, readings=worn.readings)
+    content = write_pdf(diagnosis, sections=["flagged", "matrix", "repair_order"])
+    assert is_archival(content)
+    assert all(f"point {number}" in text_of(content) for number in range(11))
 
 
 def test_says_what_the_workshop_wrote(printed):
@@ -185,6 +226,23 @@ def test_every_language_is_archival_and_says_its_words(worn, job, language):
     assert say("verdicts.replace") in text
     assert say.number(worn.flagged[0].state.radial_clearance * 1e6, 1) in text
     assert say("job_decisions.declined") in text
+
+
+@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize(
+    ("profile", "said"),
+    [
+        (WORKSHOP, {"form", "entry_loss"}),
+        (WORKSHOP.with_options(eccentricity="unknown"), {"form", "entry_loss", "eccentricity_unknown"}),
+        (PAPER, set()),
+    ],
+    ids=lambda value: getattr(value, "label", ""),
+)
+def test_the_method_says_what_the_profile_counts(worn, language, profile, said):
+    diagnosis = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, profile=profile)
+    say, text = wording(language), squeezed(text_of(write_pdf(diagnosis, language=language, sections=["method"])))
+    every = ("form", "entry_loss", "eccentricity_unknown")
+    assert {name for name in every if squeezed(say(f"texts.method_{name}")) in text} == said
 
 
 def test_languages_have_the_same_keys_and_places():
