@@ -181,12 +181,13 @@ class ConditionsSheet:
         factors, taken = at.projection.concentric_factor, self.diagnosis.model.law.eccentricity_factor
         ends = list(zip(("least", "largest"), factors, strict=True))
         for end, factor in ends:
-            label = f"as the spools may lie: {end} factor of the concentric flow"
-            yield Quantity(label, "", f"{end}_factor", exact(factor), factor, "plain")
+            label = f"as the spools may lie: {end} part of the concentric flow"
+            yield Quantity(label, "×", f"{end}_factor", exact(factor), factor, "plain")
         for end, factor in ends:
             share = f"MIN({at('share')}/{exact(taken)}*{at(f'{end}_factor')},{exact(NO_DELIVERY)})"
             value = at.projection.share / taken * factor * PERCENT
-            yield Quantity(f"share with the {end} factor", "%", f"share_{end}", share, value, "share")
+            label = f"share as the spools may lie, × {factor:g}"
+            yield Quantity(label, "%", f"share_{end}", share, value, "share")
 
     def _covers(self, at: SheetCondition) -> str:
         if self.diagnosis.model.uses_slip:

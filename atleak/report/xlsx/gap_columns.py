@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from atleak.catalogue.controller import Pressure
+from atleak.catalogue.controller import Gap, Pressure
 from atleak.engine.leakage import GapLaw, GapLeakage
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, MEAN_ECCENTRIC
 from atleak.report.xlsx.book import exact
-from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, ColumnKey, SheetCondition, warm_clearance
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, Cell, ColumnKey, SheetCondition, warm_clearance
 from atleak.views.condition_matrix import ANOTHER_CIRCUIT
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, MM3_S, UM
 
@@ -94,8 +95,8 @@ def _flow(row: GapRow, diameter: str, clearance: str) -> str:
 
 def _drawn(row: GapRow) -> Cell:
     if row.leak.drawn_from_pump:
-        return Cell("plain", DRAWN)
-    return Cell("plain", f"no, it leaks into {row.leak.gap.low.section or ANOTHER_CIRCUIT}")
+        return Cell("plain", DRAWN, look=AFTER_A_NUMBER)
+    return Cell("plain", f"no, it leaks into {row.leak.gap.low.section or ANOTHER_CIRCUIT}", look=AFTER_A_NUMBER)
 
 
 def _reynolds(row: GapRow) -> Cell:
@@ -103,12 +104,20 @@ def _reynolds(row: GapRow) -> Cell:
     return Cell("um", row.leak.reynolds_number, formula)
 
 
+def _published(row: GapRow) -> Cell:
+    return Cell("plain", "yes" if row.leak.gap.published else "no", look=AFTER_A_NUMBER)
+
+
+def _text(value: Callable[[Gap], Any]) -> Callable[[GapRow], Cell]:
+    return lambda row: Cell("plain", value(row.leak.gap), look={"align": "left"})
+
+
 GAP_COLUMNS = (
-    GapColumn("component", "component", lambda row: Cell("plain", row.leak.gap.component)),
-    GapColumn("land", "land", lambda row: Cell("plain", row.leak.gap.land)),
-    GapColumn("section", "section", lambda row: Cell("plain", row.leak.gap.section)),
-    GapColumn("from", "from", lambda row: Cell("plain", str(row.leak.gap.high))),
-    GapColumn("to", "to", lambda row: Cell("plain", str(row.leak.gap.low))),
+    GapColumn("component", "component", _text(lambda gap: gap.component)),
+    GapColumn("land", "land", _text(lambda gap: gap.land)),
+    GapColumn("section", "section", _text(lambda gap: gap.section)),
+    GapColumn("from", "from", _text(lambda gap: str(gap.high))),
+    GapColumn("to", "to", _text(lambda gap: str(gap.low))),
     GapColumn("drop", "pressure drop Δp [kPa]", _drop),
     GapColumn("length", "contact length l [mm]", lambda row: Cell("mm", row.leak.contact_length * MM, look=CHANGEABLE)),
     GapColumn(
@@ -129,20 +138,18 @@ GAP_COLUMNS = (
         lambda row: Cell("mm3", row.leak.leakage * MM3_S, _flow(row, "diameter", "clearance")),
     ),
     GapColumn("drawn", "drawn from the pump", _drawn),
+    GapColumn("new_clearance", "effective clearance when new [µm]", _new_clearance),
     GapColumn(
         "new_diameter",
         "diameter when new [mm]",
         lambda row: Cell("mm", row.new.diameter * MM, _diameter(row, row.here("new_clearance"))),
     ),
-    GapColumn("new_clearance", "effective clearance when new [µm]", _new_clearance),
     GapColumn(
         "new_q",
         "leakage when new [mm³/s], {spools}",
         lambda row: Cell("mm3", row.new.leakage * MM3_S, _flow(row, "new_diameter", "new_clearance")),
     ),
     GapColumn("reynolds", "Reynolds number", _reynolds),
-    GapColumn(
-        "published", "pressure pair published", lambda row: Cell("plain", "yes" if row.leak.gap.published else "no")
-    ),
+    GapColumn("published", "pressure pair published", _published),
 )
 GAP_COLUMN_OF = {column.key: number for number, column in enumerate(GAP_COLUMNS)}

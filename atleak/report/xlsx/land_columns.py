@@ -13,6 +13,7 @@ from atleak.diagnosis import LandDiagnosis
 from atleak.report.xlsx.book import exact
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
+    AFTER_A_NUMBER,
     CHANGEABLE,
     Cell,
     ColumnKey,
@@ -149,6 +150,9 @@ def _when_new(sheet: LandSheet) -> Iterable[LandColumn]:
             formula = f"(({low}+{high})*({low}^2+{high}^2)/4)^(1/3)"
         return Cell("um", land.new_clearance * UM, formula)
 
+    def known_from(row: LandRow) -> Cell:
+        return Cell("plain", row.land.state.land.new_origin.label, look=AFTER_A_NUMBER)
+
     if a_range:
         yield LandColumn("c_m_low", "mounting clearance, low end of a range [µm]", 12, low_end)
     heading = "mounting clearance c_m" + (", high end of a range [µm]" if a_range else " [µm]")
@@ -157,8 +161,7 @@ def _when_new(sheet: LandSheet) -> Iterable[LandColumn]:
         heading = "tolerance of c_m, half width of 95 % [µm]"
         yield LandColumn("tolerance", heading, 12, tolerance)
     yield LandColumn("c_n", "clearance of a new pair, of equal flow [µm]", 12, new_clearance)
-    known = "clearance when new is known from"
-    yield LandColumn("new_origin", known, 26, lambda row: Cell("plain", row.land.state.land.new_origin.label))
+    yield LandColumn("new_origin", "clearance when new is known from", 42, known_from)
 
 
 def _moment(sheet: LandSheet, power: int) -> Callable[[LandRow], Cell]:

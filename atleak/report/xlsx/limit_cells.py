@@ -23,7 +23,7 @@ _SHEET = "Limits"
 _LABELS: dict[RuleKind, dict[Part, str]] = {
     RuleKind.WEAR: {
         "limit": "wear [%]",
-        "at_least": "and clearance over the mounting clearance and its tolerance [µm]",
+        "at_least": "and clearance over c_m and its tolerance [µm]",
     },
     RuleKind.CLEARANCE: {"limit": "radial clearance [µm]"},
     RuleKind.PAIR_SHARE: {
@@ -64,7 +64,7 @@ class LimitCells:
         }
 
     def wear(self, level: Level, mounting: str, tolerance: str | None, before: str | None) -> str:
-        """Return the formula of a limit of wear [%] from the cells of c_m and its tolerance [µm] and of the one before."""
+        """Return the formula of a limit of wear [%] from the cells of c_m, its tolerance and the limit before it."""
         kind = RuleKind.WEAR
         terms = [self._cells[kind, level, "limit"]]
         if (kind, level, "at_least") in self._cells:

@@ -67,7 +67,7 @@ class LiveSheets:
     def write_lands(self, sheet: Worksheet) -> None:
         """Write one row per land: D, d → c_r → c_re → q → share → verdict."""
         book, last = self.book, len(self.lands)
-        book.headings(sheet, 0, [column.heading for column in self.columns], lines=4)
+        book.headings(sheet, 0, [column.heading for column in self.columns], lines=5)
         sheet.repeat_columns(0, 3)
         sheet.fit_to_pages(2, 0)
         for land in self.lands:

@@ -11,7 +11,7 @@ from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.report.xlsx.book import Book, cell, formula, put, span
 from atleak.report.xlsx.limit_cells import LimitCells
-from atleak.report.xlsx.live_cells import CHANGEABLE, RANKED, ColumnKey, SheetCondition, verdict_of_rank
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, RANKED, ColumnKey, SheetCondition, verdict_of_rank
 from atleak.rules import LandKey, Rule
 from atleak.verdicts import FLAGGED, VERDICTS, Band, Verdict
 from atleak.wording import signed
@@ -87,6 +87,7 @@ class RuleCells:
         for column, width in enumerate((12, 7, 48, 7, 12, 12, *(12 for _ in FLAGGED), 14, 7, 24, 60)):
             sheet.set_column(column, column, width)
         sheet.autofilter(0, 0, self.last, len(names) - 1)
+        sheet.print_area(0, 0, self.last, len(names) - 2)  # the sources stand beside the limits
         book.colour_words(sheet, (1, _VERDICT), (self.last, _VERDICT), VERDICTS)
 
     def _line(self, land: LandDiagnosis, rule: Rule, of_land: Callable[[LandKey, ColumnKey], str]) -> _Line:
@@ -105,7 +106,7 @@ class RuleCells:
         component, number = line.land.key if line.land else (OF_THE_UNIT, None)
         form = book.form("share" if rule.new is not None else rule.kind.suffix)
         for column, value in enumerate((component, number, rule.label, rule.kind.unit)):
-            put(sheet, row, column, value)
+            put(sheet, row, column, value, book.form(align="left"))
         formula(sheet, row, _VALUE, line.value, rule.value * factor, form)
         if line.base is not None and rule.new is not None:
             formula(sheet, row, _NEW, line.base, rule.new * factor, form)
@@ -121,9 +122,11 @@ class RuleCells:
             reached = RANKED.index(_verdict(level)) + 1
             rank = f"IF({cell(row, _VALUE)}>={before}*(1-{ROUNDING:E}),{reached},{rank})"
         formula(sheet, row, _RANK, rank, RANKED.index(rule.verdict) + 1)
-        formula(sheet, row, _VERDICT, verdict_of_rank(cell(row, _RANK)), signed(rule.verdict), book.form())
-        put(sheet, row, _RANK + 1, rule.origin)
-        put(sheet, row, _RANK + 2, rule.source)
+        formula(
+            sheet, row, _VERDICT, verdict_of_rank(cell(row, _RANK)), signed(rule.verdict), book.form(**AFTER_A_NUMBER)
+        )
+        for column, text in enumerate((rule.origin, rule.source), start=_RANK + 1):
+            put(sheet, row, column, text, book.form(**AFTER_A_NUMBER))
 
     def _limit(self, row: int, line: _Line, level: Level, before: str | None) -> str | None:
         """Return the formula of the limit at which a level begins; None where it is the land's own."""

@@ -15,7 +15,7 @@ from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND
 from atleak.report.xlsx.live import LiveSheets
-from atleak.report.xlsx.live_cells import ColumnKey, verdict_of_rank
+from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, verdict_of_rank
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
@@ -26,10 +26,16 @@ from atleak.views.road_series import road_series
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
-#: quantities of the sheet of conditions that the summary shows beside the band, in this order
+#: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
-    "share", "share_new", "growth", "leakage", "leakage_new", "share_largest", "capacity", "n_min", "T", "n",
+    "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_least",
+    "share_largest", "capacity", "n_min", "T", "n",
 )  # fmt: skip
+_ISSUED = {
+    "decision": "decision as issued",
+    "low": "leakage, low as issued [dm³/min]",
+    "high": "leakage, high as issued [dm³/min]",
+}
 ROAD_ROWS = 2000  # rows of the thinned road test
 MEASURE_FIRST = 6  # lands named for a complaint
 _KINDS = {  # of numbers, by their unit
@@ -49,9 +55,9 @@ class Sheets:
     def write_summary(self, sheet: Worksheet) -> None:
         """Write the verdict first, then totals, flagged lands and the order of repair."""
         book, record, diagnosis = self.book, self.record, self.diagnosis
-        for column, width in enumerate((34, 28, 16)):
+        for column, width in enumerate((46, 28, 16)):
             sheet.set_column(column, column, width)
-        sheet.set_column(3, 5 + len(_TOTALS), 14)
+        sheet.set_column(3, len(_TOTALS), 14)
         title = "Internal leakage of a valve body"
         put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
         sheet.set_row(0, 24)
@@ -130,27 +136,32 @@ class Sheets:
     def _totals(self, sheet: Worksheet, row: int) -> int:
         """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie."""
         book, live = self.book, self.live
-        conditions = {at.prefix: live.totals.quantities(at) for at in live.conditions}
-        some = next(iter(conditions.values()))
-        issued = ["leakage, low as issued [dm³/min]", "leakage, high as issued [dm³/min]"]
-        headings = ["condition", "band", "decision as issued", *(some[name].heading for name in _TOTALS), *issued]
-        book.headings(sheet, row, headings, lines=5)
-        first = row + 1
+        left, first = {"align": "left"}, row + 1
         for row, at in enumerate(live.conditions, start=first):
+            quantities, issued = live.totals.quantities(at), self._issued(at)
+            if row == first:
+                headings = [_ISSUED.get(name) or quantities[name].heading for name in _TOTALS]
+                book.headings(sheet, first - 1, ["condition", *headings], lines=5)
             worst = at.projection is self.diagnosis.worst and len(live.conditions) > 1
             put(sheet, row, 0, at.projection.condition.label + " (the worst, as issued)" * worst)
-            for column, name in zip((1, *range(3, 3 + len(_TOTALS))), ("band", *_TOTALS), strict=True):
-                quantity = conditions[at.prefix][name]
-                formula(sheet, row, column, at(name), quantity.value, book.form(quantity.kind, align="left"))
-            uncertain = self.diagnosis.uncertainty
-            total = uncertain.total(at.projection.condition.name) if uncertain else None
-            if total is not None:
-                put(sheet, row, 2, wording("en").get("decisions", total.decision.decision))
-                for column, end in enumerate(total.leakage_interval, start=3 + len(_TOTALS)):
-                    put(sheet, row, column, end * DM3_MIN, book.form("flow", align="left"))
+            for column, name in enumerate(_TOTALS, start=1):
+                if name in _ISSUED:
+                    put(sheet, row, column, issued.get(name), book.form("flow", **left))
+                else:
+                    now = quantities[name]
+                    formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
         book.colour_words(sheet, (first, 1), (row, 1), BANDS)
         put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
         return row + 2
+
+    def _issued(self, at: SheetCondition) -> dict[str, Any]:
+        """Return how sure the band of a total is and the interval of its leakage; nothing of a unit not measured."""
+        uncertainty = self.diagnosis.uncertainty
+        total = uncertainty.total(at.projection.condition.name) if uncertainty else None
+        if total is None:
+            return {}
+        low, high = (end * DM3_MIN for end in total.leakage_interval)
+        return {"decision": wording("en").get("decisions", total.decision.decision), "low": low, "high": high}
 
     def _flagged(self, sheet: Worksheet, row: int) -> int:
         book, live, flagged = self.book, self.live, self.diagnosis.flagged
@@ -165,10 +176,8 @@ class Sheets:
         shown = [at for at in live.conditions if any(at.projection is each for each in self.diagnosis.reported)]
         keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in shown)]
         headings = [live.columns[live.column_of[key]].heading for key in keys]
-        book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *headings])
-        origin = 4 + len(keys)
-        put(sheet, row + 1, origin, "origin of the limit", book.heading)
-        put(sheet, row + 1, origin + 1, "because, as issued", book.heading)
+        headings = ["component", "name", "verdict", "land", *headings, "because, as issued"]
+        book.headings(sheet, row + 1, headings, lines=4)
         first = row + 2
         for row, flag in enumerate(flagged, start=first):
             (component, number), at = flag.key, live.row_of[flag.key]
@@ -183,8 +192,7 @@ class Sheets:
                     address = cell(at, live.column_of[key], "Lands")
                     formula(sheet, row, column, address, content.value, book.form(content.kind, align="left"))
             if flag.deciding is not None:
-                put(sheet, row, origin, flag.deciding.origin, book.wrapped)
-                put(sheet, row, origin + 1, flag.deciding.label)
+                put(sheet, row, 4 + len(keys), f"{flag.deciding.label} ({flag.deciding.origin})")
         book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
         return row + 1
 
@@ -194,7 +202,7 @@ class Sheets:
         row += 1
         if plan.steps:
             names = ["component", "name", "verdict", "land", "total before [%]", "total after [%]", "band after"]
-            names += ["helps most at", *(f"total after [%], {total.condition.label}" for total in plan.ends)]
+            names += [*(f"total after [%], {total.condition.label}" for total in plan.ends), "helps most at"]
             book.headings(sheet, row, names, lines=3)
             first = row + 1
             for row, step in enumerate(plan.steps, start=first):
@@ -216,9 +224,9 @@ class Sheets:
             for column, total in enumerate((step.at.before, step.at.after), start=4):
                 put(sheet, row, column, total.share * PERCENT, book.form("share", align="left"))
             put(sheet, row, 6, step.at.after.band)
-        put(sheet, row, 7, step.at.condition.label if step.helps else no_help(step))
-        for column, each in enumerate(step.conditions, start=8):
+        for column, each in enumerate(step.conditions, start=7):
             put(sheet, row, column, each.after.share * PERCENT, book.form("share", align="left"))
+        put(sheet, row, 7 + len(step.conditions), step.at.condition.label if step.helps else no_help(step))
 
     # --- matrix
 
