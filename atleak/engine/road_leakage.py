@@ -11,6 +11,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series
 from atleak.errors import Message, Place, RoadTestError
 from atleak.road_test import RoadTest
+from atleak.workshop_units import KPA
 
 
 @dataclass(frozen=True)
@@ -59,16 +60,9 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     Raises
     ------
     RoadTestError
-        where the log has no main pressure or no usable sample of it.
+        where the log has no main pressure, no usable column or sample of it, or only negative ones: it says which.
     """
-    main = road_test.values("main_pressure")
-    if main is None or not np.isfinite(main).any():
-        missing = "no main pressure" if main is None else "no usable sample of main pressure"
-        raise RoadTestError(
-            f"the log has {missing}, without which leakage cannot be computed",
-            place=Place(file=road_test.file),
-            expected="a column p_g [kPa] (or bar, psi)",
-        )
+    main = _main_pressure(road_test)
     messages: list[Message] = []
 
     def channel(quantity: str, value: float, value_text: str) -> np.ndarray:
@@ -105,10 +99,14 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         capacity = np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
         idle = int(np.count_nonzero((capacity <= 0.0) & (series.total > 0.0)))
         if idle:
-            text = (
-                f"In {idle} of {len(road_test.time)} samples the pump delivers nothing while pressure stands: no share "
-                "can be given there, and the largest share is that of the other samples."
+            with_share = (_share(series.total, capacity) >= 0.0).any()
+            no_share = (
+                "no share can be given there, and the largest share is that of the other samples"
+                if with_share
+                else "no sample of this log has a share"
             )
+            text = f"In {idle} of {len(road_test.time)} samples the pump delivers nothing while pressure stands: "
+            text += f"{no_share}."
             messages.append(Message("warning", "pump_delivers_nothing", text))
     messages += _series_messages(series, len(road_test.time), model)
     for section, above in model.controller.above_main(main).items():
@@ -136,6 +134,26 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         min_leakage=instant(int(np.nanargmin(series.total))),
         max_share=None if share is None or not np.isfinite(share).any() else instant(int(np.nanargmax(share))),
         messages=tuple(messages),
+    )
+
+
+def _main_pressure(road_test: RoadTest) -> np.ndarray:
+    main, why = road_test.values("main_pressure"), road_test.refused.get("main_pressure")
+    if main is None:
+        missing = "the log has no main pressure"
+        if why is not None:
+            missing = f"the log's column of main pressure is not usable: {why}"
+    elif not np.isfinite(main).any():
+        missing = "the log has no usable sample of main pressure"
+    elif not (main >= 0.0).any():
+        low, high = float(np.nanmin(main)) * KPA, float(np.nanmax(main)) * KPA
+        missing = f"main pressure is below zero throughout this log ({low:.4g} to {high:.4g} kPa)"
+    else:
+        return main
+    raise RoadTestError(
+        f"{missing}; without it leakage cannot be computed",
+        place=Place(file=road_test.file),
+        expected="a column p_g [kPa] (or bar, psi) with the pressure above that of the surrounding air",
     )
 
 

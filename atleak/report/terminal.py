@@ -18,8 +18,9 @@ from atleak.look import look_of
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
+from atleak.views.sentences import covered_from
 from atleak.wording import signed
-from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
+from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, UM
 
 
 class TerminalConsole(Console):
@@ -169,8 +170,7 @@ def _total(diagnosis: Diagnosis, projection: Projection) -> str:
     return (
         f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
         f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} % "
-        f"({diagnosis.band(projection)}); for this leakage alone the pump needs "
-        f"{projection.minimum_speed * RPM:.0f} rpm"
+        f"({diagnosis.band(projection)}); {covered_from(projection)}"
     )
 
 

@@ -70,6 +70,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
                 "land": step.land.state.land.land,
                 "verdict": step.land.verdict,
                 "at": step.condition.name,
+                "at_label": step.condition.label,
                 "share_before_percent": _finite(step.share_before * PERCENT),
                 "share_after_percent": _finite(step.share_after * PERCENT),
             }

@@ -20,6 +20,7 @@ from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
+from atleak.views.sentences import covered_from
 from atleak.wording import signed
 from pages.shared.state import Refusal
 
@@ -187,12 +188,12 @@ def points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projectio
 
 
 def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show the conditions of the totals, and the speed below which the pump no longer holds the pressure."""
+    """Show the conditions of the totals, and from which speed the pump covers the leakage."""
     for point, row in points(diagnosis, record):
         st.caption(
             f"**{plain(point.condition.label)}**: {row['leakage_dm3_min']:.2f} of {row['pump_capacity_dm3_min']:.2f} "
-            f"dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; for this leakage alone "
-            f"the pump needs **{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
+            f"dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; {plain(covered_from(point))}. "
+            f"{plain(row['source'])}"
         )
 
 

@@ -10,6 +10,7 @@ from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
+from atleak.views.sentences import covered_from
 from atleak.wording import signed
 from atleak.workshop_units import PERCENT
 from pages.shared import show
@@ -64,12 +65,9 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     points = show.points(diagnosis, record)
     totals = [_total(row, point.condition.label) for point, row in points]
-    last, row = points[-1]
-    holds = (
-        f"For this leakage alone the pump needs **{row['minimum_engine_rpm']:.0f} rpm** at "
-        f"{plain(last.condition.label)}."
-    )
-    return f"{head} The unit leaks {' and '.join(totals)}. {holds}"
+    last, _ = points[-1]
+    covers = f"At {plain(last.condition.label)} {plain(covered_from(last))}."
+    return f"{head} The unit leaks {' and '.join(totals)}. {covers}"
 
 
 def _total(point: dict[str, Any], label: str) -> str:

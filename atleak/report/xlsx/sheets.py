@@ -17,6 +17,7 @@ from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.road_series import road_series
+from atleak.views.sentences import LEFT_OUT_OF_SPEED
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM
 
@@ -96,7 +97,7 @@ class Sheets:
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
-        names += ["pump capacity [dm³/min]", "share [%]", "band", "pump needs for this leakage alone [1/min]"]
+        names += ["pump capacity [dm³/min]", "share [%]", "band", "pump covers leakage and slip from [1/min]"]
         book, live = self.book, self.live
         book.headings(sheet, row, names)
         first = row + 1
@@ -116,7 +117,8 @@ class Sheets:
             for column, (name, value, kind) in enumerate(cells, start=1):
                 formula(sheet, row, column, at(name), value, book.form(kind, align="left"))
         book.colour_words(sheet, (first, 7), (row, 7), BANDS)
-        return row + 1
+        put(sheet, row + 1, 0, f"The pump covers leakage and its own slip from that speed; {LEFT_OUT_OF_SPEED}.")
+        return row + 2
 
     def _flagged(self, sheet: Worksheet, row: int) -> int:
         book, live, flagged = self.book, self.live, self.diagnosis.flagged
@@ -164,7 +166,7 @@ class Sheets:
                 put(sheet, row, column, value, self.book.form(align="left"))
             for column, key in enumerate(("share_before_percent", "share_after_percent"), start=4):
                 put(sheet, row, column, step[key], self.book.form("percent", align="left"))
-            put(sheet, row, 6, step["at"])
+            put(sheet, row, 6, step["at_label"])
         return row + 1
 
     # --- road test

@@ -41,6 +41,13 @@ def test_summary_names_totals_flagged_pairs_and_repair(run: Run, sample_readings
         assert word in out
 
 
+def test_the_speed_that_covers_the_leakage_says_what_is_not_in_it(run: Run, sample_readings: Path) -> None:
+    _, out, _ = run("diagnose", sample_readings)
+    said = " ".join(out.split())
+    assert said.count("converter, lubrication and clutch fill are not in it") == 2  # at each of the two conditions
+    assert "needs" not in said
+
+
 def test_json_and_workbook_are_written_to_files_and_named(run: Run, sample_readings: Path, tmp_path: Path) -> None:
     as_json, as_book = tmp_path / "ergebnis für Łódź.json", tmp_path / "out.xlsx"
     status, out, _ = run("diagnose", sample_readings, "--json", as_json, "--xlsx", as_book)
@@ -254,6 +261,30 @@ def test_a_log_without_main_pressure(run: Run, sample_readings: Path, tmp_path: 
     assert status == 2
     assert "log.csv" in err
     assert "pressure" in err
+
+
+@pytest.mark.parametrize(
+    ("pressure", "why"),
+    [
+        ("-{}", "most of its values cannot be main (line) pressure in kPa"),
+        ("0", "'p_g [kPa]' is 0 throughout"),
+        ("", "'p_g [kPa]' holds no values"),
+    ],
+)
+def test_a_main_pressure_that_is_there_but_not_usable_is_not_called_missing(
+    run: Run, sample_readings: Path, sample_log: Path, tmp_path: Path, pressure: str, why: str
+) -> None:
+    head, *rows = sample_log.read_text(encoding="utf-8").splitlines()
+    cells = [row.split(";") for row in rows]
+    log = tmp_path / "negative.csv"
+    changed = [";".join([*row[:2], pressure.format(row[2]), *row[3:]]) for row in cells]
+    log.write_text("\n".join([head, *changed]), encoding="utf-8")
+    status, _, err = run("diagnose", sample_readings, "--road-test", log)
+    assert status == 2
+    assert "negative.csv" in err
+    assert "the log's column of main pressure is not usable" in err
+    assert why in err
+    assert "no main pressure" not in err
 
 
 def test_several_faults_of_a_catalogue_file_are_said_at_once(run: Run, sample_readings: Path, tmp_path: Path) -> None:

@@ -116,6 +116,14 @@ def test_without_main_pressure_there_is_no_leakage(
     assert "p_g [kPa]" in (caught.value.expected or "")
 
 
+def test_a_pressure_that_is_negative_throughout_is_refused_with_its_range(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    full["main_pressure"] = np.linspace(-67e3, -33e3, len(TIME))
+    with pytest.raises(RoadTestError, match=r"below zero throughout this log \(-67 to -33 kPa\)"):
+        evaluate_road_test(model, log_of(TIME, **full), assumed)
+
+
 @pytest.mark.parametrize(
     "channel", [{"gear": 9.0}, {"gear": NAN}, {"atf_temperature": 190.0}, {"atf_temperature": NAN}]
 )
@@ -163,6 +171,16 @@ def test_a_pump_at_rest_has_no_share(
     assert standing.max_share is None
     assert standing.max_leakage is not None
     assert (standing.max_leakage.pump_capacity, standing.max_leakage.share) == (0.0, None)
+
+
+def test_a_log_in_which_the_engine_never_turns_has_no_other_samples(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    full["engine_speed"] = 0.0
+    road = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    said = {message.code: message.text for message in road.messages}["pump_delivers_nothing"]
+    assert said.endswith("no sample of this log has a share.")
+    assert "other samples" not in said
 
 
 def test_instants_are_where_the_series_say(

@@ -187,6 +187,18 @@ def test_every_language_is_archival_and_says_its_words(worn, job, language):
     assert say("job_decisions.declined") in text
 
 
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "converter, lubrication and clutch fill are not in it"),
+        ("de", "Wandler, Schmierung und Füllen der Kupplungen sind nicht enthalten"),
+        ("pl", "przekładnia hydrokinetyczna, smarowanie i napełnianie sprzęgieł nie są wliczone"),
+    ],
+)
+def test_the_speed_that_covers_the_leakage_says_what_is_not_in_it(worn, language, said):
+    assert squeezed(said) in squeezed(text_of(write_pdf(worn, language=language, sections=[])))
+
+
 def test_languages_have_the_same_keys_and_places():
     english = tomllib.loads((TEXTS / "en.toml").read_text(encoding="utf-8"))
 
