@@ -42,7 +42,7 @@ class LandDiagnosis:
     effective_clearance: float  # [m] at the stated condition
     leakage: float  # [m³/s] at the stated condition, through every gap of the land
     drawn_from_pump: float  # [m³/s] the part of the leakage that counts in the total
-    share: float  # leakage / pump capacity at the stated condition
+    share: float  # what it draws / pump capacity at the stated condition
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[Rule, ...]
@@ -104,6 +104,7 @@ class Diagnosis:
     model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
     lands: tuple[LandDiagnosis, ...]  # in the controller's order
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
+    new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     road: RoadLeakage | None
     repair_plan: tuple[RepairStep, ...]  # flagged lands in order of repair
     uncertainty: UnitUncertainty | None  # None without readings
@@ -129,6 +130,14 @@ class Diagnosis:
             shown.append(self.at(decided_by.condition))
         return tuple(each for each in self.projections if any(each is other for other in shown))
 
+    def total_rule(self, projection: Projection) -> Rule:
+        """Return the rule of the total at the condition of one of the projections."""
+        return next(rule for rule in self.total_rules if rule.condition == projection.condition)
+
+    def new_at(self, projection: Projection) -> Projection:
+        """Return the projection of the same unit new at the condition of one of the projections."""
+        return next(each for each in self.new_projections if each.condition == projection.condition)
+
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
         return next(each for each in self.projections if each.condition == condition)
@@ -145,7 +154,7 @@ class Diagnosis:
 
     def band(self, projection: Projection) -> Band:
         """Return the band that the total share of one of the projections has reached."""
-        return Band(next(rule.level for rule in self.total_rules if rule.condition == projection.condition))
+        return Band(self.total_rule(projection).level)
 
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
@@ -259,7 +268,7 @@ def diagnose(
     when_new = [project(new, point) for point in conditions]
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
-    rules = unit_rules(states, projections, limits)
+    rules = unit_rules(states, projections, when_new, limits)
     uncertainty = None
     if readings is not None:
         uncertainty = assess(
@@ -286,6 +295,7 @@ def diagnose(
         model=model,
         lands=lands,
         projections=tuple(projections),
+        new_projections=tuple(when_new),
         road=road,
         repair_plan=_repair_plan(lands, projections, when_new, idle),
         uncertainty=uncertainty,
@@ -347,7 +357,7 @@ def _land(
         effective_clearance=state.effective_clearance(stated.condition.temperature),
         leakage=leakage,
         drawn_from_pump=stated.drawn_by(land.key),
-        share=stated.share_of(leakage),
+        share=stated.share_drawn_by(land.key),
         excess_share=excess,
         verdict=_verdict(state, own_rules),
         rules=own_rules,
@@ -377,7 +387,7 @@ def _replace_mileage(
     if rule is None or mileage is None:
         return None
     doubt = uncertainty.u_clearance if uncertainty is not None and uncertainty.u_clearance is not None else 0.0
-    if state.radial_clearance - state.land.mounting_clearance <= 2.0 * doubt:
+    if state.radial_clearance - state.land.mounting_high <= 2.0 * doubt:
         return None
     limit = rule.steps.limit_of(Verdict.REPLACE)
     reached = mileage_at_wear(mileage, rule.value, rule.steps.levels[-1][1] if limit is None else limit)

@@ -119,8 +119,8 @@ class LandClearance:
 
     @property
     def wear(self) -> float:
-        """Return the wear (c_r − c_m)/c_m as a fraction, eq. (1)."""
-        return clearance_equations.wear(self.radial_clearance, self.land.mounting_clearance)
+        """Return the wear (c_r − c_m)/c_m as a fraction, eq. (1), from the upper end of the mounting clearance."""
+        return clearance_equations.wear(self.radial_clearance, self.land.mounting_high)
 
     @property
     def thermal_rate(self) -> float:
@@ -194,7 +194,7 @@ def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClea
     )
     spool_diameter = land.nominal_diameter if spool is None else spool.diameter
     sleeve_diameter = land.nominal_sleeve_diameter if sleeve is None else sleeve.diameter
-    clearance = land.mounting_clearance if status == "not_measured" else _clearance(sleeve_diameter, spool_diameter)
+    clearance = land.new_clearance if status == "not_measured" else _clearance(sleeve_diameter, spool_diameter)
     stations = _stations(spool, sleeve, spool_diameter, sleeve_diameter)
     radial_clearances = [station.radial_clearance for station in stations] or [clearance]
     directions = {station.direction for station in stations}
@@ -374,12 +374,12 @@ def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Messag
             place,
         )
     elif state.status == "measured":
-        if state.radial_clearance < 0.5 * land.mounting_clearance:
+        if state.radial_clearance < 0.5 * land.mounting_range[0]:
             yield Message(
                 "warning",
                 "tighter_than_new",
                 f"{name}: radial clearance {_um(state.radial_clearance)} µm is less than half the mounting clearance "
-                f"of {_um(land.mounting_clearance)} µm: check the readings",
+                f"of {_um(land.mounting_range[0])} µm: check the readings",
                 place,
             )
         if state.min_clearance < 0.0 <= state.radial_clearance:

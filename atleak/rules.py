@@ -1,13 +1,15 @@
 """Make every rule that judges a land or a total, once, and judge it once.
 
-A rule says which quantity is limited, at which condition, its value and the limits that apply. Everything after it
-(decisions, reports, pages) takes these objects as they are.
+A rule says which quantity is limited, at which condition, its value and the limits that apply there: those of wear
+depend on the land's mounting clearance, those of a share on what the same land or unit draws when new. Everything
+after it (decisions, reports, pages) takes these objects as they are.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from atleak.catalogue.controller import OperatingPoint
@@ -27,7 +29,8 @@ class Rule:
     kind: RuleKind
     condition: OperatingPoint | None  # of a share; None where the rule holds everywhere
     value: float
-    steps: Steps
+    steps: Steps  # with the limits that apply to this land or unit at this condition
+    new: float | None = None  # the same share of the same land or unit when new; None for wear and clearance
 
     @cached_property
     def _judged(self) -> tuple[Level, float]:
@@ -47,6 +50,13 @@ class Rule:
     def limit(self) -> float:
         """Return the limit that was reached, or the first one where none was; in the value's unit."""
         return self._judged[1]
+
+    @property
+    def growth(self) -> float | None:
+        """Return how much the share has grown over that of a new one, as a fraction; None where that is no number."""
+        if self.new is None or not (0.0 < self.new < math.inf and math.isfinite(self.value)):
+            return None
+        return self.value / self.new - 1.0
 
     @property
     def origin(self) -> LimitOrigin:
@@ -102,7 +112,9 @@ class UnitRules:
         return self.lands.get(key, ())
 
 
-def unit_rules(states: Sequence[LandClearance], projections: Sequence[Projection], limits: Limits) -> UnitRules:
+def unit_rules(
+    states: Sequence[LandClearance], projections: Sequence[Projection], when_new: Sequence[Projection], limits: Limits
+) -> UnitRules:
     """Make and judge every rule of a unit.
 
     Parameters
@@ -111,25 +123,34 @@ def unit_rules(states: Sequence[LandClearance], projections: Sequence[Projection
         the clearance of every land.
     projections
         leakage at every condition that is judged, the stated one first.
+    when_new
+        leakage of the same unit new, at the same conditions and with the same fluid.
     limits
         the set that is applied.
     """
-    lands = {state.land.key: _land_rules(state, projections, limits) for state in states if state.measured}
-    totals = tuple(Rule(RuleKind.TOTAL_SHARE, at.condition, at.share, limits.total_share) for at in projections)
+    at = tuple(zip(projections, when_new, strict=True))
+    lands = {state.land.key: _land_rules(state, at, limits) for state in states if state.measured}
+    totals = tuple(_share_rule(RuleKind.TOTAL_SHARE, now, now.share, new.share, limits.total_share) for now, new in at)
     return UnitRules(lands, totals, limits)
 
 
-def _land_rules(state: LandClearance, projections: Sequence[Projection], limits: Limits) -> tuple[Rule, ...]:
+def _share_rule(kind: RuleKind, at: Projection, share: float, new: float, steps: Steps) -> Rule:
+    return Rule(kind, at.condition, share, replace(steps, levels=steps.over(new)), new)
+
+
+def _land_rules(state: LandClearance, at: Sequence[tuple[Projection, Projection]], limits: Limits) -> tuple[Rule, ...]:
     land, rules = state.land, []
     if limits.wear is not None:
-        rules.append(Rule(RuleKind.WEAR, None, state.wear, limits.wear))
+        wear = replace(limits.wear, levels=limits.wear.of_wear(land.mounting_high))
+        rules.append(Rule(RuleKind.WEAR, None, state.wear, wear))
     steps = clearance_limits(state, limits)
     if steps is not None:
         rules.append(Rule(RuleKind.CLEARANCE, None, state.radial_clearance, steps))
-    if limits.pair_share is not None:
+    pair = limits.pair_share
+    if pair is not None:
         rules += [
-            Rule(RuleKind.PAIR_SHARE, at.condition, at.share_of(at.leakage_of(land.key)), limits.pair_share)
-            for at in projections
+            _share_rule(RuleKind.PAIR_SHARE, now, now.share_drawn_by(land.key), new.share_drawn_by(land.key), pair)
+            for now, new in at
         ]
     return tuple(rules)
 

@@ -69,7 +69,7 @@ def job_of_60() -> tuple[Diagnosis, Job]:
     controller = controller_of_60()
     readings = []
     for number, land in enumerate(controller.lands):
-        sleeve = land.nominal_sleeve_diameter + 2.0 * land.mounting_clearance * (number % 7) / 6.0
+        sleeve = land.nominal_sleeve_diameter + 2.0 * land.mounting_high * (number % 7) / 6.0
         for part, diameter in (("spool", land.nominal_diameter), ("sleeve", sleeve)):
             for direction in (0.0, 90.0):
                 for repeat in (1, 2):

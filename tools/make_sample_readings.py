@@ -54,8 +54,8 @@ def main() -> None:
 
 def _land(land: Land, chance: random.Random) -> Iterator[Reading]:
     wear = WEAR_PERCENT.get(land.key, chance.uniform(-4.0, 6.0)) / 100.0
-    sleeve = land.nominal_diameter * 1e3 + 2.0 * land.mounting_clearance * 1e3 * (1.0 + wear)
-    lean = max(wear, 0.0) * land.mounting_clearance * 1e3  # a bore wears to one side: wider across than along
+    sleeve = land.nominal_diameter * 1e3 + 2.0 * land.new_clearance * 1e3 * (1.0 + wear)
+    lean = max(wear, 0.0) * land.new_clearance * 1e3  # a bore wears to one side: wider across than along
     if land.component == "6":
         yield from _published(land)
     else:

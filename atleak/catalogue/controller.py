@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from atleak.catalogue.controller_tables import (
     ComponentTable,
     ControllerFile,
     LandTable,
+    NewOrigin,
     PumpGears,
     PumpTable,
     RelationTable,
@@ -69,7 +70,11 @@ class Pressure:
 
 @dataclass(frozen=True)
 class Land:
-    """One cylindrical section of a spool or piston in its sleeve."""
+    """One cylindrical section of a spool or piston in its sleeve.
+
+    The mounting clearance, radial and in m, is a number or the range (low, high) in which new pairs lie. Its tolerance
+    is the half width that holds 95 % of the pairs of the unit's type; without one a number is this pair's own.
+    """
 
     component: str
     land: int
@@ -77,22 +82,50 @@ class Land:
     part: Literal["spool", "piston"]
     nominal_diameter: float  # [m] of the spool or piston
     contact_length: float  # [m]
-    mounting_clearance: float  # [m] radial
+    mounting_clearance: float | tuple[float, float]
     body_material: str
     spool_material: str
     body_expansion: float  # [1/K]
     spool_expansion: float  # [1/K]
     clearance_limit: float | None  # [m] radial, the workshop's own
     representative: tuple[str, ...]  # which of its values are representative
+    mounting_tolerance: float | None = None
+    new_origin: NewOrigin = NewOrigin.PAIR
 
     @property
     def key(self) -> tuple[str, int]:
         return self.component, self.land
 
     @property
+    def mounting_range(self) -> tuple[float, float]:
+        """Return the ends of the mounting clearance [m]: twice the same number where it is one."""
+        new = self.mounting_clearance
+        return new if isinstance(new, tuple) else (new, new)
+
+    @property
+    def mounting_ends(self) -> tuple[float, ...]:
+        """Return the mounting clearance as it is shown [m]: one number, or the two ends of its range."""
+        return tuple(dict.fromkeys(self.mounting_range))
+
+    @property
+    def mounting_high(self) -> float:
+        """Return the upper end of the mounting clearance [m], over which a pair is surely worn."""
+        return self.mounting_range[1]
+
+    @property
+    def new_clearance(self) -> float:
+        """Return the clearance that leaks as much as new pairs do on average [m].
+
+        This is the mounting clearance, or the cube root of the mean cube over its range. Lands that are new, repaired
+        or not measured are computed with it.
+        """
+        low, high = self.mounting_range
+        return low if low == high else float(clearance_equations.cube_mean(low, high))
+
+    @property
     def nominal_sleeve_diameter(self) -> float:
-        """Return the nominal spool diameter plus twice the mounting clearance [m]."""
-        return self.nominal_diameter + 2.0 * self.mounting_clearance
+        """Return the nominal spool diameter plus twice the clearance of a new pair [m]."""
+        return self.nominal_diameter + 2.0 * self.new_clearance
 
     def thermal_rate(self, spool_diameter: float, sleeve_diameter: float) -> float:
         """Return how fast the radial clearance grows with temperature [m/K]: eq. (2), body and spool equally warm."""
@@ -339,6 +372,7 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
             place = Place(file=path.name, table=where, key=key)
             raise unknown(problem, name, entry.materials, kind=CatalogueError, place=place)
         materials.append((name, entry.materials[name].expansion_per_k))
+    new = _mounting(entry, table, where, path)
     return Land(
         component=component.id,
         land=table.land,
@@ -346,13 +380,49 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         part=component.part,
         nominal_diameter=table.nominal_diameter_mm * 1e-3,
         contact_length=length * 1e-3,
-        mounting_clearance=table.mounting_clearance_um * 1e-6,
+        mounting_clearance=new.clearance,
         body_material=materials[0][0],
         spool_material=materials[1][0],
         body_expansion=materials[0][1],
         spool_expansion=materials[1][1],
         clearance_limit=None if table.clearance_limit_um is None else table.clearance_limit_um * 1e-6,
         representative=tuple(name for name in entry.representative_values if name not in table.published),
+        mounting_tolerance=new.tolerance,
+        new_origin=new.origin,
+    )
+
+
+class _Mounting(NamedTuple):
+    clearance: float | tuple[float, float]
+    tolerance: float | None
+    origin: NewOrigin
+
+
+def _mounting(entry: ControllerFile, table: LandTable, where: str, path: Path) -> _Mounting:
+    """Return what a land had when it was new, from its own table or else from [defaults]."""
+    defaults, given = entry.defaults, table.mounting_clearance_um
+    given = defaults.mounting_clearance_um if given is None else given
+    if given is None:
+        raise catalogue_error(
+            path,
+            where,
+            "mounting_clearance_um",
+            f"land {table.land} has no mounting clearance",
+            expected="mounting_clearance_um here or in [defaults]: a number, or a range such as [6.4, 20.0]",
+        )
+    tolerance = table.mounting_tolerance_um
+    used = table.mounting_clearance_of_used_unit
+    used = defaults.mounting_clearance_of_used_unit if used is None else used
+    if isinstance(given, list):
+        if tolerance is not None:
+            problem = f"land {table.land} has a tolerance beside a range of mounting clearances"
+            expected = "a tolerance beside a single value, or a range without one"
+            raise catalogue_error(path, where, "mounting_tolerance_um", problem, value=tolerance, expected=expected)
+        return _Mounting((given[0] * 1e-6, given[1] * 1e-6), None, NewOrigin.USED_UNIT if used else NewOrigin.RANGE)
+    tolerance = defaults.mounting_tolerance_um if tolerance is None else tolerance
+    origin = NewOrigin.PAIR if tolerance is None else NewOrigin.TYPE
+    return _Mounting(
+        given * 1e-6, None if tolerance is None else tolerance * 1e-6, NewOrigin.USED_UNIT if used else origin
     )
 
 

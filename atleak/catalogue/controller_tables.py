@@ -3,14 +3,54 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PlainValidator, field_validator, model_validator
 
 from atleak.catalogue.entries import Entry, Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
 
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
 LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
+
+
+def _mounting_clearance(value: object) -> float | list[float]:
+    """Check a mounting clearance [µm]: a number, or the two ends of the range in which new pairs lie."""
+    ends: list[float] = []
+    for end in value if isinstance(value, list) and len(value) == 2 else [value]:
+        if isinstance(end, bool) or not isinstance(end, int | float) or not 1.0 <= end < 500.0:
+            raise ValueError("µm, a number from 1 to below 500, or a range of two such as [6.4, 20.0]")
+        ends.append(float(end))
+    if len(ends) == 1:
+        return ends[0]
+    if not ends[0] < ends[1]:
+        raise ValueError("a range with its lower end first, such as [6.4, 20.0]")
+    return ends
+
+
+MountingClearance = Annotated[float | list[float], PlainValidator(_mounting_clearance)]
+
+
+class NewOrigin(StrEnum):
+    """What a land's mounting clearance is known from."""
+
+    PAIR = "pair"  # measured on this very pair when it was new
+    TYPE = "type"  # a value of the unit's type, with the tolerance of single pairs around it
+    RANGE = "range"  # only the range in which new pairs lie, all of it alike likely
+    USED_UNIT = "used_unit"  # measured on a unit that had been used, and taken as new
+
+    @property
+    def label(self) -> str:
+        """Say it in plain words."""
+        return _NEW_ORIGINS[self]
+
+
+_NEW_ORIGINS = {
+    NewOrigin.PAIR: "measured on this pair when new",
+    NewOrigin.TYPE: "value of the unit's type with its tolerance",
+    NewOrigin.RANGE: "only the range of new pairs is known",
+    NewOrigin.USED_UNIT: "measured on a used unit and taken as new",
+}
 
 
 class MaterialTable(Strict):
@@ -23,7 +63,9 @@ class LandTable(Strict):
     planes: list[NonEmptyText] | None = None
     nominal_diameter_mm: float = Field(gt=0.5, lt=200)
     contact_length_mm: ContactLength | None = None
-    mounting_clearance_um: float = Field(ge=1, lt=500)
+    mounting_clearance_um: MountingClearance | None = None
+    mounting_tolerance_um: Positive | None = None
+    mounting_clearance_of_used_unit: bool | None = None
     clearance_limit_um: Positive | None = None
     body: NonEmptyText | None = None
     spool: NonEmptyText | None = None
@@ -174,6 +216,9 @@ class OperatingPointTable(Strict):
 
 class DefaultsTable(Strict):
     contact_length_mm: ContactLength | None = None
+    mounting_clearance_um: MountingClearance | None = None
+    mounting_tolerance_um: Positive | None = None
+    mounting_clearance_of_used_unit: bool = False
     body: NonEmptyText | None = None
     spool: NonEmptyText | None = None
 

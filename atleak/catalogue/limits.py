@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, create_model, model_validator
+import numpy as np
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
-from atleak.catalogue.entries import Entry, NonEmptyText, Origin, Positive, Strict, catalogue_files, read_entry
+from atleak.catalogue.entries import (
+    Entry,
+    NonEmptyText,
+    NonNegative,
+    Origin,
+    Positive,
+    Strict,
+    catalogue_files,
+    read_entry,
+)
 from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.workshop_units import PERCENT, UM
 
@@ -58,11 +69,48 @@ class RuleKind(StrEnum):
 
 @dataclass(frozen=True)
 class Steps:
-    """Rising limits of one quantity, each with the name of the level that begins there."""
+    """Rising limits of one quantity, each with the name of the level that begins there.
+
+    Of wear a level may ask for a least growth of the clearance, ``at_least`` [m], besides its fraction. Of a share a
+    level may ask for growth over the same land or unit new: by the fraction ``growth``, and by ``added``, a fraction
+    of the pump's flow. A level with no limit of its own is reached by growth alone.
+    """
 
     levels: tuple[tuple[Level, float], ...]
     origin: LimitOrigin
     source: str
+    at_least: Mapping[Level, float] = field(default_factory=dict)
+    growth: Mapping[Level, tuple[float, float]] = field(default_factory=dict)  # level → growth, added
+
+    def over(self, new: Any) -> tuple[tuple[Level, Any], ...]:
+        """Return the limits of a share where the same land or unit has the share ``new`` when new.
+
+        ``new`` is a fraction, a number or an array; a limit that growth has no part in stays a number.
+
+        >>> growth = {Band.AMBER: (0.25, 0.02)}
+        >>> steps = Steps(((Band.AMBER, 0.0), (Band.CRITICAL, 0.5)), LimitOrigin.PROJECT, "", growth=growth)
+        >>> [(band.value, round(limit, 3)) for band, limit in steps.over(0.16)]
+        [('amber', 0.2), ('critical', 0.5)]
+        """
+        return tuple((level, self._over(level, limit, new)) for level, limit in self.levels)
+
+    def _over(self, level: Level, limit: float, new: Any) -> Any:
+        if level not in self.growth:
+            return limit
+        fraction, added = self.growth[level]
+        grown = np.maximum(np.maximum((1.0 + fraction) * new, new + added), limit)
+        return float(grown) if np.ndim(grown) == 0 else grown
+
+    def of_wear(self, mounting_clearance: float) -> tuple[tuple[Level, float], ...]:
+        """Return the limits of the wear of a land with that mounting clearance [m], a fraction of it.
+
+        A level that begins above another one never has the lower limit of the two.
+        """
+        limits: list[tuple[Level, float]] = []
+        for level, limit in self.levels:
+            limit = max(limit, self.at_least.get(level, 0.0) / mounting_clearance)
+            limits.append((level, max(limit, limits[-1][1]) if limits else limit))
+        return tuple(limits)
 
     def judge(self, value: float, below: Level) -> tuple[Level, float]:
         """Return the level that a value has reached and its limit; ``below`` and the lowest limit under all of them.
@@ -98,14 +146,11 @@ class Limits:
     total_share: Steps  # of the whole controller, as a fraction
     origin: Origin
 
-    def band(self, share: float) -> Band:
-        """Return the band of a total share (a fraction)."""
-        return Band(self.total_share.judge(share, Band.GREEN)[0])
-
     @property
-    def bands(self) -> tuple[tuple[Band, float], ...]:
-        """Return the limits of the total share (a fraction), each with the band that begins there."""
-        return tuple((Band(level), limit) for level, limit in self.total_share.levels)
+    def fixed_bands(self) -> tuple[tuple[Band, float], ...]:
+        """Return the bands that begin at a fixed total share (a fraction), whatever the unit drew when new."""
+        total = self.total_share
+        return tuple((Band(level), limit) for level, limit in total.levels if level not in total.growth)
 
     @property
     def rules(self) -> MappingProxyType[RuleKind, Steps]:
@@ -147,31 +192,67 @@ def limit_sets() -> list[Limits]:
     return [load_limits(name) for name in catalogue_files("limits")]
 
 
+class LevelLimit(Strict):
+    """Where one level begins; all that is stated is asked for."""
+
+    percent: Positive | None = None  # the limit itself
+    at_least_um: Positive | None = None  # of wear: growth of the radial clearance
+    growth_percent: Positive | None = None  # of a share: growth over the same land or unit new
+    added_points: NonNegative = 0.0  # of a share: what it adds to that of a new one, in points of the pump's flow
+
+    @property
+    def growth(self) -> tuple[float, float] | None:
+        """Return growth over a new one and what it adds, as fractions; None where growth is not asked for."""
+        return None if self.growth_percent is None else (self.growth_percent * 1e-2, self.added_points * 1e-2)
+
+
+def _a_number_or_a_table(value: object) -> object:
+    """Take a plain number as the limit itself."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    if not value > 0.0:
+        raise ValueError("a number greater than 0")
+    return {"percent": float(value)}
+
+
+_Stated = Annotated[LevelLimit | None, BeforeValidator(_a_number_or_a_table)]
+
+
 class LevelTable(Strict):
     """The limits of one quantity as a file states them."""
 
     origin: Annotated[LimitOrigin, Field(strict=False)]  # a file writes it as text
     source: NonEmptyText
 
-    def levels(self) -> dict[str, float]:
-        """Return the limits that are set, in rising order of severity."""
+    def stated(self) -> dict[str, LevelLimit]:
+        """Return the levels that are set, in rising order of severity."""
         named = {name: getattr(self, name) for name in type(self).model_fields if name not in LevelTable.model_fields}
         return {name: limit for name, limit in named.items() if limit is not None}
 
     def steps(self, unit: float) -> Steps:
         """Return the same limits in SI or as fractions; ``unit`` is the size of one unit of the file."""
         kind = Band if isinstance(self, BandTable) else Verdict
-        levels = tuple((kind(name), limit * unit) for name, limit in self.levels().items())
-        return Steps(levels, self.origin, self.source)
+        stated = {kind(name): limit for name, limit in self.stated().items()}
+        return Steps(
+            tuple((level, (each.percent or 0.0) * unit) for level, each in stated.items()),
+            self.origin,
+            self.source,
+            {level: each.at_least_um * 1e-6 for level, each in stated.items() if each.at_least_um},
+            {level: each.growth for level, each in stated.items() if each.growth},
+        )
 
     @model_validator(mode="after")
     def _rising(self) -> LevelTable:
-        levels = self.levels()
-        if not levels:
+        stated = self.stated()
+        if not stated:
             raise ValueError("at least one limit")
-        for (low_name, low), (high_name, high) in pairwise(levels.items()):
+        limits = {name: each.percent for name, each in stated.items() if each.percent is not None}
+        for (low_name, low), (high_name, high) in pairwise(limits.items()):
             if high <= low:
                 raise ValueError(f"{high_name} above {low_name} ({low:g})")
+        for name, each in stated.items():
+            if each.added_points and each.growth is None:
+                raise ValueError(f"{name}: growth_percent beside added_points")
         return self
 
 
@@ -183,8 +264,8 @@ if TYPE_CHECKING:
 
 else:
     # a field for every level there is: a land's may be left out, a total's bands are all stated
-    _some: dict[str, Any] = {level.value: (Positive | None, None) for level in FLAGGED}
-    _every: dict[str, Any] = {level.value: (Positive, ...) for level in BANDS if level.verdict.flagged}
+    _some: dict[str, Any] = {level.value: (_Stated, None) for level in FLAGGED}
+    _every: dict[str, Any] = {level.value: (_Stated, ...) for level in BANDS if level.verdict.flagged}
     VerdictTable = create_model("VerdictTable", __base__=LevelTable, __module__=__name__, **_some)
     BandTable = create_model("BandTable", __base__=LevelTable, __module__=__name__, **_every)
 
@@ -201,4 +282,18 @@ class LimitsFile(Entry):
     def _judges_lands(self) -> LimitsFile:
         if self.wear_percent is None and self.clearance_um is None and self.pair_share_percent is None:
             raise ValueError("at least one rule for a land: wear_percent, clearance_um or pair_share_percent")
+        return self
+
+    @model_validator(mode="after")
+    def _of_its_own_quantity(self) -> LimitsFile:
+        for name in LimitsFile.model_fields:
+            table = getattr(self, name)
+            for level, each in table.stated().items() if isinstance(table, LevelTable) else ():
+                where = f"{name}.{level}"
+                if each.at_least_um is not None and name != "wear_percent":
+                    raise ValueError(f"at_least_um in wear_percent only, not in {where}")
+                if each.growth is not None and "share" not in name:
+                    raise ValueError(f"growth_percent of a share only, not in {where}")
+                if each.percent is None and (each.growth is None or name == "wear_percent"):
+                    raise ValueError(f"a limit in {where}: a number, or growth_percent of a share")
         return self

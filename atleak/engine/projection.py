@@ -48,6 +48,10 @@ class Projection:
         """Return the part of one land's leakage that counts in the total [m³/s]."""
         return sum(gap.leakage for gap in self.gaps_of(key) if gap.drawn_from_pump)
 
+    def share_drawn_by(self, key: tuple[str, int]) -> float:
+        """Return that part as a share of the pump's flow; the shares of all lands add up to the total's."""
+        return self.share_of(self.drawn_by(key))
+
 
 def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     """Compute leakage, pump flow and share at one condition.
@@ -131,11 +135,10 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
 
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
-    """Return the same unit with some lands brought back to their mounting clearance."""
+    """Return the same unit with some lands brought back to the clearance of new pairs."""
     chosen = set(lands)
     return tuple(
-        _with_clearance(state, state.land.mounting_clearance) if state.land.key in chosen else state
-        for state in clearances
+        _with_clearance(state, state.land.new_clearance) if state.land.key in chosen else state for state in clearances
     )
 
 

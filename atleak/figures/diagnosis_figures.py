@@ -21,6 +21,7 @@ from atleak.events import Event
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import HATCHING, SCREEN, SUSPECT, look_of
 from atleak.road_test import QUANTITIES, Channel, RoadTest
+from atleak.rules import Rule
 from atleak.thinning import thinned
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
@@ -99,15 +100,17 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
 
 
 def total_share(diagnosis: Diagnosis) -> go.Figure:
-    """Draw the total share at each condition and the worst of the road test, over the bands of the limit set.
+    """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
 
-    Bars are the 95 % intervals of the measurement, where readings are there; the hover says how likely each band is.
+    An open mark is the same unit new. Bars are the 95 % intervals of the measurement, where readings are there; the
+    hover says how likely each band is.
     """
-    unit = diagnosis.uncertainty
-    totals = [unit.total(point.condition.name) if unit else None for point in diagnosis.reported]
+    unit, reported = diagnosis.uncertainty, diagnosis.reported
+    totals = [unit.total(point.condition.name) if unit else None for point in reported]
+    rules = [diagnosis.total_rule(point) for point in reported]
     points = [
         (point.condition.label, point.share, total.share_interval if total else None, _likely_bands(total))
-        for point, total in zip(diagnosis.reported, totals, strict=True)
+        for point, total in zip(reported, totals, strict=True)
     ]
     worst = diagnosis.road.max_share if diagnosis.road else None
     if worst is not None and worst.share is not None:
@@ -116,7 +119,12 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
         end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
     ]
     figure = go.Figure()
-    right = _bands(figure, diagnosis.limits, max(ends, default=0.0))
+    right = _bands(figure, rules, max(ends, default=0.0))
+    new = [
+        (point.condition.label, rule.new)
+        for point, rule in zip(reported, rules, strict=True)
+        if rule.new is not None and math.isfinite(rule.new)
+    ]
     shown = [point for point in points if math.isfinite(point[1])]
     figure.add_scatter(
         x=[share * PERCENT for _, share, _, _ in shown],
@@ -128,12 +136,20 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
         error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
         customdata=[likely for _, _, _, likely in shown],
         hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",
-        showlegend=False,
+        name="as measured",
     )
-    figure.update_xaxes(title="leakage as a share of the pump's flow [%]", range=[0.0, right])
+    figure.add_scatter(
+        x=[share * PERCENT for _, share in new],
+        y=[_two_lines(label) for label, _ in new],
+        mode="markers",
+        marker={"symbol": "circle-open", "size": 12, "color": SCREEN.leakage, "line": {"width": 2}},
+        hovertemplate="%{y}: %{x:.2f} % new<extra></extra>",
+        name="the same unit new",
+    )
+    figure.update_xaxes(title="drawn, as a share of the pump's flow [%]", range=[0.0, right])
     order = [_two_lines(label) for label, _, _, _ in points]
     figure.update_yaxes(type="category", categoryarray=order, range=[len(points) - 0.4, -0.8])
-    return framed(figure, 100 + 56 * len(points), top=40)
+    return framed(figure, 130 + 56 * len(points), top=40)
 
 
 def _two_lines(label: str) -> str:
@@ -147,18 +163,25 @@ def _likely_bands(total: TotalUncertainty | None) -> str:
     return ", ".join(f"{band} {PERCENT * p:.0f} %" for band, p in total.band_probabilities if p >= 0.005)
 
 
-def _bands(figure: go.Figure, limits: Limits, largest: float) -> float:
-    """Draw the bands of the total share behind the bars, with signs and words; return the right end of the axis [%]."""
-    edges = [0.0, *(level * PERCENT for _, level in limits.total_share.levels)]
-    right = max(1.2 * edges[-1], 1.1 * largest)
-    names = [Band.GREEN, *(name for name, _ in limits.total_share.levels)]
-    for name, low, high in zip(names, edges, [*edges[1:], right], strict=True):
-        look = look_of(name)
-        figure.add_vrect(x0=low, x1=high, fillcolor=look.screen, opacity=0.28, line_width=0, layer="below")
-        figure.add_annotation(
-            x=(low + high) / 2.0, y=1.0, yref="paper", yanchor="bottom", showarrow=False,
-            text=f"{look.sign}<br>{name}", font={"size": 11},
-        )  # fmt: skip
+def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
+    """Draw each condition's own bands behind its bar, with signs and words; return the right end of the axis [%]."""
+    limits = [[min(limit, 10.0) * PERCENT for _, limit in rule.steps.levels] for rule in rules]
+    right = max([1.1 * largest, *(1.2 * edge for edges in limits for edge in edges)])
+    for place, (rule, begins) in enumerate(zip(rules, limits, strict=True)):
+        edges = [0.0, *np.minimum.accumulate(begins[::-1])[::-1], right]  # a band ends where a worse one begins
+        names = [Band.GREEN, *(name for name, _ in rule.steps.levels)]
+        for name, low, high in zip(names, edges[:-1], edges[1:], strict=True):
+            if low >= high:
+                continue
+            look = look_of(name)
+            figure.add_shape(
+                type="rect", x0=low, x1=high, y0=place - 0.45, y1=place + 0.45,
+                fillcolor=look.screen, opacity=0.28, line_width=0, layer="below",
+            )  # fmt: skip
+            figure.add_annotation(
+                x=low, y=place + 0.45, xanchor="left", yanchor="bottom", showarrow=False, xshift=2,
+                text=f"{look.sign} {name}", font={"size": 10},
+            )  # fmt: skip
     return right
 
 
@@ -204,7 +227,7 @@ def _line(
 
 def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
     """Return the edges of the bands near the log's values: a high limit must not squeeze a low curve."""
-    for number, (name, level) in enumerate(limits.total_share.levels):
+    for number, (name, level) in enumerate(limits.fixed_bands):
         edge = level * PERCENT
         if number and edge > 1.5 * top:
             break

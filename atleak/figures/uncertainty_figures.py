@@ -29,7 +29,7 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
     chosen = _chosen(unit, lands)
     figure = go.Figure()
     marks: dict[str, tuple[str, list[float | None]]] = {  # drawn first, open, so that they cover no value
-        "mounting clearance": ("line-ns-open", [land.sources.state.land.mounting_clearance for land in chosen]),
+        "mounting clearance": ("line-ns-open", [land.sources.state.land.mounting_high for land in chosen]),
         "limit": ("triangle-down-open", [_clearance_limit(land) for land in chosen]),
     }
     for name, (symbol, limits) in marks.items():
@@ -146,7 +146,7 @@ def _clearance_limit(land: LandUncertainty) -> float | None:
     if decided is None or decided.rule.kind is RuleKind.PAIR_SHARE:
         return None
     if decided.rule.kind is RuleKind.WEAR:
-        return land.sources.state.land.mounting_clearance * (1.0 + decided.limit)
+        return land.sources.state.land.mounting_high * (1.0 + decided.limit)
     return decided.limit
 
 

@@ -265,7 +265,7 @@ class _Sheet:
         for first, last, entry in _blocks(numbered, _plane):
             self._label(first, last, 3, entry.plane, "number")
             self._label(first, last, 9, _mm(entry.nominal), "nominal")
-            self._label(first, last, 10, round(entry.land.mounting_clearance * 1e6, 6), "clearance")
+            self._label(first, last, 10, round(entry.land.mounting_high * 1e6, 6), "clearance")
             self._label(first, last, 11, _origin(entry.land), "origin")
             for row in range(first, last + 1):
                 self._deviation(row, first, rows[row - _HEADER - 1])

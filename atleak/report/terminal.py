@@ -186,7 +186,7 @@ def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
             Text(signed(land.verdict), style=look_of(land.verdict).style),
             Text(f"{component}/{number}"),
             f"{land.state.radial_clearance * UM:.1f}",
-            f"{land.state.land.mounting_clearance * UM:.1f}",
+            "–".join(f"{end * UM:.1f}" for end in land.state.land.mounting_ends),
             "–" if land.wear is None else f"{land.wear * PERCENT:.0f}",
             f"{land.share * PERCENT:.2f}",
             Text("" if rule is None else f"{rule.label} ({rule.origin})"),

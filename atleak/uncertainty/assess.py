@@ -55,13 +55,12 @@ class AtCondition:
     leakage: float  # [m³/s]
     u_leakage: float
     leakage_interval: Interval
-    share: float
+    share: float  # of the pump's flow, what is drawn from the pump
     u_share: float
     share_interval: Interval
     eccentric: Interval  # [m³/s] the leakage concentric and fully eccentric, everything else as measured
     budget: tuple[tuple[str, float], ...]  # parts of the share's linear variance, the largest first
     clearance_fraction: float  # part of that variance which the clearance carries
-    closed_form: bool  # leakage by closed form instead of draws
 
 
 @dataclass(frozen=True)
@@ -150,7 +149,7 @@ class LandUncertainty:
         if rule.kind is RuleKind.CLEARANCE:
             return 1.0
         if rule.kind is RuleKind.WEAR:
-            return 1.0 / self.sources.state.land.mounting_clearance
+            return 1.0 / self.sources.state.land.mounting_high
         if not self.u_clearance:
             return 0.0
         condition = self._at(rule)
@@ -170,6 +169,8 @@ class TotalUncertainty:
     u_share: float
     share_interval: Interval
     minimum_speed_interval: Interval  # [1/s]
+    new_leakage_interval: Interval  # [m³/s] of the same unit new
+    growth_interval: Interval  # of the leakage over that of the same unit new, as a fraction
     decision: RuleDecision  # about the total's bands
     band_probabilities: tuple[tuple[Band, float], ...]
     budget: tuple[tuple[str, float], ...]  # of the share's linear variance, the largest first
@@ -256,8 +257,8 @@ def assess(
     Notes
     -----
     The clearance is normal with the root sum of squares of its sources (linear in the diameters, so this is exact);
-    its decisions and those on wear are closed forms. Flows and shares are the draws'; only where nothing but a normal
-    clearance is uncertain does the flow have its closed form. The linear (GUM) propagation serves the budgets alone.
+    its decisions and those on wear are closed forms. Flows, shares and growth are the draws'. The linear (GUM)
+    propagation serves the budgets alone.
 
     References
     ----------
@@ -267,27 +268,24 @@ def assess(
     instruments = instruments or load_instruments()
     sources, repeats = find_sources(states, readings, model.controller, instruments, assumptions)
     limits = rules.limits
-    pair = limits.pair_share
-    pair_limits = [limit for _, limit in pair.levels] if pair else []
-    total_limits = [limit for _, limit in limits.total_share.levels]
     spread = propagate(
         model,
         sources,
         projections,
         assumptions,
-        pair_limits=pair_limits,
-        total_limits=total_limits,
+        pair_share=limits.pair_share,
+        total_share=limits.total_share,
         coverage=coverage,
         draws=draws,
         seed=seed,
     )
     eccentric = model.law.eccentricity_factor
     lands = tuple(
-        _land(land, land_spreads, projections, rules.of_land(land.key), coverage, guard_factor, eccentric)
+        _land(land, land_spreads, projections, rules, coverage, guard_factor, eccentric)
         for land, land_spreads in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
-        _total(projection, total_spread, rule, rules.limits, guard_factor)
+        _total(projection, total_spread, rule, guard_factor)
         for projection, total_spread, rule in zip(projections, spread.totals, rules.totals, strict=True)
     )
     return UnitUncertainty(
@@ -322,7 +320,7 @@ def _land(
     land: LandSources,
     land_spreads: Sequence[LandSpread],
     projections: Sequence[Projection],
-    rules: Sequence[Rule],
+    rules: UnitRules,
     coverage: float,
     guard_factor: float,
     eccentric: float,
@@ -337,40 +335,52 @@ def _land(
         _at(land, projection, spread, eccentric) for projection, spread in zip(projections, land_spreads, strict=True)
     )
     spreads = {projection.condition: spread for projection, spread in zip(projections, land_spreads, strict=True)}
-    decided = tuple(_decided(rule, land, spreads, guard_factor) for rule in rules)
+    decided = tuple(_decided(rule, land, spreads, rules.limits, guard_factor) for rule in rules.of_land(land.key))
     # a true clearance cannot be below zero
     interval = (max(c - reach, min(c, 0.0)), c + reach)
     return LandUncertainty(land, u, interval, conditions, decided, _shape(state), guard_factor)
 
 
 def _decided(
-    rule: Rule, land: LandSources, spreads: Mapping[OperatingPoint, LandSpread], guard_factor: float
+    rule: Rule,
+    land: LandSources,
+    spreads: Mapping[OperatingPoint, LandSpread],
+    limits: Limits,
+    guard_factor: float,
 ) -> RuleDecision:
     """Decide a land's rule: clearance and wear by closed forms, a share by the draws at its condition."""
-    limits = [limit for _, limit in rule.steps.levels]
+    reached = [limit for _, limit in rule.steps.levels]
     if rule.kind is RuleKind.PAIR_SHARE:
         assert rule.condition is not None
         share = spreads[rule.condition].share_spread
-        us = (share.standard_uncertainty,) * len(limits)
+        us = (share.standard_uncertainty,) * len(reached)
         skewed = share.standard_uncertainty > 0.0
         return decide_rule(rule, us, share.probabilities, guard_factor, skewed=skewed)
     worn = rule.kind is RuleKind.WEAR
-    us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(limits)
-    each = tuple(probability_over(rule.value, limits, us).tolist())
+    us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(reached)
+    each = tuple(probability_over(rule.value, reached, us).tolist())
     return decide_rule(rule, us, each, guard_factor, skewed=False)
 
 
-def _wear_uncertainties(land: LandSources, limits: Sequence[float]) -> tuple[float, ...]:
+def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:
     """Return the standard uncertainty of wear at each limit.
 
     Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values is needed.
+    Over a limit in µm it means c_r − c_m above it. From the upper end of a range wear is sure as far as c_r is.
     """
-    mounting, u_mounting = land.state.land.mounting_clearance, land.assumptions.mounting_clearance
-    return tuple(math.hypot(land.standard_uncertainty, (1.0 + limit) * u_mounting) / mounting for limit in limits)
+    pair = land.state.land
+    u_mounting = 0.0 if isinstance(pair.mounting_clearance, tuple) else land.u_mounting
+    steps = limits.wear
+    assert steps is not None
+    stated = dict(steps.levels)
+    factors = (
+        1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in steps.of_wear(pair.mounting_high)
+    )
+    return tuple(math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high for factor in factors)
 
 
 def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric: float) -> AtCondition:
-    share = projection.share_of(spread.leakage)
+    share = projection.share_drawn_by(land.key)
     of_clearance = (spread.share_per_clearance * land.standard_uncertainty) ** 2
     effects = {source.label: fraction * of_clearance for source, fraction in land.budget}
     effects |= {name: effect**2 for name, effect in spread.share_effects.items()}
@@ -387,7 +397,6 @@ def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric
         eccentric=(spread.leakage / eccentric, FULLY_ECCENTRIC * spread.leakage / eccentric),
         budget=_fractions(effects),
         clearance_fraction=of_clearance / variance if variance > 0.0 and math.isfinite(variance) else 0.0,
-        closed_form=spread.by_quadrature,
     )
 
 
@@ -426,13 +435,11 @@ def _lower_bound(state: LandClearance) -> bool:
 # --- the whole
 
 
-def _total(
-    projection: Projection, spread: TotalSpread, rule: Rule, limits: Limits, guard_factor: float
-) -> TotalUncertainty:
-    condition, share, bands = projection.condition, projection.share, limits.bands
+def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor: float) -> TotalUncertainty:
+    condition, share, bands = projection.condition, projection.share, rule.steps.levels
     u = spread.share_spread.standard_uncertainty
     decision = decide_rule(rule, (u,) * len(bands), spread.share_spread.probabilities, guard_factor, skewed=u > 0.0)
-    names = (Band.GREEN, *(band for band, _ in bands))
+    names = (Band.GREEN, *(Band(band) for band, _ in bands))
     return TotalUncertainty(
         condition=condition.name,
         label=condition.label,
@@ -443,6 +450,8 @@ def _total(
         u_share=u,
         share_interval=spread.share_spread.interval,
         minimum_speed_interval=spread.minimum_speed_interval,
+        new_leakage_interval=spread.new_leakage_interval,
+        growth_interval=spread.growth_interval,
         decision=decision,
         band_probabilities=tuple(zip(names, spread.band_probabilities, strict=True)),
         budget=_fractions({name: effect**2 for name, effect in spread.effects.items()}),

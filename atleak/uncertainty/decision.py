@@ -91,13 +91,14 @@ def decide(
     guard_factor
         k of the guard band k u.
     probability_over
-        that the true value is above the limit, where its distribution is not normal. A skewed one can leave more risk
-        than the guard band promises: such a pass (or fail) becomes conditional.
+        that the true value has reached the limit, where its distribution is not normal: it alone says how sure the
+        decision is (JCGM 106), because a guard band of k u leaves another risk above a skewed value than below it.
 
     Returns
     -------
     {"pass", "conditional_pass", "conditional_fail", "fail"}
-        y ≤ T − k u; < T; ≤ T + k u; above. A value at its limit has reached it, as for the verdict.
+        y ≤ T − k u; < T; ≤ T + k u; above. A value at its limit has reached it, as for the verdict. With a
+        probability a value is surely on its side where the risk of the other is at most that of the guard band.
 
     Raises
     ------
@@ -113,14 +114,13 @@ def decide(
     >>> [decide(y, 30.0, 1.0) for y in (28.0, 29.0, 31.0, 32.0)]
     ['pass', 'conditional_pass', 'conditional_fail', 'fail']
     """
-    risk = float(normal_cdf(-guard_factor))
-    sure_below = probability_over is None or probability_over <= risk
-    sure_above = probability_over is None or probability_over >= 1.0 - risk
-    if math.isfinite(standard_uncertainty):
+    if probability_over is not None:
+        risk = float(normal_cdf(-guard_factor))
+        sure_below, sure_above = probability_over <= risk, probability_over >= 1.0 - risk
+    elif math.isfinite(standard_uncertainty):
         guard = guard_band(standard_uncertainty, guard_factor)
-        sure_below = sure_below and value <= limit - guard
-        sure_above = sure_above and value > limit + guard
-    elif probability_over is None:
+        sure_below, sure_above = value <= limit - guard, value > limit + guard
+    else:
         sure_below = sure_above = False
     if not reaches(value, limit):
         return "pass" if sure_below else "conditional_pass"

@@ -1,6 +1,8 @@
 """Carry uncertain clearances, fluid, pressures and pump into the spread of every flow and of the total.
 
 This is the Monte Carlo method of JCGM 101. An error that lands share is drawn once per trial and used for all of them.
+What a share has grown by is judged against the same unit new in the same trial: with the same fluid, pressures, pump
+and contact lengths, and with mounting clearances drawn from what is known of them.
 No array of lands by draws is kept: a land's draws are made, used at every condition, added to the totals and discarded.
 """
 
@@ -15,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
+from atleak.catalogue.limits import Steps
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.projection import Projection
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
-from atleak.equations.uncertainty import normal_quantile
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.sources import ROOM_TEMPERATURE, LandSources
 
@@ -39,7 +41,7 @@ class Spread:
 
     standard_uncertainty: float
     interval: tuple[float, float]
-    probabilities: tuple[float, ...]  # that the quantity is over each of the limits
+    probabilities: tuple[float, ...]  # that the quantity has reached each of the limits
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,6 @@ class LandSpread:
     share_spread: Spread
     share_per_clearance: float  # [1/m]
     share_effects: dict[str, float]  # change of the share for one standard uncertainty
-    by_quadrature: bool  # exact for a normal clearance, no draws
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,8 @@ class TotalSpread:
     share_spread: Spread
     minimum_speed_interval: tuple[float, float]  # [1/s]
     band_probabilities: tuple[float, ...]  # below the first limit, between, above the last
+    new_leakage_interval: tuple[float, float]  # [m³/s] of the same unit new
+    growth_interval: tuple[float, float]  # of the leakage over that of the same unit new
     effects: dict[str, float]  # change of the share for one standard uncertainty of each source
 
 
@@ -187,8 +190,8 @@ def propagate(
     projections: Sequence[Projection],
     assumptions: Assumptions,
     *,
-    pair_limits: Sequence[float],
-    total_limits: Sequence[float],
+    pair_share: Steps | None,
+    total_share: Steps,
     coverage: float,
     draws: int,
     seed: int,
@@ -197,8 +200,9 @@ def propagate(
 
     Parameters
     ----------
-    pair_limits, total_limits
-        limits of the share, rising, for lands and for the total: the probability of being over each is computed.
+    pair_share, total_share
+        limits of the share for lands and for the total: the probability of having reached each is computed, growth
+        against the same land or unit new included.
     coverage
         probability of the intervals, 0 … 1; they leave out as much below as above.
     draws, seed
@@ -221,14 +225,16 @@ def propagate(
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
     totals = [np.zeros(draws) for _ in conditions]
+    new_totals = [np.zeros(draws) for _ in conditions]
     probe_totals = [np.zeros(_PROBES) for _ in conditions]
     variances = [0.0 for _ in conditions]  # of each total, from errors that no land shares
     group_slopes = [dict.fromkeys(names, 0.0) for _ in conditions]
-    only_clearance = _only_clearance_uncertain(assumptions)
     lands: list[tuple[LandSpread, ...]] = []
     for number, land in enumerate(sources):
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
-        clearance = _clearance_draws(stream, land, common, draws)
+        new = _new_clearance_draws(stream, land, draws)
+        # what was not measured is as new: the same in every trial
+        clearance = _clearance_draws(stream, land, common, draws) if land.state.measured else new
         nominal = land.state.land.contact_length
         length: float | np.ndarray = nominal
         if assumptions.contact_length:
@@ -236,24 +242,21 @@ def propagate(
             lengths *= assumptions.contact_length
             lengths += nominal
             length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
-        exact = only_clearance and land.is_normal
         by_condition = []
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
             flow, drawn_flow = now.leakage(land, clearance, length)
+            _, new_flow = now.leakage(land, new, length) if land.state.measured else (flow, drawn_flow)
             totals[index] += drawn_flow
-            share = _ratio(flow, now.capacity)
+            new_totals[index] += new_flow
             slopes = _probe(probe, land, assumptions)
-            leakage_spread = _spread(flow, (), coverage)
-            if exact:
-                leakage_spread = _exact(conditions[index], land, coverage) or leakage_spread
+            shares = _ratio(drawn_flow, now.capacity), _ratio(new_flow, now.capacity)
             by_condition.append(
                 LandSpread(
                     leakage=slopes.leakage,
-                    leakage_spread=leakage_spread,
-                    share_spread=_spread(share, pair_limits, coverage),
+                    leakage_spread=_spread(flow, (), coverage),
+                    share_spread=_share_spread(*shares, pair_share, coverage),
                     share_per_clearance=slopes.share_per_clearance,
                     share_effects=slopes.share_effects,
-                    by_quadrature=exact,
                 )
             )
             probe_totals[index] += slopes.counted_probe
@@ -265,9 +268,9 @@ def propagate(
     return Propagated(
         lands,
         [
-            _total(now, probe, total, probe_total, variance, slopes, total_limits, coverage)
-            for now, probe, total, probe_total, variance, slopes in zip(
-                drawn, probes, totals, probe_totals, variances, group_slopes, strict=True
+            _total(now, probe, total, new_total, probe_total, variance, slopes, total_share, coverage)
+            for now, probe, total, new_total, probe_total, variance, slopes in zip(
+                drawn, probes, totals, new_totals, probe_totals, variances, group_slopes, strict=True
             )
         ],
     )
@@ -293,6 +296,14 @@ def _clearance_draws(
     return clearance
 
 
+def _new_clearance_draws(stream: np.random.Generator, land: LandSources, draws: int) -> np.ndarray:
+    """Draw what the land's clearance may have been when new [m], from what is known of it."""
+    low, high = land.state.land.mounting_range
+    if low < high:
+        return low + (high - low) * stream.random(draws)
+    return low + land.u_mounting * stream.standard_normal(draws)
+
+
 def _rectangular_draws(stream: np.random.Generator, draws: int) -> np.ndarray:
     """Draw from a rectangular distribution of unit standard deviation."""
     deviates = stream.random(draws)
@@ -308,14 +319,19 @@ def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
     return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
 
 
-def _spread(values: np.ndarray, limits: Sequence[float], coverage: float) -> Spread:
+def _spread(values: np.ndarray, limits: Sequence[Any], coverage: float) -> Spread:
     finite = bool(np.isfinite(values).all())
-    over = tuple(float(np.count_nonzero(values > limit)) / values.size for limit in limits)
+    reached = tuple(float(np.count_nonzero(values >= limit)) / values.size for limit in limits)
     return Spread(
         float(values.std()) if finite else math.inf,
         _quantiles(values, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
-        over,
+        reached,
     )
+
+
+def _share_spread(share: np.ndarray, new: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
+    """Return the spread of a share, and how likely it has reached each limit beside that of a new land or unit."""
+    return _spread(share, [limit for _, limit in steps.over(new)] if steps else (), coverage)
 
 
 def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[float, float]:
@@ -328,39 +344,6 @@ def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[
         low, high = float(ordered[edge]), float(ordered[min(edge + 1, values.size - 1)])
         quantiles.append(low if low == high else low + (place - edge) * (high - low))
     return quantiles[0], quantiles[1]
-
-
-def _only_clearance_uncertain(assumptions: Assumptions) -> bool:
-    """Return whether a land's leakage is uncertain by its clearance alone."""
-    return not (
-        assumptions.contact_length
-        or assumptions.viscosity
-        or assumptions.temperature
-        or assumptions.main_pressure
-        or assumptions.converter_pressure
-    )
-
-
-_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(16)
-_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
-
-
-def _exact(condition: _Condition, land: LandSources, coverage: float) -> Spread | None:
-    """Carry a normal clearance through the gap law: exact Gauss-Hermite moments, quantiles at c ± z u.
-
-    Return None where draws would be cut off at zero.
-    """
-    c, u = land.state.radial_clearance, land.standard_uncertainty
-    z = float(normal_quantile(0.5 + 0.5 * coverage))
-    nodes = np.concatenate([_NODES, [-z, z]])
-    state = land.state
-    point = condition.at({name: np.zeros(nodes.size) for name in FACTORS})
-    if c + land.thermal_rate * float(point.rise[0]) <= float(nodes.max()) * u:
-        return None
-    flow, _ = point.leakage(land, c + u * nodes, state.land.contact_length)
-    moments, (low, high) = flow[: _NODES.size], flow[_NODES.size :]
-    mean = float(_WEIGHTS @ moments)
-    return Spread(math.sqrt(float(_WEIGHTS @ (moments - mean) ** 2)), (float(low), float(high)), ())
 
 
 # --- the linear budget: one factor is changed at a time, by central differences
@@ -397,7 +380,7 @@ def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slope
     length[-3] += _SMALL * assumptions.contact_length
     length[-2] -= _SMALL * assumptions.contact_length
     flow, drawn_flow = probe.leakage(land, clearance, length)
-    share = _ratio(flow, probe.capacity)
+    share = _ratio(drawn_flow, probe.capacity)
 
     def effects(values: np.ndarray) -> dict[str, float]:
         by_factor = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
@@ -424,15 +407,16 @@ def _total(
     now: _Drawn,
     probe: _Drawn,
     total: np.ndarray,
+    new_total: np.ndarray,
     probe_total: np.ndarray,
     own_variance: float,
     group_slopes: dict[str, float],
-    limits: Sequence[float],
+    steps: Steps,
     coverage: float,
 ) -> TotalSpread:
-    share = _ratio(total, now.capacity)
-    share_spread = _spread(share, limits, coverage)
-    over = (1.0, *share_spread.probabilities, 0.0)
+    share_spread = _share_spread(_ratio(total, now.capacity), _ratio(new_total, now.capacity), steps, coverage)
+    # a band counts as reached where a worse one is
+    over = (1.0, *np.maximum.accumulate(share_spread.probabilities[::-1])[::-1].tolist(), 0.0)
     probe_share = _ratio(probe_total, probe.capacity)
     capacity = float(probe.capacity[-1]) if np.ndim(probe.capacity) else float(probe.capacity)
     per_flow = 1.0 / capacity if capacity > 0.0 else math.nan
@@ -445,5 +429,7 @@ def _total(
         share_spread=share_spread,
         minimum_speed_interval=_quantiles(speed, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
         band_probabilities=tuple(max(a - b, 0.0) for a, b in pairwise(over)),
+        new_leakage_interval=_spread(new_total, (), coverage).interval,
+        growth_interval=_spread(_ratio(total, new_total) - 1.0, (), coverage).interval,
         effects=effects,
     )

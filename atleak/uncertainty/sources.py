@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Instrument, Instruments, Part
 from atleak.equations.uncertainty import (
+    normal_quantile,
     persistent_rounding_variance,
     pooled_standard_deviation,
     rectangular,
@@ -37,7 +38,6 @@ SourceKind = Literal[
 ]
 
 _ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
-_NORMAL_ENOUGH = 0.02  # excess kurtosis below which a clearance is taken as normal
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
 _STEP_TOLERANCE = 1e-9  # [m]
 _READINGS_THAT_SHOW_A_STEP = 12
@@ -152,10 +152,9 @@ class LandSources:
         return math.fsum(fraction for source, fraction in self.budget if source.part == part)
 
     @property
-    def is_normal(self) -> bool:
-        """Return whether the clearance is normal for practical purposes: its excess kurtosis is near zero."""
-        rectangular_parts = [fraction for source, fraction in self.budget if source.shape == "rectangular"]
-        return 1.2 * math.fsum(fraction * fraction for fraction in rectangular_parts) <= _NORMAL_ENOUGH
+    def u_mounting(self) -> float:
+        """Return the standard uncertainty of the mounting clearance as this pair's own [m]."""
+        return mounting_uncertainty(self.state.land, self.assumptions)
 
     def variance_with(
         self,
@@ -212,6 +211,20 @@ def find_sources(
     ), spreads
 
 
+def mounting_uncertainty(land: Land, assumptions: Assumptions) -> float:
+    """Return how uncertain a land's mounting clearance is as that of one pair [m], one standard deviation.
+
+    A tolerance holds 95 % of the pairs of a type; a range holds all of them, any value alike likely; a number without
+    either is this pair's own.
+    """
+    low, high = land.mounting_range
+    if low < high:
+        return rectangular(0.5 * (high - low))
+    if land.mounting_tolerance is not None:
+        return land.mounting_tolerance / float(normal_quantile(0.975))
+    return assumptions.mounting_clearance
+
+
 _Stations = dict[tuple[str, float | None], list[Reading]]
 
 
@@ -231,7 +244,7 @@ def _land_sources(
 ) -> LandSources:
     sources: list[UncertaintySource] = []
     plans: dict[Part, _MeasuringPlan] = {}
-    mounting = assumptions.mounting_clearance
+    mounting = mounting_uncertainty(state.land, assumptions)
     if not state.measured:
         sources.append(UncertaintySource("mounting clearance", None, mounting))
     else:

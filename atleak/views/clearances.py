@@ -36,7 +36,7 @@ def _row(land: LandDiagnosis) -> dict[str, Any]:
         "min_clearance_um": state.min_clearance * UM if state.measured else None,
         "max_clearance_um": state.max_clearance * UM if state.measured else None,
         "worst_direction_deg": state.worst_direction,
-        "mounting_clearance_um": nominal.mounting_clearance * UM,
+        "mounting_clearance_um": nominal.mounting_high * UM,
         "wear_percent": None if land.wear is None else land.wear * PERCENT,
         "spool_ovality_um": _scaled(state.spool_ovality),
         "sleeve_ovality_um": _scaled(state.sleeve_ovality),

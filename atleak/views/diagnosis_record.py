@@ -140,7 +140,15 @@ def message_record(message: Message) -> dict[str, Any]:
 
 
 def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
-    levels = {f"{level}_{kind.suffix}": limit * kind.factor for level, limit in steps.levels}
+    levels: dict[str, float] = {}
+    for level, limit in steps.levels:
+        if limit:
+            levels[f"{level}_{kind.suffix}"] = limit * kind.factor
+        if level in steps.at_least:
+            levels[f"{level}_at_least_um"] = steps.at_least[level] * UM
+        if level in steps.growth:
+            growth, added = steps.growth[level]
+            levels |= {f"{level}_growth_percent": growth * PERCENT, f"{level}_added_points": added * PERCENT}
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
@@ -155,7 +163,11 @@ def _land(land: LandDiagnosis) -> dict[str, Any]:
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
         "uncertainty_um": _scaled(uncertainty.u_clearance, UM) if uncertainty else None,
-        "mounting_clearance_um": nominal.mounting_clearance * UM,
+        "mounting_clearance_um": nominal.mounting_high * UM,
+        "mounting_clearance_low_um": nominal.mounting_range[0] * UM,
+        "mounting_tolerance_um": _scaled(nominal.mounting_tolerance, UM),
+        "new_clearance_um": nominal.new_clearance * UM,
+        "new_origin": nominal.new_origin,
         "wear_percent": None if land.wear is None else land.wear * PERCENT,
         "effective_clearance_um": land.effective_clearance * UM,
         "leakage_dm3_min": land.leakage * DM3_MIN,
@@ -212,6 +224,8 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
     at = projection.condition
     total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
     low, high = total.leakage_interval if total else (None, None)
+    rule = diagnosis.total_rule(projection)
+    new = diagnosis.new_at(projection)
     return {
         "name": at.name,
         "label": at.label,
@@ -222,8 +236,16 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
         "leakage_dm3_min": projection.leakage * DM3_MIN,
         "leakage_low_dm3_min": _scaled(low, DM3_MIN),
         "leakage_high_dm3_min": _scaled(high, DM3_MIN),
+        "leakage_new_dm3_min": new.leakage * DM3_MIN,
+        "leakage_new_low_dm3_min": _scaled(total.new_leakage_interval[0], DM3_MIN) if total else None,
+        "leakage_new_high_dm3_min": _scaled(total.new_leakage_interval[1], DM3_MIN) if total else None,
+        "growth_percent": _scaled(rule.growth, PERCENT),
+        "growth_low_percent": _scaled(total.growth_interval[0], PERCENT) if total else None,
+        "growth_high_percent": _scaled(total.growth_interval[1], PERCENT) if total else None,
         "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
         "share_percent": _finite(projection.share * PERCENT),
+        "share_new_percent": _finite(new.share * PERCENT),
+        "limit_percent": _finite(rule.limit * PERCENT),
         "band": diagnosis.band(projection),
         "decision": total.decision.decision if total else None,
         "probability_over_limit": total.decision.probability_over_limit if total else None,

@@ -190,7 +190,7 @@ def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readin
                 f"sleeve {sleeve}{_unmeasured(gap)}",
                 place=place,
                 value=sleeve if gap.status != "spool_only" else spool,
-                expected=f"at most 0.5 mm; the mounting clearance is {land.mounting_clearance * 1e3:.4g} mm",
+                expected=f"at most 0.5 mm; the mounting clearance is {land.mounting_high * 1e3:.4g} mm",
             )
         ]
     return []
@@ -257,7 +257,7 @@ def _smaller(gap: LandClearance, name: str, spool: str, sleeve: str, place: Plac
 
 def _looks_swapped(gap: LandClearance) -> bool:
     """Return whether, with spool and sleeve exchanged, the clearance would be that of a valve, new or worn."""
-    return 0.0 < -gap.radial_clearance <= max(5.0 * gap.land.mounting_clearance, 0.1e-3)
+    return 0.0 < -gap.radial_clearance <= max(5.0 * gap.land.mounting_high, 0.1e-3)
 
 
 def _unmeasured(gap: LandClearance) -> str:

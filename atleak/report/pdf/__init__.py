@@ -148,7 +148,7 @@ def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[s
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
             for at in series.instants.values()
         ]
-        bands = [(band, limit * PERCENT) for band, limit in diagnosis.limits.bands]
+        bands = [(band, limit * PERCENT) for band, limit in diagnosis.limits.fixed_bands]
         charts["road"] = road_chart(series, marks, bands, say)
     return charts
 

@@ -75,8 +75,8 @@ class PrintedNames:
         return {"sign": land.verdict, "text": self.say.level(land.verdict)}
 
     def mounting(self, land: LandDiagnosis) -> str:
-        """Return the mounting clearance [µm]."""
-        return self.say.number(land.state.land.mounting_clearance * UM, 1)
+        """Return the mounting clearance [µm], a range where no more is known."""
+        return "–".join(self.say.number(end * UM, 1) for end in land.state.land.mounting_ends)
 
     def wear(self, land: LandDiagnosis) -> str:
         """Return the wear [%]."""

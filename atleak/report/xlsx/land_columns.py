@@ -137,7 +137,7 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     if uncertain:
         heading = "standard uncertainty u(c_r) [µm]"
         yield LandColumn("U", heading, 12, lambda row: Cell("um", row.record["uncertainty_um"]))
-    new = changeable("um", lambda land: land.state.land.mounting_clearance * UM)
+    new = changeable("um", lambda land: land.state.land.mounting_high * UM)
     yield LandColumn("c_m", "mounting clearance c_m [µm]", 12, new)
     yield LandColumn("wear", "wear Z [%]", 10, wear)
     body = changeable("plain", lambda land: land.state.land.body_expansion * _PER_KELVIN)
@@ -166,7 +166,7 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
 
     def share(row: LandRow) -> Cell:
         formula = share_of(row.here(("q", prefix)), condition("capacity"))
-        return Cell("percent", projection.share_of(projection.leakage_of(row.land.key)) * PERCENT, formula)
+        return Cell("percent", projection.share_drawn_by(row.land.key) * PERCENT, formula)
 
     at = f", {condition.title}"
     yield LandColumn(("c_re", prefix), f"effective clearance c_re [µm]{at}", 14, effective_clearance)

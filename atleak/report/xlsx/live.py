@@ -198,8 +198,10 @@ class LiveSheets:
         yield "share of pump capacity", "%", "share", share, projection.share * PERCENT, "percent"
         yield "pump covers leakage and slip from", "1/min", "n_min", lowest, projection.minimum_speed * RPM, "rpm"
         band = f'"{Band.GREEN}"'
-        for level, _ in self.diagnosis.limits.total_share.levels:  # rising, so that the highest is asked first
-            limit = self.limit_cells[RuleKind.TOTAL_SHARE, level]
+        steps = self.diagnosis.total_rule(projection).steps
+        for level, own in steps.levels:  # rising, so that the highest is asked first
+            grown = level in steps.growth
+            limit = exact(own * PERCENT) if grown else self.limit_cells[RuleKind.TOTAL_SHARE, level]
             band = f'IF({at("share")}>={limit}*(1-{ROUNDING:E}),"{level}",{band})'
         yield "band of the total share", "", "band", band, self.diagnosis.band(projection), "plain"
 
@@ -321,12 +323,12 @@ class LiveSheets:
         else:
             formula(sheet, row, 4, source, rule.value * factor, book.form(kind))
         text = "1"
-        shared = rule.steps is self.diagnosis.limits.rules.get(rule.kind)
+        of_the_set = self.diagnosis.limits.rules.get(rule.kind)
         for level, limit in rule.steps.levels:
             column = _FIRST_LEVEL + FLAGGED.index(level)
-            if shared:
+            if of_the_set is not None and limit == dict(of_the_set.levels).get(level):
                 formula(sheet, row, column, self.limit_cells[rule.kind, level], limit * factor, book.form(kind))
-            else:  # the land's own
+            else:  # the land's own: by its file, by its mounting clearance or by what it draws when new
                 put(sheet, row, column, limit * factor, book.form(kind, **CHANGEABLE))
             text = f"IF(E{r}>={cell(row, column)}*(1-{ROUNDING:E}),{RANKED.index(level) + 1},{text})"
         formula(sheet, row, _VERDICT + 1, text, RANKED.index(rule.verdict) + 1)

@@ -31,6 +31,7 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (clearance.radial_clearance, (0.01006, 0.010)),
     (clearance.worn_clearance, (24e-6, 12e-6)),
     (clearance.wear, (36e-6, 24e-6)),
+    (clearance.cube_mean, (6.4e-6, 20e-6)),
     (clearance.effective_clearance, (30e-6, 4.75e-8, 60.0)),
     (referees.effective_clearance_two_temperatures, (30e-6, 0.01006, 0.010, 21.5e-6, 12e-6, 60.0, 60.0)),
     (clearance.thermal_rate, (0.01006, 0.010, 21.5e-6, 12e-6)),
