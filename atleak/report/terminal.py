@@ -18,8 +18,9 @@ from atleak.look import look_of
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
+from atleak.views.road_instants import road_instants
 from atleak.views.sentences import covered_from
-from atleak.wording import signed
+from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, UM
 
 
@@ -147,12 +148,13 @@ def _cell(value: Any) -> str:
 
 
 def _road(road: RoadLeakage) -> str:
-    parts = [f"Road test {road.road_test.file}"]
-    for name, instant in (("largest leakage", road.max_leakage), ("largest share", road.max_share)):
-        if instant is not None:
-            share = "" if instant.share is None else f" ({instant.share * PERCENT:.1f} % of the pump's flow)"
-            parts.append(f"{name} {instant.leakage * DM3_MIN:.2f} dm³/min{share} at {instant.time:.2f} s")
-    return ": ".join([parts[0], "; ".join(parts[1:])])
+    parts = []
+    for row in road_instants(road):
+        if row.name != "min_leakage":
+            at = row.instant
+            share = "" if at.share is None else f" ({at.share * PERCENT:.1f} % of the pump's flow)"
+            parts.append(f"{row.label(wording('en'))} {at.leakage * DM3_MIN:.2f} dm³/min{share} at {at.time:.2f} s")
+    return f"Road test {road.road_test.file}: {'; '.join(parts)}"
 
 
 def _verdict(diagnosis: Diagnosis) -> str:

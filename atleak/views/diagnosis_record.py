@@ -8,9 +8,10 @@ from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.extremes import Extremes, Instant
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
-from atleak.engine.road_leakage import Instant, RoadLeakage
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
@@ -263,10 +264,21 @@ def _road(road: RoadLeakage) -> dict[str, Any]:
         "duration_s": test.duration,
         "gears": list(road.gears),
         "sections": dict(road.section_shares),
-        "max_leakage": _instant(road.max_leakage),
-        "min_leakage": _instant(road.min_leakage),
-        "max_share": _instant(road.max_share),
+        **_extremes(road.extremes),
+        "start": None if road.start is None else {"samples": road.start.samples, **_extremes(road.start)},
+        "sustained_over_s": road.extremes.window,
+        "lower_bound": road.lower_bound,
         "messages": [message_record(message) for message in (*test.messages, *road.messages)],
+    }
+
+
+def _extremes(extremes: Extremes) -> dict[str, Any]:
+    return {
+        "max_leakage_sustained": _instant(extremes.max_leakage_sustained),
+        "max_share_sustained": _instant(extremes.max_share_sustained),
+        "max_leakage": _instant(extremes.max_leakage),
+        "min_leakage": _instant(extremes.min_leakage),
+        "max_share": _instant(extremes.max_share),
     }
 
 

@@ -15,13 +15,15 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
+from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import covered_from
-from atleak.wording import signed
+from atleak.wording import signed, wording
 from pages.shared.state import Refusal
 
 _BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
@@ -161,6 +163,15 @@ def log_messages(diagnosis: Diagnosis) -> None:
     """Show the messages of the road-test log."""
     if diagnosis.road is not None:
         messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
+
+
+def extremes(road: RoadLeakage) -> None:
+    """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
+    table(instant_rows(road), number=rounded)
+    said = wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}")
+    if road.lower_bound:
+        said += f" {wording('en')('texts.lower_bound')}"
+    st.caption(plain(said))
 
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:

@@ -217,23 +217,23 @@ class Body:
                 [say("facts.sections"), shares],
             ]
         )
-        numbered = list(enumerate(self.series.instants.items(), start=1))
+        marked = [row for row in self.series.instants if row.leads]
         spoken = " ".join(
             say(
                 "charts.instant_alt",
-                instant=say(f"instants.{name}"),
-                share=say.percent(instant.share)
-                if instant.share is not None
-                else f"{self.names.flow(instant.leakage)} dm³/min",
-                time=say.number(instant.time, 1),
+                instant=row.label(say),
+                share=say.percent(row.instant.share)
+                if row.instant.share is not None
+                else f"{self.names.flow(row.instant.leakage)} dm³/min",
+                time=say.number(row.instant.time, 1),
             )
-            for _, (name, instant) in numbered
+            for row in marked
         )
         thinned = ""
         if self.series.thinned:
             kept = say.number(len(self.series.columns["time_s"]), 0)
             thinned = say("charts.caption_thinned", kept=kept, samples=say.number(self.series.samples, 0))
-        listed = joined(f"{number} {say(f'instants.{name}')}" for number, (name, _) in numbered)
+        listed = joined(f"{number} {row.label(say)}" for number, row in enumerate(marked, start=1))
         known = "charts.road_alt" if road.share is not None else "charts.road_alt_no_share"
         yield {
             "kind": "image",
@@ -243,14 +243,17 @@ class Body:
         }
         flow = self.names.flow_with_unit
         columns = [
-            PrintedColumn("", lambda row: str(row[0]), side="r"),
-            PrintedColumn(say("columns.instant"), lambda row: say(f"instants.{row[1][0]}"), width=4),
-            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row[1][1].time, 1)} s", width=2, side="r"),
-            PrintedColumn(say("columns.leakage"), lambda row: flow(row[1][1].leakage), width=2, side="r"),
-            PrintedColumn(say("columns.capacity"), lambda row: flow(row[1][1].pump_capacity), width=2, side="r"),
-            PrintedColumn(say("columns.share"), lambda row: say.percent(row[1][1].share), width=2, side="r"),
+            PrintedColumn("", lambda row: str(1 + marked.index(row)) if row in marked else "", side="r"),
+            PrintedColumn(say("columns.instant"), lambda row: row.label(say), width=4),
+            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
+            PrintedColumn(say("columns.leakage"), lambda row: flow(row.instant.leakage), width=2, side="r"),
+            PrintedColumn(say("columns.capacity"), lambda row: flow(row.instant.pump_capacity), width=2, side="r"),
+            PrintedColumn(say("columns.share"), lambda row: say.percent(row.instant.share), width=2, side="r"),
         ]
-        yield table(columns, numbered)
+        yield table(columns, self.series.instants)
+        notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
+        notes += [say("texts.lower_bound")] if road.lower_bound else []
+        yield text(" ".join(notes), small=True)
 
     def _repair(self, charts: dict[str, str]) -> Iterable[Block]:
         say = self.say

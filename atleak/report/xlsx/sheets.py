@@ -16,6 +16,7 @@ from atleak.report.xlsx.land_columns import ColumnKey
 from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
 from atleak.views.sentences import LEFT_OUT_OF_SPEED
 from atleak.wording import signed, wording
@@ -31,7 +32,6 @@ _RULE_LABELS = {
     RuleKind.PAIR_SHARE: "share of pump flow of one land [%]",
     RuleKind.TOTAL_SHARE: "share of pump flow of the whole valve body [%]",
 }
-_INSTANTS = {"max_leakage": "largest leakage", "min_leakage": "smallest leakage", "max_share": "largest share"}
 
 
 class Sheets:
@@ -184,20 +184,10 @@ class Sheets:
             if share is not None
         ]
         row = book.pairs(sheet, 0, rows)
-        instants = [
-            {
-                "instant": label,
-                "time [s]": record[name]["time_s"],
-                "leakage [dm³/min]": record[name]["leakage_dm3_min"],
-                "pump capacity [dm³/min]": record[name]["pump_capacity_dm3_min"],
-                "share [%]": record[name]["share_percent"],
-            }
-            for name, label in _INSTANTS.items()
-            if record[name]
-        ]
         kinds = {"time [s]": "time", "share [%]": "percent"}
         kinds |= dict.fromkeys(("leakage [dm³/min]", "pump capacity [dm³/min]"), "flow")
-        row = book.records(sheet, row + 1, instants, kinds) + 1
+        row = book.records(sheet, row + 1, instant_rows(road), kinds) + 1
+        put(sheet, row - 1, 0, wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}"))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
         if series.thinned:
