@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
-from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel
@@ -97,7 +97,8 @@ class Diagnosis:
 
     readings: Readings | None
     controller: Controller
-    fluid: Fluid
+    fluid: Fluid  # in its state
+    fluid_state_assumed: bool  # nobody said whether it is fresh or used, and fresh is taken
     limits: Limits
     profile: Profile
     mileage: float | None  # [km]
@@ -223,6 +224,7 @@ def diagnose(
     fluid: Fluid,
     limits: Limits,
     *,
+    fluid_state: FluidState | None = None,
     readings: Readings | None = None,
     road_test: RoadTest | None = None,
     profile: Profile = WORKSHOP,
@@ -238,6 +240,8 @@ def diagnose(
     ----------
     controller, fluid, limits
         from the catalogue or the workshop's own files.
+    fluid_state
+        whether the fluid in the transmission is fresh or used; as its data are unless given, and a message says so.
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
@@ -255,10 +259,14 @@ def diagnose(
     ------
     DomainError
         a condition's temperature outside the fluid's data.
+    InputError
+        a fluid that its data describe as used, taken as fresh.
     RoadTestError
         a road test without usable main pressure.
     """
     condition = condition or controller.operating_points[0]
+    fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
+    fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
     states = clearances(readings, controller)
     model = LeakageModel(controller, states, fluid, profile)
     conditions = [condition]
@@ -282,12 +290,15 @@ def diagnose(
         )
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if fluid_state_assumed:
+        messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
         messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
     return Diagnosis(
         readings=readings,
         controller=controller,
         fluid=fluid,
+        fluid_state_assumed=fluid_state_assumed,
         limits=limits,
         profile=profile,
         mileage=mileage,

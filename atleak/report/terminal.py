@@ -19,7 +19,7 @@ from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
 from atleak.views.road_instants import road_instants
-from atleak.views.sentences import covered_from
+from atleak.views.sentences import covered_from, fluid_in_state
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, UM
 
@@ -44,7 +44,8 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     """Print totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
     console = TerminalConsole()
     controller, readings = diagnosis.controller, diagnosis.readings
-    console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
+    fluid = fluid_in_state(diagnosis, wording("en"))
+    console.print(Text(f"{controller.name} · {fluid} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     console.print(Text(measured + (f" in {readings.file}" if readings else "")))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))

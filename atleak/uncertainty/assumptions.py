@@ -24,7 +24,7 @@ class Assumptions:
     nominal_diameter: float = 3.0e-6  # [m] of a part that was not measured
     unseen_ovality: float = 4.0e-6  # [m] of a part measured in one direction, where no other land shows it
     form_residual: float = 0.1  # of ovality and taper: what two directions and a few planes do not average out
-    viscosity: float = 0.05  # relative: batch, ageing, D341 between two points
+    viscosity: float = 0.05  # relative: batch, D341 between two points; fresh or used is asked
     temperature: float = 1.0  # [K] of the fluid in the gaps
     main_pressure: float = 0.02  # relative
     converter_pressure: float = 0.02  # relative

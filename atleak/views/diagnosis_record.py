@@ -48,6 +48,8 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "source": diagnosis.fluid.source,
             "sha256": diagnosis.fluid.origin.sha256,
             "representative": list(diagnosis.fluid.representative),
+            "state": diagnosis.fluid.state,
+            "state_assumed": diagnosis.fluid_state_assumed,
         },
         "limits": limits_record(diagnosis.limits),
         "mileage_km": diagnosis.mileage,

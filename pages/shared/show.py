@@ -22,7 +22,7 @@ from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
 from atleak.views.road_instants import instant_rows
-from atleak.views.sentences import covered_from
+from atleak.views.sentences import covered_from, fluid_in_state
 from atleak.wording import signed, wording
 from pages.shared.state import Refusal
 
@@ -148,7 +148,8 @@ def what_is_shown(diagnosis: Diagnosis) -> None:
     controller = diagnosis.controller
     said = f" **Representative:** {plain(controller.representative)}" if controller.representative else ""
     more = "Whose limit it is, leakage and mounting clearance: with all lands, below."
-    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}. {more}{said}")
+    fluid = plain(fluid_in_state(diagnosis, wording("en")))
+    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}, fluid {fluid}. {more}{said}")
 
 
 def open_verdicts(lines: list[str]) -> None:
@@ -185,8 +186,12 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     if diagnosis.uncertainty is not None:
         messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")
     lines = [
-        f"- {SLOTS[name].label.lower()}: **{plain(record[name]['name'])}** — {plain(record[name]['source'])}"
-        for name in ("controller", "fluid", "limits")
+        f"- {SLOTS[name].label.lower()}: **{plain(called)}** — {plain(record[name]['source'])}"
+        for name, called in (
+            ("controller", record["controller"]["name"]),
+            ("fluid", fluid_in_state(diagnosis, wording("en"))),
+            ("limits", record["limits"]["name"]),
+        )
     ]
     with st.expander("What this rests on"):
         st.markdown("\n".join([*lines, f"- profile: **{plain(diagnosis.profile.label)}**"]))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
+from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
 from atleak.diagnosis import LandDiagnosis
 from atleak.errors import unknown
@@ -15,6 +16,7 @@ from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.road_series import RoadSeries
+from atleak.views.sentences import fluid_in_state
 from atleak.wording import isolated
 from atleak.workshop_units import G_CM3, MM, MM2_S, UM
 
@@ -361,7 +363,7 @@ class Body:
         yield facts(
             [
                 [say("facts.controller"), diagnosis.controller.name],
-                [say("facts.fluid"), fluid.name],
+                [say("facts.fluid"), fluid_in_state(diagnosis, say)],
                 [say("facts.viscosity"), joined(viscosities, "; ")],
                 [say("facts.profile"), diagnosis.profile.label],
                 [say("facts.options"), options],
@@ -405,6 +407,9 @@ class Body:
         if diagnosis.controller.pump.representative:
             names = joined(diagnosis.controller.pump.representative)
             items.append(say("texts.representative_lands", values=names))
+        if diagnosis.fluid_state_assumed:
+            low, high = USED_THINNER
+            items.append(say("texts.fluid_assumed", low=low, high=high))
         if diagnosis.fluid.representative:
             names = joined(diagnosis.fluid.representative)
             items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {names}.")

@@ -18,7 +18,7 @@ from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
-from atleak.views.sentences import LEFT_OUT_OF_SPEED
+from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM
 
@@ -61,7 +61,7 @@ class Sheets:
             ("transmission", " ".join(filter(None, (box.maker, box.code, box.serial)))),
             ("mileage [km]", record["mileage_km"] or vehicle.mileage_km),
             ("valve body", record["controller"]["name"]),
-            ("fluid", record["fluid"]["name"]),
+            ("fluid", fluid_in_state(diagnosis, wording("en"))),
             ("limits", record["limits"]["name"]),
             ("profile", diagnosis.profile.label),
             ("measuring sheet", record["readings"]["file"]),

@@ -214,6 +214,8 @@ def test_a_sheet_of_another_controller_says_so(run: Run, sample_readings: Path) 
         (["--sheet", "Nope"], ("'Nope'", "Measurements")),
         (["--sheet-unit", "furlong"], ("'furlong'", "inch")),
         (["--jsn", "-"], ("--jsn",)),
+        (["--fluid-state", "usd"], ("'usd'", "did you mean 'used'?")),
+        (["--fluid", "hipol_atf_iid_used", "--fluid-state", "fresh"], ("describe a used fluid",)),
     ],
 )
 def test_a_bad_option_is_named_with_its_value(
@@ -327,6 +329,24 @@ def test_profile_and_set_reach_the_engine(sample_readings: Path, record_of: Reco
     changed = record_of(sample_readings, "--profile", "paper", "--set", "diameter=mean", "--set", "entry_loss=on")
     assert (changed["profile"]["diameter"], changed["profile"]["entry_loss"]) == ("mean", True)
     assert changed["gaps"][0]["diameter_mm"] > paper["gaps"][0]["diameter_mm"]
+
+
+def test_the_state_of_the_fluid_is_assumed_and_said_or_as_it_was_stated(
+    run: Run, sample_readings: Path, record_of: RecordOf
+) -> None:
+    assumed = record_of(sample_readings)
+    stated = record_of(sample_readings, "--fluid-state", "fresh")
+    used = record_of(sample_readings, "--fluid-state", "used")
+    states = [(each["fluid"]["state"], each["fluid"]["state_assumed"]) for each in (assumed, stated, used)]
+    assert states == [("fresh", True), ("fresh", False), ("used", False)]
+    said = [any(message["code"] == "fluid_state_assumed" for message in each["messages"]) for each in (assumed, stated)]
+    assert said == [True, False]
+    leakage = [each["hot_idle"]["leakage_dm3_min"] for each in (assumed, stated, used)]
+    assert leakage[0] == leakage[1]
+    assert leakage[2] == pytest.approx(leakage[0] * 7.0 / 5.28, rel=0.01, abs=0.0)  # as thin as the study's used oil
+    assert used["fluid"]["id"] == "hipol_atf_iid_used"
+    _, out, _ = run("diagnose", sample_readings)
+    assert "taken as fresh (not stated)" in " ".join(out.split())
 
 
 def test_the_last_of_an_option_set_twice_counts(sample_readings: Path, record_of: RecordOf) -> None:

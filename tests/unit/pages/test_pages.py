@@ -246,6 +246,18 @@ def test_profile_options_reach_the_engine(app: AppTest) -> None:
     assert "paper, diameter=mean" in texts(app)
 
 
+def test_the_state_of_the_fluid_is_asked_and_reaches_the_result(app: AppTest) -> None:
+    states = next(widget for widget in app.radio if widget.label == "The fluid is")
+    assert states.value is None
+    assert "taken as fresh (not stated)" in texts(app)
+    states.set_value("used").run()
+    assert not app.exception
+    assert "after 106 315 km" in texts(app)
+    assert "taken as fresh" not in "".join(widget.value for widget in app.main.caption)
+    go(app, "2_Readings")
+    assert next(widget for widget in app.radio if widget.label == "The fluid is").value == "used"
+
+
 def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> None:
     text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
     choice(app, "Limits").select("own file (TOML) …").run()
