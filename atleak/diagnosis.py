@@ -11,7 +11,7 @@ from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.engine.leakage import LeakageModel
+from atleak.engine.leakage import LeakageModel, narrow_gap_messages
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, project, project_new
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
@@ -437,6 +437,7 @@ def _messages(
         if logged is not None:
             temperatures += [float(value) for value in (np.nanmin(logged), np.nanmax(logged))]
     messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
+    messages += narrow_gap_messages(gap for projection in projections for gap in projection.gaps)
     for projection in projections:
         messages += projection.messages
         if projection.pump_capacity <= 0.0:

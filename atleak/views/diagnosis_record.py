@@ -198,6 +198,9 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
         "verdict": rule.verdict,
         "decision": decided.decision if decided else None,
         "probability_over_limit": decided.probability_over_limit if decided else None,
+        "measurable": uncertainty.measurable(decided) if uncertainty and decided else None,
+        "new": _scaled(rule.new, rule.kind.factor),
+        "growth_percent": _scaled(rule.growth, PERCENT),
         "origin": rule.origin,
     }
 
@@ -253,6 +256,8 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
         "decision": total.decision.decision if total else None,
         "probability_over_limit": total.decision.probability_over_limit if total else None,
         "minimum_engine_rpm": projection.minimum_speed * RPM,
+        "concentric_factor_low": projection.concentric_factor[0],
+        "concentric_factor_high": projection.concentric_factor[1],
         "source": at.source,
     }
 

@@ -9,6 +9,7 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
 from atleak.diagnosis import LandDiagnosis
+from atleak.engine.profile import UNKNOWN
 from atleak.errors import unknown
 from atleak.job.record import RepairDecision
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
@@ -447,9 +448,13 @@ class Body:
         say, profile, diagnosis = self.say, self.diagnosis.profile, self.diagnosis
         names = [f"method_{profile.diameter}", f"method_{profile.viscosity}", f"method_{profile.pump_draw}"]
         sentences = [say("texts.method"), *(say(f"texts.{name}") for name in names)]
-        if profile.entry_loss:
+        if profile.form == "mean_of_cubes":
+            sentences.append(say("texts.method_form"))
+        if profile.entry_loss != "off":
             sentences.append(say("texts.method_entry_loss"))
-        if profile.eccentricity:
+        if profile.eccentricity == UNKNOWN:
+            sentences.append(say("texts.method_eccentricity_unknown"))
+        elif profile.eccentricity:
             sentences.append(say("texts.method_eccentricity", value=say.plain(profile.eccentricity)))
         yield text(" ".join((*sentences, say("texts.method_limits"))))
         sources = [

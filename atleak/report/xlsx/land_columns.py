@@ -144,6 +144,10 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     yield LandColumn("beta_k", "expansion of body β_k [1e-6/K]", 12, body)
     spool = changeable("plain", lambda land: land.state.land.spool_expansion * _PER_KELVIN)
     yield LandColumn("beta_s", "expansion of spool β_s [1e-6/K]", 12, spool)
+    square = changeable("plain", lambda land: land.state.form_moments[0] * UM**2)
+    yield LandColumn("m2", "form: mean of (c − c_r)² as measured [µm²]", 12, square)
+    cube = changeable("plain", lambda land: land.state.form_moments[1] * UM**3)
+    yield LandColumn("m3", "form: mean of (c − c_r)³ as measured [µm³]", 12, cube)
 
 
 def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandColumn]:
@@ -153,9 +157,7 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
         opening = f"{row.here('beta_k')}*{row.here('sleeve')}-{row.here('beta_s')}*{row.here('spool')}"
         rise = f"({condition('T')}-{exact(REFERENCE_TEMPERATURE)})"
         formula = f"MAX({row.here('c_r')}+({opening})/2*{rise}*0.001,0)"
-        gaps = projection.gaps_of(row.land.key)
-        warm = row.land.state.effective_clearance(projection.condition.temperature)
-        return Cell("um", (gaps[0].effective_clearance if gaps else warm) * UM, formula)
+        return Cell("um", row.land.state.effective_clearance(projection.condition.temperature) * UM, formula)
 
     def leakage(row: LandRow) -> Cell:
         rows = [number for number, gap in enumerate(sheet.gaps[prefix], start=1) if gap.gap.key == row.land.key]

@@ -17,8 +17,9 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.leakage import GapLeakage
+from atleak.engine.profile import UNKNOWN
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
-from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS
+from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, MEAN_ECCENTRIC
 from atleak.look import DATA_BAR
 from atleak.readings import Reading
 from atleak.report.xlsx.book import Book, cell, exact, formula, put, span
@@ -248,7 +249,7 @@ class LiveSheets:
             "pressure drop Δp [kPa]",
             "diameter [mm]",
             "contact length l [mm]",
-            "effective clearance c_re [µm]",
+            "clearance of equal flow [µm]",
             "kinematic viscosity ν [mm²/s]",
             "density ρ [g/cm³]",
             "leakage q [mm³/s]",
@@ -264,10 +265,9 @@ class LiveSheets:
                 put(sheet, row, column, value)
             drop = leak.pressure_drop * KPA
             formula(sheet, row, 5, _drop(gap.high, gap.low, at), drop, book.form("kpa"))
-            formula(sheet, row, 6, self._diameter(row, leak), leak.diameter * MM, book.form("mm"))
+            formula(sheet, row, 6, self._diameter(leak, at), leak.diameter * MM, book.form("mm"))
             put(sheet, row, 7, leak.contact_length * MM, book.form("mm", **CHANGEABLE))
-            clearance = cell(self.row_of[gap.key], self.column_of["c_re", at.prefix], "Lands")
-            formula(sheet, row, 8, clearance, leak.effective_clearance * UM, book.form("um"))
+            formula(sheet, row, 8, self._flow_clearance(leak, at), leak.effective_clearance * UM, book.form("um"))
             formula(sheet, row, 9, at("nu"), leak.kinematic_viscosity * MM2_S, book.form("nu"))
             formula(sheet, row, 10, at("rho"), leak.density * G_CM3, book.form("rho"))
             formula(sheet, row, 11, self._flow(row), leak.leakage * MM3_S, book.form("mm3"))
@@ -278,21 +278,35 @@ class LiveSheets:
         sheet.set_column(0, 14, 13)
         sheet.autofilter(0, 0, max(len(self.gaps[at.prefix]), 1), len(names) - 1)
 
-    def _diameter(self, row: int, leak: GapLeakage) -> str:
-        spool = cell(self.row_of[leak.gap.key], self.column_of["spool"], "Lands")
-        return f"{spool}+I{row + 1}*0.001" if self.diagnosis.profile.diameter == "mean" else spool
+    def _of_land(self, leak: GapLeakage, key: ColumnKey) -> str:
+        """Return the cell with one of the quantities of a gap's land."""
+        return cell(self.row_of[leak.gap.key], self.column_of[key], "Lands")
+
+    def _diameter(self, leak: GapLeakage, at: SheetCondition) -> str:
+        spool = self._of_land(leak, "spool")
+        mean = self.diagnosis.profile.diameter == "mean"
+        return f"{spool}+{self._of_land(leak, ('c_re', at.prefix))}*0.001" if mean else spool
+
+    def _flow_clearance(self, leak: GapLeakage, at: SheetCondition) -> str:
+        c = self._of_land(leak, ("c_re", at.prefix))
+        if not self.diagnosis.model.law.counts_form:
+            return c
+        return f"({c}^3+MAX(3*{c}*{self._of_land(leak, 'm2')}+{self._of_land(leak, 'm3')},0))^(1/3)"
 
     def _flow(self, row: int) -> str:
         """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
         profile, r = self.diagnosis.profile, row + 1
-        eccentric = f"(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2)*" if profile.eccentricity else ""
-        if profile.entry_loss:
-            viscous = f"(12*J{r}*K{r}*H{r})"
+        viscous = f"(12*J{r}*K{r}*H{r})"
+        if profile.eccentricity == UNKNOWN:
+            viscous = f"({viscous}/{exact(MEAN_ECCENTRIC)})"
+        elif profile.eccentricity:
+            viscous = f"({viscous}/(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2))"
+        if profile.entry_loss == "off":
+            law = f"PI()*G{r}*I{r}^3*F{r}*0.001/{viscous}"
+        else:
             root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
             law = f"2*PI()*G{r}*I{r}^3*F{r}*0.001/({viscous}+{root})"
-        else:
-            law = f"PI()*G{r}*I{r}^3*F{r}*0.001/(12*J{r}*K{r}*H{r})"
-        return f"IF(F{r}>0,{eccentric}{law},0)"
+        return f"IF(F{r}>0,{law},0)"
 
     # --- rules
 
