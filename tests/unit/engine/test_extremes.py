@@ -97,7 +97,8 @@ def test_a_pressure_that_the_logger_holds_counts_by_its_own_rate(log_of: LogOf) 
 
 @pytest.fixture(scope="module")
 def model(four_speed: Controller, hipol: Fluid, sample_readings: Path) -> LeakageModel:
-    return LeakageModel(four_speed, clearances(read_readings(sample_readings, four_speed), four_speed), hipol, WORKSHOP)
+    states = clearances(read_readings(sample_readings, four_speed), four_speed)
+    return LeakageModel(four_speed, states, hipol, WORKSHOP.with_options(form="cube_of_mean", entry_loss="off"))
 
 
 @pytest.fixture(scope="module")
