@@ -284,6 +284,7 @@ def diagnose(
             projections,
             rules,
             readings=readings,
+            instants={at: project(model, road.condition_at(at)) for at in road.instants} if road else {},
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,

@@ -76,6 +76,14 @@ class Extremes:
         return None if self._share is None else self._sustained(self._share)
 
     @property
+    def instants(self) -> tuple[Instant, ...]:
+        """Return every extreme there is."""
+        every = (
+            self.max_leakage, self.min_leakage, self.max_share, self.max_leakage_sustained, self.max_share_sustained
+        )  # fmt: skip
+        return tuple(instant for instant in every if instant is not None)
+
+    @property
     def samples(self) -> int:
         """Return how many samples count."""
         return int(np.count_nonzero(np.isfinite(self.leakage)))

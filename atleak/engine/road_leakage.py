@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,12 +15,15 @@ from atleak.events import Event, Thresholds, engine_starts
 from atleak.road_test import RoadTest
 from atleak.workshop_units import KPA
 
+_FIELDS = {"atf_temperature": "temperature"}  # a log's quantity → the field of a condition, where they differ
+
 
 @dataclass(frozen=True)
 class RoadLeakage:
     """Leakage over a road test; arrays have shape (samples,) and are NaN where a channel was not usable."""
 
     road_test: RoadTest
+    assumed: OperatingPoint  # from which comes what the log does not hold
     time: np.ndarray  # [s]
     leakage: np.ndarray  # [m³/s]
     sections: dict[str, np.ndarray]  # [m³/s]
@@ -36,6 +39,23 @@ class RoadLeakage:
     def share(self) -> np.ndarray | None:
         """Return leakage / pump capacity of every sample; NaN where the pump stands."""
         return None if self.pump_capacity is None else share_of(self.leakage, self.pump_capacity)
+
+    @property
+    def instants(self) -> tuple[Instant, ...]:
+        """Return every extreme there is, also of the moments after a start."""
+        return (*self.extremes.instants, *(self.start.instants if self.start else ()))
+
+    def condition_at(self, instant: Instant) -> OperatingPoint:
+        """Return the pressures, temperature, gear and speed of an instant's sample."""
+        logged: dict[str, float] = {}
+        for quantity in ("main_pressure", "converter_pressure", "atf_temperature", "engine_speed", "gear"):
+            values = self.road_test.values(quantity)
+            if values is not None and np.isfinite(values[instant.sample]):
+                logged[_FIELDS.get(quantity, quantity)] = float(values[instant.sample])
+        label = f"{instant.time:.2f} s of {self.road_test.file}"
+        gear = int(logged.pop("gear", self.assumed.gear))
+        source = f"sample {instant.sample + 1} of the log"
+        return replace(self.assumed, name=f"sample_{instant.sample}", label=label, gear=gear, source=source, **logged)
 
     @property
     def max_leakage(self) -> Instant:
@@ -135,6 +155,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     extremes, start = _extremes(road_test, series.total, capacity, messages)
     return RoadLeakage(
         road_test=road_test,
+        assumed=assumed,
         time=road_test.time,
         leakage=series.total,
         sections=series.sections,

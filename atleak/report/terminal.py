@@ -17,8 +17,9 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
+from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
-from atleak.views.road_instants import road_instants
+from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.sentences import covered_from, fluid_in_state
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, UM
@@ -65,7 +66,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
             )
         )
     if diagnosis.road is not None:
-        console.print(Text(_road(diagnosis.road)))
+        console.print(Text(_road(diagnosis.road, diagnosis.uncertainty)))
     for message in diagnosis.messages:
         if message.level == "warning":
             console.print(Text(f"! {message.text}"))
@@ -148,14 +149,24 @@ def _cell(value: Any) -> str:
     return "–" if value is None else str(value)
 
 
-def _road(road: RoadLeakage) -> str:
+def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> str:
     parts = []
     for row in road_instants(road):
         if row.name != "min_leakage":
             at = row.instant
-            share = "" if at.share is None else f" ({at.share * PERCENT:.1f} % of the pump's flow)"
-            parts.append(f"{row.label(wording('en'))} {at.leakage * DM3_MIN:.2f} dm³/min{share} at {at.time:.2f} s")
+            record = instant_record(at, uncertainty)
+            share = ""
+            if at.share is not None:
+                share = f" ({at.share * PERCENT:.1f} % of the pump's flow{_between(record, 'share_{}_percent', 1)})"
+            leakage = f"{at.leakage * DM3_MIN:.2f} dm³/min{_between(record, 'leakage_{}_dm3_min', 2)}"
+            parts.append(f"{row.label(wording('en'))} {leakage}{share} at {at.time:.2f} s")
     return f"Road test {road.road_test.file}: {'; '.join(parts)}"
+
+
+def _between(record: dict[str, Any], name: str, digits: int) -> str:
+    """Return the interval of a value of a record; an empty text where it is not known."""
+    low, high = record[name.format("low")], record[name.format("high")]
+    return "" if low is None or high is None else f", {low:.{digits}f} to {high:.{digits}f}"
 
 
 def _verdict(diagnosis: Diagnosis) -> str:

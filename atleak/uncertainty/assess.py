@@ -6,10 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind
+from atleak.engine.extremes import Instant
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
 from atleak.equations.gap import FULLY_ECCENTRIC
@@ -20,7 +22,7 @@ from atleak.rules import Rule, UnitRules
 from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
-from atleak.uncertainty.propagation import DRAWS, SEED, LandSpread, TotalSpread, propagate
+from atleak.uncertainty.propagation import DRAWS, SEED, InstantSpread, LandSpread, TotalSpread, propagate
 from atleak.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
 from atleak.verdicts import Band
 from atleak.workshop_units import UM
@@ -199,11 +201,20 @@ class TotalUncertainty:
 
 
 @dataclass(frozen=True)
+class InstantUncertainty:
+    """The 95 % intervals of leakage [m³/s] and share at one instant of a road test."""
+
+    leakage_interval: Interval
+    share_interval: Interval | None  # None where the instant has no share
+
+
+@dataclass(frozen=True)
 class UnitUncertainty:
     """The uncertainty of all lands and totals, with the inputs it follows from."""
 
     lands: tuple[LandUncertainty, ...]
     totals: tuple[TotalUncertainty, ...]  # in the order of the projections given
+    instants: Mapping[Instant, InstantUncertainty]  # of the road test
     instruments: Instruments
     assumptions: Assumptions
     repeats: dict[Part, RepeatSpread]
@@ -233,6 +244,7 @@ def assess(
     rules: UnitRules,
     *,
     readings: Readings | None = None,
+    instants: Mapping[Instant, Projection] = MappingProxyType({}),
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
     coverage: float = COVERAGE,
@@ -254,6 +266,8 @@ def assess(
         rules of the same states and projections, already judged; a decision is added to each.
     readings
         the measuring sheet of the clearances: planes, directions and repeats. Without it nothing was measured.
+    instants
+        instants of a road test whose intervals are wanted, each with its own pressures, temperature, gear and speed.
     instruments
         those with which the lands were measured; the catalogue's defaults unless given.
     assumptions
@@ -300,6 +314,7 @@ def assess(
         coverage=coverage,
         draws=draws,
         seed=seed,
+        instants=tuple(instants.values()),
     )
     eccentric = model.law.eccentricity_factor
     lands = tuple(
@@ -313,6 +328,10 @@ def assess(
     return UnitUncertainty(
         lands=lands,
         totals=totals,
+        instants={
+            instant: _at_instant(instant, projection, instant_spread)
+            for (instant, projection), instant_spread in zip(instants.items(), spread.instants, strict=True)
+        },
         instruments=instruments,
         assumptions=assumptions,
         repeats=repeats,
@@ -473,6 +492,18 @@ def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor
         band_probabilities=tuple(zip(names, spread.band_probabilities, strict=True)),
         budget=_fractions({name: effect**2 for name, effect in spread.effects.items()}),
     )
+
+
+def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread) -> InstantUncertainty:
+    """Return the intervals at an instant; those of a median are in proportion to those of the sample nearest to it."""
+
+    def scaled(interval: Interval, value: float, nearest: float) -> Interval:
+        factor = value / nearest if nearest > 0.0 else 1.0
+        return interval[0] * factor, interval[1] * factor
+
+    leakage = scaled(spread.leakage_interval, instant.leakage, projection.leakage)
+    share = None if instant.share is None else scaled(spread.share_interval, instant.share, projection.share)
+    return InstantUncertainty(leakage, share)
 
 
 def _messages(

@@ -8,7 +8,7 @@ from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.engine.extremes import Extremes, Instant
+from atleak.engine.extremes import Extremes
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
@@ -16,6 +16,7 @@ from atleak.errors import Message
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
+from atleak.views.road_instants import instant_record
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
@@ -79,7 +80,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
             }
             for step in diagnosis.repair_plan
         ],
-        "road_test": None if diagnosis.road is None else _road(diagnosis.road),
+        "road_test": None if diagnosis.road is None else _road(diagnosis.road, diagnosis.uncertainty),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
 
@@ -262,7 +263,7 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
     }
 
 
-def _road(road: RoadLeakage) -> dict[str, Any]:
+def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
     test = road.road_test
     return {
         "file": test.file,
@@ -271,33 +272,23 @@ def _road(road: RoadLeakage) -> dict[str, Any]:
         "duration_s": test.duration,
         "gears": list(road.gears),
         "sections": dict(road.section_shares),
-        **_extremes(road.extremes),
-        "start": None if road.start is None else {"samples": road.start.samples, **_extremes(road.start)},
+        **_extremes(road.extremes, uncertainty),
+        "start": None if road.start is None else {"samples": road.start.samples, **_extremes(road.start, uncertainty)},
         "sustained_over_s": road.extremes.window,
         "lower_bound": road.lower_bound,
         "messages": [message_record(message) for message in (*test.messages, *road.messages)],
     }
 
 
-def _extremes(extremes: Extremes) -> dict[str, Any]:
-    return {
-        "max_leakage_sustained": _instant(extremes.max_leakage_sustained),
-        "max_share_sustained": _instant(extremes.max_share_sustained),
-        "max_leakage": _instant(extremes.max_leakage),
-        "min_leakage": _instant(extremes.min_leakage),
-        "max_share": _instant(extremes.max_share),
+def _extremes(extremes: Extremes, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
+    named = {
+        "max_leakage_sustained": extremes.max_leakage_sustained,
+        "max_share_sustained": extremes.max_share_sustained,
+        "max_leakage": extremes.max_leakage,
+        "min_leakage": extremes.min_leakage,
+        "max_share": extremes.max_share,
     }
-
-
-def _instant(instant: Instant | None) -> dict[str, Any] | None:
-    if instant is None:
-        return None
-    return {
-        "time_s": instant.time,
-        "leakage_dm3_min": instant.leakage * DM3_MIN,
-        "pump_capacity_dm3_min": None if instant.pump_capacity is None else instant.pump_capacity * DM3_MIN,
-        "share_percent": None if instant.share is None else instant.share * PERCENT,
-    }
+    return {name: instant and instant_record(instant, uncertainty) for name, instant in named.items()}
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

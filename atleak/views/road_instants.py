@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from atleak.engine.extremes import Extremes, Instant
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.uncertainty import UnitUncertainty
 from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
@@ -45,20 +47,48 @@ def _of(extremes: Extremes) -> Iterable[RoadInstant]:
     yield from (RoadInstant(name, single, sustained is None) for name, single, sustained in pairs if single)
 
 
-def instant_rows(road: RoadLeakage) -> list[dict[str, Any]]:
-    """Return one English row for every instant, in workshop units; None where a value is not known."""
-    say = wording("en")
+def instant_record(instant: Instant, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
+    """Return an instant with its 95 % intervals in workshop units, as records hold it; None where a value is not known.
+
+    Without readings nothing was measured and no interval is known.
+    """
+    interval = uncertainty.instants.get(instant) if uncertainty else None
+    leakage = interval.leakage_interval if interval else (None, None)
+    share = (interval.share_interval if interval else None) or (None, None)
+    return {
+        "time_s": instant.time,
+        "leakage_dm3_min": instant.leakage * DM3_MIN,
+        "leakage_low_dm3_min": _scaled(leakage[0], DM3_MIN),
+        "leakage_high_dm3_min": _scaled(leakage[1], DM3_MIN),
+        "pump_capacity_dm3_min": _scaled(instant.pump_capacity, DM3_MIN),
+        "share_percent": _scaled(instant.share, PERCENT),
+        "share_low_percent": _scaled(share[0], PERCENT),
+        "share_high_percent": _scaled(share[1], PERCENT),
+    }
+
+
+_HEADINGS = {
+    "time_s": "time [s]",
+    "leakage_dm3_min": "leakage [dm³/min]",
+    "leakage_low_dm3_min": "leakage from",
+    "leakage_high_dm3_min": "leakage to",
+    "pump_capacity_dm3_min": "pump capacity [dm³/min]",
+    "share_percent": "share [%]",
+    "share_low_percent": "share from",
+    "share_high_percent": "share to",
+}
+
+
+def instant_rows(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> list[dict[str, Any]]:
+    """Return one English row for every instant, in workshop units; columns without any value are left out."""
+    say, rows = wording("en"), road_instants(road)
+    records = [instant_record(row.instant, uncertainty) for row in rows]
+    known = {name: heading for name, heading in _HEADINGS.items() if any(each[name] is not None for each in records)}
     return [
-        {
-            "instant": row.label(say),
-            "time [s]": row.instant.time,
-            "leakage [dm³/min]": row.instant.leakage * DM3_MIN,
-            "pump capacity [dm³/min]": _scaled(row.instant.pump_capacity, DM3_MIN),
-            "share [%]": _scaled(row.instant.share, PERCENT),
-        }
-        for row in road_instants(road)
+        {"instant": row.label(say), **{heading: record[name] for name, heading in known.items()}}
+        for row, record in zip(rows, records, strict=True)
     ]
 
 
 def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else value * factor
+    return None if value is None or not math.isfinite(value) else value * factor

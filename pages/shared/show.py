@@ -19,6 +19,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
+from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
 from atleak.views.road_instants import instant_rows
@@ -166,9 +167,9 @@ def log_messages(diagnosis: Diagnosis) -> None:
         messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
 
 
-def extremes(road: RoadLeakage) -> None:
+def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
     """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
-    table(instant_rows(road), number=rounded)
+    table(instant_rows(road, uncertainty), number=rounded)
     said = wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}")
     if road.lower_bound:
         said += f" {wording('en')('texts.lower_bound')}"

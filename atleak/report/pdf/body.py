@@ -244,14 +244,16 @@ class Body:
             "alt": say(known, instants=spoken),
             "caption": say("charts.caption_road", instants=listed, thinned=thinned).strip(),
         }
-        flow = self.names.flow_with_unit
+        names = self.names
         columns = [
             PrintedColumn("", lambda row: str(1 + marked.index(row)) if row in marked else "", side="r"),
             PrintedColumn(say("columns.instant"), lambda row: row.label(say), width=4),
             PrintedColumn(say("columns.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
-            PrintedColumn(say("columns.leakage"), lambda row: flow(row.instant.leakage), width=2, side="r"),
-            PrintedColumn(say("columns.capacity"), lambda row: flow(row.instant.pump_capacity), width=2, side="r"),
-            PrintedColumn(say("columns.share"), lambda row: say.percent(row.instant.share), width=2, side="r"),
+            PrintedColumn(say("columns.leakage"), lambda row: names.instant_leakage(row.instant), width=2, side="r"),
+            PrintedColumn(
+                say("columns.capacity"), lambda row: names.flow_with_unit(row.instant.pump_capacity), width=2, side="r"
+            ),
+            PrintedColumn(say("columns.share"), lambda row: names.instant_share(row.instant), width=2, side="r"),
         ]
         yield table(columns, self.series.instants)
         notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]

@@ -185,8 +185,9 @@ class Sheets:
         ]
         row = book.pairs(sheet, 0, rows)
         kinds = {"time [s]": "time", "share [%]": "percent"}
-        kinds |= dict.fromkeys(("leakage [dm³/min]", "pump capacity [dm³/min]"), "flow")
-        row = book.records(sheet, row + 1, instant_rows(road), kinds) + 1
+        kinds |= dict.fromkeys(("leakage [dm³/min]", "leakage from", "leakage to", "pump capacity [dm³/min]"), "flow")
+        kinds |= dict.fromkeys(("share from", "share to"), "percent")
+        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty), kinds) + 1
         put(sheet, row - 1, 0, wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}"))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])

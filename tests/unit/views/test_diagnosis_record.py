@@ -43,7 +43,10 @@ ROAD = (
     "file sha256 rows duration_s gears sections max_leakage min_leakage max_share max_leakage_sustained "
     "max_share_sustained sustained_over_s start lower_bound messages"
 )
-INSTANT = "time_s leakage_dm3_min pump_capacity_dm3_min share_percent"
+INSTANT = (
+    "time_s leakage_dm3_min leakage_low_dm3_min leakage_high_dm3_min pump_capacity_dm3_min share_percent "
+    "share_low_percent share_high_percent"
+)
 MESSAGE = "level code text"
 
 

@@ -75,7 +75,7 @@ def test_terminal_and_workbook_say_the_same_in_the_same_order(
 ) -> None:
     print_diagnosis(with_start)
     said = " ".join(capsys.readouterr().out.split())
-    labels = [row["instant"] for row in instant_rows(with_start.road)]
+    labels = [row["instant"] for row in instant_rows(with_start.road, None)]
     assert labels[-1] == "after a start of the engine: largest share, sustained"
     shown = [label for label in labels if label != "smallest leakage"]
     places = [said.index(label) for label in shown]
@@ -88,6 +88,19 @@ def test_terminal_and_workbook_say_the_same_in_the_same_order(
     first = column.index("instant") + 1
     assert column[first : first + len(labels)] == labels
     assert "a few wrong samples" in column[first + len(labels)]
+
+
+def test_terminal_and_page_rows_give_the_intervals(worn: Diagnosis, capsys: pytest.CaptureFixture[str]) -> None:
+    print_diagnosis(worn)
+    said = " ".join(capsys.readouterr().out.split())
+    first = instant_rows(worn.road, worn.uncertainty)[0]
+    assert first["instant"] == "largest leakage, sustained"
+    assert first["leakage from"] < first["leakage [dm³/min]"] < first["leakage to"]
+    assert f"{first['leakage [dm³/min]']:.2f} dm³/min, {first['leakage from']:.2f} to {first['leakage to']:.2f}" in said
+    assert (
+        f"{first['share [%]']:.1f} % of the pump's flow, {first['share from']:.1f} to {first['share to']:.1f}" in said
+    )
+    assert "leakage from" not in instant_rows(worn.road, None)[0]
 
 
 @pytest.mark.parametrize(
