@@ -74,6 +74,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--rpm", metavar="N", type=number_of(ENGINE_SPEED), help="engine speed of the stated condition")
     parser.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
     parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
+    parser.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
     parser.add_argument(
         "--assume",
         metavar="NAME=VALUE",
@@ -169,6 +170,7 @@ def _case(options: argparse.Namespace) -> Case:
         constants=tuple(options.constant),
         assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
         guard_factor=options.guard,
+        complaint=options.complaint,
     )
 
 

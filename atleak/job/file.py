@@ -153,6 +153,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         condition=Condition(**settings_of(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
+        complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else {},
@@ -279,6 +280,7 @@ class Choices(_Strict):
     condition: Condition
     mileage: Annotated[float, Field(ge=0)] | None = None
     fluid_state: FluidState | None = None
+    complaint: str | None = None
     readings: ReadingChoices = ReadingChoices()
     road_test: _LogChoices = {}
     assumptions: dict[str, float] = {}
@@ -294,6 +296,7 @@ class Choices(_Strict):
             point=OperatingPoint(**self.condition.model_dump()),
             mileage=self.mileage,
             fluid_state=self.fluid_state,
+            complaint=self.complaint,
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),

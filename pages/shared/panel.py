@@ -82,6 +82,7 @@ def draw() -> None:
             for choice in SLOTS.values():
                 if choice.part is not None:
                     _choice(choice)
+        _complaint()
         _condition()
         _profile()
     result = current_diagnosis()
@@ -197,10 +198,34 @@ def _fluid_state() -> None:
     choose(fluid_state=picked)
 
 
+def _start() -> PageCase:
+    """Return the first values of what belongs to the controller: none for one that was chosen since."""
+    now = session()
+    return now.start if now.start.controller == now.case.controller else PageCase()
+
+
+def _complaint() -> None:
+    controller, first = _controller(), _start().complaint
+    labels = {complaint.id: complaint.label for complaint in controller.complaints}
+    options = [None, *labels]
+    picked = st.selectbox(
+        "Complaint",
+        options,
+        index=options.index(first if first in labels else None),
+        key=f"{_key('complaint')}-{controller.sha256}",
+        format_func=lambda name: "none chosen" if name is None else labels[name],
+        disabled=not labels,
+        help="What the customer says. Its conditions lead the result, and it says which lands to measure first."
+        if labels
+        else "The file of this valve body maps no complaint to its operating points.",
+    )
+    choose(complaint=picked)
+
+
 def _condition() -> None:
     now = session()
     controller = _controller()
-    start = now.start if now.start.controller == now.case.controller else PageCase()
+    start = _start()
     point = start.point or controller.operating_points[0]
     with st.expander("Stated condition and mileage"):
         owner = f"{_key('at')}-{controller.sha256}"

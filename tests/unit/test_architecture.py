@@ -43,6 +43,7 @@ FLOORS = (
     ("engine.road_leakage", "rules"),
     ("uncertainty", "variants"),
     ("diagnosis",),
+    ("repair",),
     ("views", "intake"),
     ("figures", "job.record", "job.case", "report.printed_charts", "report.terminal", "report.measuring_sheet"),
     ("job.file", "report.pdf", "report.xlsx"),

@@ -34,6 +34,7 @@ from atleak.report.xlsx.land_columns import (
     address,
     land_columns,
     share_of,
+    sheet_conditions,
     verdict_of_rank,
 )
 from atleak.rules import LandKey, Rule
@@ -52,11 +53,7 @@ class LiveSheets:
         self.book, self.diagnosis, self.record = book, diagnosis, record
         self.lands = diagnosis.lands
         self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
-        self.conditions = [SheetCondition(diagnosis.projection, "stated", "Gaps", "stated condition")]
-        for projection in diagnosis.reported[1:]:
-            name = projection.condition.name
-            title = name.replace("_", " ")
-            self.conditions.append(SheetCondition(projection, name, f"Gaps {title}"[:31], title))
+        self.conditions = sheet_conditions(diagnosis)
         self.gaps = {at.prefix: self._by_land(at.projection.gaps) for at in self.conditions}
         self.rule_rows = self._rule_rows()
         self.limit_cells: dict[tuple[RuleKind, Level], str] = {}  # their addresses in the sheet of limits
@@ -331,11 +328,7 @@ class LiveSheets:
         kind, factor = rule.kind.suffix, rule.kind.factor
         for column, value in enumerate((land.component, land.land, rule.label, rule.kind.unit)):
             put(sheet, row, column, value)
-        source = self._rule_source(judged, rule)
-        if source is None:
-            put(sheet, row, 4, rule.value * factor, book.form(kind))
-        else:
-            formula(sheet, row, 4, source, rule.value * factor, book.form(kind))
+        formula(sheet, row, 4, self._rule_source(judged, rule), rule.value * factor, book.form(kind))
         text = "1"
         of_the_set = self.diagnosis.limits.rules.get(rule.kind)
         for level, limit in rule.steps.levels:
@@ -350,17 +343,19 @@ class LiveSheets:
         put(sheet, row, _VERDICT + 2, rule.origin)
         put(sheet, row, _VERDICT + 3, rule.source)
 
-    def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str | None:
-        """Return the cell with the rule's value on the sheet of lands; None where the workbook lacks the condition."""
+    def rule_verdict(self, judged: LandDiagnosis, rule: Rule) -> str:
+        """Return the cell with the verdict of one of a land's rules."""
+        return cell(self.rule_rows[judged.key][0] + judged.rules.index(rule), _VERDICT, "Rules")
+
+    def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str:
+        """Return the cell with the rule's value on the sheet of lands."""
         row, at = self.row_of[judged.key], self.column_of
         if rule.kind is RuleKind.WEAR:
             return cell(row, at["wear"], "Lands")
         if rule.kind is RuleKind.CLEARANCE:
             return cell(row, at["c_r"], "Lands")
-        for condition in self.conditions:
-            if rule.condition == condition.projection.condition:
-                return cell(row, at["share", condition.prefix], "Lands")
-        return None
+        at_condition = next(each for each in self.conditions if each.projection.condition == rule.condition)
+        return cell(row, at["share", at_condition.prefix], "Lands")
 
 
 def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:
