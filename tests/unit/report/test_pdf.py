@@ -21,7 +21,7 @@ import atleak.wording
 from atleak.catalogue.controller import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.diagnosis import diagnose
-from atleak.engine.profile import PAPER
+from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError
 from atleak.job.record import Job
 from atleak.look import look_of
@@ -221,6 +221,23 @@ def test_the_state_of_the_fluid_is_said(worn, language, said):
     assert squeezed(said[1]) in assumed
     assert squeezed(said[2]) in stated
     assert squeezed(said[0]) not in stated
+
+
+@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize(
+    ("profile", "said"),
+    [
+        (WORKSHOP, {"form", "entry_loss"}),
+        (WORKSHOP.with_options(eccentricity="unknown"), {"form", "entry_loss", "eccentricity_unknown"}),
+        (PAPER, set()),
+    ],
+    ids=lambda value: getattr(value, "label", ""),
+)
+def test_the_method_says_what_the_profile_counts(worn, language, profile, said):
+    diagnosis = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, profile=profile)
+    say, text = wording(language), squeezed(text_of(write_pdf(diagnosis, language=language, sections=["method"])))
+    every = ("form", "entry_loss", "eccentricity_unknown")
+    assert {name for name in every if squeezed(say(f"texts.method_{name}")) in text} == said
 
 
 def test_languages_have_the_same_keys_and_places():
