@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -33,6 +34,25 @@ from atleak.uncertainty import (
 )
 from atleak.verdicts import Band, Verdict, worst
 
+FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
+
+
+@dataclass(frozen=True)
+class ReplaceMileage:
+    """The mileage [km] at which the wear limit for replacing is reached, wear ∝ mileage, with its 95 % interval.
+
+    The vehicle has not come there yet, so the interval begins at its mileage at the earliest.
+    """
+
+    value: float | None  # None where it cannot be told whether the land wears at all
+    low: float  # infinite where the land does not wear
+    high: float  # infinite where the limit may never be reached
+
+    @property
+    def foreseeable(self) -> bool:
+        """Return whether the interval ends within what a vehicle runs."""
+        return self.high <= FARTHEST
+
 
 @dataclass(frozen=True)
 class LandDiagnosis:
@@ -47,8 +67,7 @@ class LandDiagnosis:
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[Rule, ...]
-    #: [km] at which the wear limit for replacing is reached, wear ∝ mileage; None where in doubt or already passed
-    replace_mileage: float | None
+    replace_mileage: ReplaceMileage | None  # None without mileage or measured wear, and where it has been passed
     uncertainty: LandUncertainty | None  # None where nothing was measured
     messages: tuple[Message, ...]
 
@@ -366,7 +385,7 @@ def _land(
         excess_share=excess,
         verdict=_verdict(state, own_rules),
         rules=own_rules,
-        replace_mileage=_replace_mileage(state, own_rules, mileage, own_uncertainty),
+        replace_mileage=_replace_mileage(own_rules, mileage, own_uncertainty),
         uncertainty=own_uncertainty,
         messages=state.messages,
     )
@@ -382,21 +401,22 @@ def _verdict(state: LandClearance, rules: Iterable[Rule]) -> Verdict:
 
 
 def _replace_mileage(
-    state: LandClearance, rules: Iterable[Rule], mileage: float | None, uncertainty: LandUncertainty | None
-) -> float | None:
-    """Return the mileage [km] at which the wear limit for replacing is reached.
-
-    None where the vehicle has passed it, or where wear is less than two standard uncertainties of the readings.
-    """
+    rules: Iterable[Rule], mileage: float | None, uncertainty: LandUncertainty | None
+) -> ReplaceMileage | None:
     rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
-    if rule is None or mileage is None:
+    if rule is None or mileage is None or uncertainty is None or uncertainty.wear_interval is None:
         return None
-    doubt = uncertainty.u_clearance if uncertainty is not None and uncertainty.u_clearance is not None else 0.0
-    if state.radial_clearance - state.land.mounting_high <= 2.0 * doubt:
+    limit = rule.steps.limit_of(Verdict.REPLACE) or rule.steps.levels[-1][1]
+
+    def reached_with(wear: float) -> float:
+        reached = mileage_at_wear(mileage, wear, limit)
+        return math.inf if reached is None else reached
+
+    least, most = uncertainty.wear_interval
+    if reached_with(rule.value) <= mileage:
         return None
-    limit = rule.steps.limit_of(Verdict.REPLACE)
-    reached = mileage_at_wear(mileage, rule.value, rule.steps.levels[-1][1] if limit is None else limit)
-    return reached if reached is not None and reached > mileage else None
+    low, high = max(reached_with(most), mileage), reached_with(least)
+    return ReplaceMileage(reached_with(rule.value) if math.isfinite(high) else None, low, high)
 
 
 def _messages(

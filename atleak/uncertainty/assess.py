@@ -72,6 +72,7 @@ class LandUncertainty:
     sources: LandSources
     u_clearance: float | None  # [m] standard uncertainty of the radial clearance
     clearance_interval: Interval | None  # [m]
+    wear_interval: Interval | None  # of (c_r − c_m)/c_m, what is known of c_m included
     conditions: tuple[AtCondition, ...]  # the stated one first; empty where not measured
     rules: tuple[RuleDecision, ...]
     shape: Shape
@@ -368,9 +369,10 @@ def _land(
 ) -> LandUncertainty:
     state = land.state
     if not state.measured:
-        return LandUncertainty(land, None, None, (), (), _shape(state), guard_factor)
+        return LandUncertainty(land, None, None, None, (), (), _shape(state), guard_factor)
     u = land.standard_uncertainty
-    reach = float(normal_quantile(0.5 + 0.5 * coverage)) * u
+    z = float(normal_quantile(0.5 + 0.5 * coverage))
+    reach, wear_reach = z * u, z * _wear_uncertainty(land, 1.0 + state.wear)
     c = state.radial_clearance
     conditions = tuple(
         _at(land, projection, spread, eccentric) for projection, spread in zip(projections, land_spreads, strict=True)
@@ -379,7 +381,8 @@ def _land(
     decided = tuple(_decided(rule, land, spreads, rules.limits, guard_factor) for rule in rules.of_land(land.key))
     # a true clearance cannot be below zero
     interval = (max(c - reach, min(c, 0.0)), c + reach)
-    return LandUncertainty(land, u, interval, conditions, decided, _shape(state), guard_factor)
+    wear = state.wear - wear_reach, state.wear + wear_reach
+    return LandUncertainty(land, u, interval, wear, conditions, decided, _shape(state), guard_factor)
 
 
 def _decided(
@@ -407,16 +410,24 @@ def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:
     """Return the standard uncertainty of wear at each limit.
 
     Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values is needed.
-    Over a limit in µm it means c_r − c_m above it. From the upper end of a range wear is sure as far as c_r is.
+    Over a limit in µm it means c_r − c_m above it.
     """
-    pair = land.state.land
-    u_mounting = 0.0 if isinstance(pair.mounting_clearance, tuple) else land.u_mounting
-    steps = limits.wear
+    pair, steps = land.state.land, limits.wear
     assert steps is not None
     stated = dict(steps.levels)
     applied = steps.of_wear(pair.mounting_high, pair.mounting_tolerance or 0.0)
     factors = (1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in applied)
-    return tuple(math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high for factor in factors)
+    return tuple(_wear_uncertainty(land, factor) for factor in factors)
+
+
+def _wear_uncertainty(land: LandSources, factor: float) -> float:
+    """Return the standard uncertainty of c_r − factor · c_m, over c_m.
+
+    From the upper end of a range wear is sure as far as c_r is.
+    """
+    pair = land.state.land
+    u_mounting = 0.0 if isinstance(pair.mounting_clearance, tuple) else land.u_mounting
+    return math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high
 
 
 def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric: float) -> AtCondition:

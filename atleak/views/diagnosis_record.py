@@ -179,6 +179,7 @@ def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
 def _land(row: MatrixRow) -> dict[str, Any]:
     land = row.land
     state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
+    at = land.replace_mileage
     low, high = (uncertainty.leakage_interval if uncertainty else None) or (None, None)
     return {
         "component": nominal.component,
@@ -204,7 +205,9 @@ def _land(row: MatrixRow) -> dict[str, Any]:
         "decision": land.decision,
         "probability_over_limit": land.probability_over_limit,
         "advice": uncertainty.advice if uncertainty else None,
-        "replace_mileage_km": land.replace_mileage,
+        "replace_mileage_km": at.value if at else None,
+        "replace_mileage_low_km": _finite(at.low) if at else None,
+        "replace_mileage_high_km": _finite(at.high) if at else None,
         "representative": list(nominal.representative),
         "conditions": [_at_condition(cell) for cell in row.cells],
         "rules": [_rule(rule, uncertainty) for rule in land.rules],

@@ -48,7 +48,7 @@ HELP = {
     "After [%]": "total share after the step, at the condition that it helps most",
     "Then": "the band of the total after the step, at that condition",
     "Helps most at": "the condition at which the step saves most, measured by the limit of that condition",
-    "Limit at [km]": "mileage at which the wear limit for replacing is reached, if wear goes on as so far",
+    "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (95 % interval)",
 }
 WIDTHS = {
     "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,

@@ -12,8 +12,8 @@ from atleak.engine.projection import Projection
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
-from atleak.views.sentences import covered_from
-from atleak.wording import signed
+from atleak.views.sentences import covered_from, replace_at
+from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared.show import plain
 
@@ -35,7 +35,6 @@ DIGITS = {
     **dict.fromkeys(
         (f"{part} {what} [µm]" for what in ("ovality", "taper", "spread") for part in ("Spool", "Sleeve")), 1
     ),
-    "Limit at [km]": 0,
 }
 
 
@@ -124,7 +123,7 @@ def land_rows(
                 "Leakage [dm³/min]": land["leakage_dm3_min"],
                 "from": land["leakage_low_dm3_min"],
                 "to": land["leakage_high_dm3_min"],
-                "Limit at [km]": land["replace_mileage_km"],
+                "Limit at": replace_at(diagnosed, wording("en")),
             }
         )
     left_out = {"Mounting [µm]", "Limit is", "Leakage [dm³/min]", "from", "to"} if brief else set()

@@ -21,6 +21,7 @@ from atleak.errors import DomainError
 from atleak.readings import Readings
 from atleak.repair import plan_repairs
 from atleak.rules import Rule
+from atleak.uncertainty import DEFAULTS
 from atleak.verdicts import Verdict
 from atleak.views.diagnosis_record import diagnosis_record
 
@@ -390,14 +391,41 @@ def test_mileage_at_which_a_land_reaches_its_limit(sample: Diagnosis) -> None:
     assert sample.mileage == 106_315.0
     for land in sample.lands:
         assert land.wear is not None
-        assert land.uncertainty is not None
-        doubt = 2.0 * land.uncertainty.u_clearance / land.state.land.mounting_clearance
-        if doubt < land.wear < 0.5:
-            assert land.replace_mileage == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9, abs=0.0)
-            assert land.replace_mileage > sample.mileage
-        else:  # less wear than the readings' own doubt, or the limit already reached
-            assert land.replace_mileage is None
-    assert any(land.replace_mileage for land in sample.lands)
+        at = land.replace_mileage
+        if land.wear >= 0.5:  # the limit is reached already
+            assert at is None
+            continue
+        assert at is not None
+        least, most = land.uncertainty.wear_interval
+        assert least < land.wear < most
+        assert at.low == pytest.approx(max(106_315.0 * 0.5 / most, 106_315.0), rel=1e-9, abs=0.0)
+        if least > 0.0:
+            assert at.value == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9, abs=0.0)
+            assert at.high == pytest.approx(106_315.0 * 0.5 / least, rel=1e-9, abs=0.0)
+            assert sample.mileage <= at.low < at.value < at.high
+        else:  # perhaps it does not wear at all
+            assert (at.value, at.high) == (None, math.inf)
+        assert at.foreseeable is (at.high <= 1e6)
+    assert {land.replace_mileage.foreseeable for land in sample.lands if land.replace_mileage} == {True, False}
+
+
+def test_the_interval_of_wear_holds_what_is_known_of_the_mounting_clearance(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    readings = readings_of(minimal, at_wear(minimal, pressure_regulator=0.3))
+
+    def interval(**assumed: float) -> tuple[float, float]:
+        diagnosis = diagnose(
+            minimal, hipol, limits, readings=readings, assumptions=DEFAULTS.with_settings(assumed), mileage=100_000.0
+        )
+        return next(land for land in diagnosis.lands if land.key == REGULATOR).uncertainty.wear_interval
+
+    sure, unsure = interval(mounting_clearance_um=0.0), interval(mounting_clearance_um=3.0)
+    land = minimal.land(*REGULATOR)
+    added = 1.959964 * 1.3 * 3e-6 / land.mounting_high
+    half_sure, half_unsure = (0.5 * (high - low) for low, high in (sure, unsure))
+    assert half_unsure == pytest.approx(math.hypot(half_sure, added), rel=1e-6, abs=0.0)
+    assert sum(sure) / 2.0 == pytest.approx(0.3, rel=1e-6, abs=0.0)
 
 
 def test_hot_idle_as_the_stated_condition_is_one_projection(
