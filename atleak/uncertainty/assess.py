@@ -551,14 +551,15 @@ def _messages(
 
 
 def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
-    """Name the lands whose limits are finer than the gauges, with gauges that would do."""
-    fine = [(land, rule) for land in lands for rule in land.rules if not land.measurable(rule.at_first_level)]
+    """Name the lands that are left open because their limit is finer than the gauges, with gauges that would do."""
+    first = [(land, rule.at_first_level) for land in lands for rule in land.rules]
+    fine = [(land, rule) for land, rule in first if rule.conditional and not land.measurable(rule)]
     if not fine:
         return []
     names = ", ".join(dict.fromkeys(f"{land.key[0]} land {land.key[1]}" for land, _ in fine))
-    land, rule = min(fine, key=lambda each: each[1].at_first_level.limit / each[1].at_first_level.standard_uncertainty)
+    land, rule = min(fine, key=lambda each: each[1].limit / each[1].standard_uncertainty)
     text = f"Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {names}."
-    text = f"{text} {land.gauges_that_do(rule.at_first_level)}"
+    text = f"{text} {land.gauges_that_do(rule)}"
     return [Message("info", "limit_finer_than_gauge", text)]
 
 
