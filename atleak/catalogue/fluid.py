@@ -48,8 +48,8 @@ class Fluid:
     study_regression: bool  # whether the source study's eqs. (29) and (30) describe this fluid
     state: FluidState
     used: str | None  # id of the entry with this fluid's used data
+    viscosity_half_width: float  # relative: the viscosity may lie anywhere within ± this of what is given
     origin: Origin
-    viscosity_half_width: float = 0.0  # relative: the viscosity may lie anywhere within ± this of what is given
 
     def in_state(self, state: FluidState) -> Fluid:
         """Return this fluid fresh or used.
@@ -246,6 +246,7 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
         study_regression=entry.study_regression,
         state=entry.state,
         used=_used_entry(entry, origin),
+        viscosity_half_width=0.0,
         origin=origin,
     )
 
