@@ -321,14 +321,15 @@ def engine_starts(road_test: RoadTest, limits: Thresholds | None = None) -> list
     if engine is None:
         return []
     time, starts = road_test.time, []
-    stops = [part.stop for part in _segments(road_test)]
     begins = {part.start for part in _segments(road_test)}
-    for low, high in _runs(road_test, engine < limits.engine_standing, 0.0):
-        first, end = high + 1, stops[int(np.searchsorted(stops, high, side="right"))]
+    stands = list(_runs(road_test, engine < limits.engine_standing, 0.0))
+    # the engine turns until it stands again or the stretch ends
+    ends = np.unique([*(part.stop for part in _segments(road_test)), *(low for low, _ in stands)])
+    for low, high in stands:
+        first = high + 1
+        end = int(ends[np.searchsorted(ends, high, side="right")])
         if first == end or not (low in begins or time[first] - time[low] >= limits.engine_standing_seconds):
             continue
-        stands = np.flatnonzero(engine[first:end] < limits.engine_standing)
-        end = first + int(stands[0]) if len(stands) else end
         runs = np.flatnonzero(engine[first:end] >= limits.idle_low)
         last = float(time[end - 1])
         if len(runs):

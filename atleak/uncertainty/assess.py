@@ -508,7 +508,7 @@ def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread)
     """Return the intervals at an instant; those of a median are in proportion to those of the sample nearest to it."""
 
     def scaled(interval: Interval, value: float, nearest: float) -> Interval:
-        factor = value / nearest if nearest > 0.0 else 1.0
+        factor = value / nearest if 0.0 < nearest < math.inf else 1.0
         return interval[0] * factor, interval[1] * factor
 
     leakage = scaled(spread.leakage_interval, instant.leakage, projection.leakage)
