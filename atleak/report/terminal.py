@@ -21,7 +21,7 @@ from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
-from atleak.views.measure_first import measure_first, reason
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
@@ -191,21 +191,19 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.complaint is None:
         return
     shows = "; ".join(each.condition.label for each in diagnosis.complained)
-    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. Measure first:"
     ranked = measure_first(diagnosis)
+    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {head(ranked)}"
     for each in ranked[:MEASURE_FIRST]:
         component, land = each.land.key
         yield f"  {component}/{land} {diagnosis.controller.components[component]}: {reason(each)}"
     if len(ranked) > MEASURE_FIRST:
         yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
-    if not ranked:
-        yield "  no land leaks there"
 
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
     worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
     rule = diagnosis.total_rule(projection)
-    grown = "" if rule.growth is None else f" (new {(rule.new or 0.0) * PERCENT:.1f} %, grown by {rule.growth:.0%})"
+    grown = "" if rule.growth is None else f" (new {(rule.new or 0.0) * PERCENT:.1f} %, grown by {rule.growth:z.0%})"
     return (
         f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
         f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} %{grown}, "

@@ -15,7 +15,7 @@ from atleak.look import look_of
 from atleak.repair import RepairPlan, Total, plan_repairs
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
-from atleak.views.measure_first import measure_first, reason
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import covered_from
@@ -38,8 +38,7 @@ def complaint(diagnosis: Diagnosis) -> None:
     ranked = measure_first(diagnosis)
     lines = [f"- **{plain(land_name(diagnosis, each.land.key))}**: {plain(reason(each))}" for each in ranked]
     st.subheader(f"Complaint: {plain(diagnosis.complaint.label)}")
-    first = "Measure first:" if lines else "No land leaks there."
-    st.markdown("\n".join([f"It shows at {shows}. {first}", "", *lines[:MEASURE_FIRST]]))
+    st.markdown("\n".join([f"It shows at {shows}. {plain(head(ranked))}", "", *lines[:MEASURE_FIRST]]))
     if lines[MEASURE_FIRST:]:
         with st.expander(f"{len(lines) - MEASURE_FIRST} more lands that leak there"):
             st.markdown("\n".join(lines[MEASURE_FIRST:]))

@@ -513,6 +513,23 @@ def test_a_total_at_a_third_condition_that_decides_is_reported(
     assert record["unit"]["decided_by"]["limit"] == 50.0
 
 
+def test_the_worst_condition_is_reported_whatever_decides(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    """A land's wear decides, and no total is past its limit: the condition that takes most is named all the same."""
+    driving = minimal.operating_points[0]
+    reverse = replace(driving, name="reverse", label="reverse at idle", engine_speed=10.0, main_pressure=14e5)
+    unit = replace(minimal, operating_points=(*minimal.operating_points, reverse))
+    wear_alone = replace(limits, pair_share=None)
+    found = diagnose(unit, hipol, wear_alone, readings=readings_of(unit, at_wear(unit, solenoid_modulator=0.6)))
+    assert found.decided_by is not None
+    assert not isinstance(found.decided_by, Rule)
+    assert {found.band(each) for each in found.projections} == {"green"}
+    assert found.worst.condition.name == "reverse"
+    assert found.worst.share == max(each.share for each in found.projections)
+    assert [at.condition.name for at in found.reported] == ["driving_second", "hot_idle", "reverse"]
+
+
 def test_of_equally_bad_lands_the_surest_decides(
     minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:

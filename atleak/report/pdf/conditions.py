@@ -10,7 +10,7 @@ from atleak.repair import RepairStep, Total, plan_repairs
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
-from atleak.views.measure_first import measure_first, reason
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import replace_at
 from atleak.workshop_units import PERCENT
@@ -34,14 +34,14 @@ class Conditions:
             return None
         at = joined((self.names.condition(each.condition) for each in diagnosis.complained), "; ")
         ranked = measure_first(diagnosis)
-        key = "complaint.head" if ranked else "complaint.nothing"
         items = [
             f"{self.names.land_name(each.land)}: {reason(each, say, self.names.condition)}"
             for each in ranked[:MEASURE_FIRST]
         ]
         if len(ranked) > MEASURE_FIRST:
             items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
-        return {"sentence": say(key, label=diagnosis.complaint.label, conditions=at), "items": items}
+        shows = say("complaint.shows", label=diagnosis.complaint.label, conditions=at)
+        return {"sentence": f"{shows} {head(ranked, say)}", "items": items}
 
     # --- matrix
 
