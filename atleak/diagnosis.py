@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from atleak.catalogue.complaints import Complaint
-from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
+from atleak.catalogue.controller import HOT_IDLE, Controller, NewOrigin, OperatingPoint
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
@@ -387,6 +387,22 @@ def _replace_mileage(
     return reached if reached is not None and reached > mileage else None
 
 
+_NEW_WAS = {
+    NewOrigin.USED_UNIT: "was measured on a used unit and is taken as new: wear counts from there",
+    NewOrigin.TYPE: "is a value of the unit's type: how far single pairs differ from it counts in their wear",
+    NewOrigin.RANGE: "is known as a range only: wear counts from its upper end, flows when new from its mean cube",
+}
+
+
+def _what_new_was(controller: Controller) -> Iterable[Message]:
+    """Say what the mounting clearances are, where they are not those of these very pairs when new."""
+    for origin, text in _NEW_WAS.items():
+        count = sum(land.new_origin is origin for land in controller.lands)
+        if count:
+            text = f"The mounting clearance of {count} of {len(controller.lands)} lands {text}."
+            yield Message("info", f"mounting_clearance_{origin}", text)
+
+
 def _messages(
     readings: Readings | None,
     controller: Controller,
@@ -407,6 +423,7 @@ def _messages(
     if silent:
         text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
         messages.append(Message("warning", "land_without_gap", text))
+    messages += _what_new_was(controller)
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
         messages.append(Message("warning", "no_readings", text))

@@ -34,6 +34,7 @@ POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 EVENTS = 60  # most events of a log that are marked
 LABELLED = 20  # with more events the figure is too narrow for their names
 MARKED = 800  # most suspect samples and breaks of a log that are marked
+_NAMED = 0.06  # part of the axis from which on a band has room for its name beside its sign
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _INSTANTS = {
     "max_leakage": ("largest leakage", "diamond", "leakage_dm3_min"),
@@ -180,7 +181,7 @@ def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
             )  # fmt: skip
             figure.add_annotation(
                 x=low, y=place + 0.45, xanchor="left", yanchor="bottom", showarrow=False, xshift=2,
-                text=f"{look.sign} {name}", font={"size": 10},
+                text=f"{look.sign} {name}" if high - low > _NAMED * right else look.sign, font={"size": 10},
             )  # fmt: skip
     return right
 

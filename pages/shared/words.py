@@ -175,7 +175,7 @@ def rule_text(rule: Rule) -> str:
     kind = rule.kind
     value = f"{rule.value * kind.factor:.3g} {kind.unit}" if math.isfinite(rule.value) else "beyond the pump"
     where = f", {rule.condition.label}" if rule.condition else ""
-    return f"{rule.quantity} {value}, limit {rule.limit * kind.factor:g} {kind.unit}{where}"
+    return f"{rule.quantity} {value}, limit {rule.limit * kind.factor:.3g} {kind.unit}{where}"
 
 
 def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
