@@ -15,12 +15,15 @@ from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, SheetCondition, band
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.verdicts import BANDS
 from atleak.views.positions import spools_taken
+from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state
+from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM
 
 NO_GROWTH = "–"  # where the same unit new draws nothing, or the pump delivers nothing
 AS_SPOOLS_MAY_LIE = (
     "Nobody knows where a spool lies; one that touches its sleeve leaks up to 2.5 times as much as a concentric one."
 )
+COVERS = f"The pump covers leakage and its own slip from the speed named; {LEFT_OUT_OF_SPEED}."
 DEMAND = "A share over 100 % is a demand that the pump cannot meet, not a flow."
 
 
@@ -68,9 +71,10 @@ class ConditionsSheet:
         notes = [
             ("flows", f"{spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE}"),
             ("share", DEMAND),
+            ("speed", COVERS),
             ("viscosity", self._viscosity_note()),
             ("gaps", "The list of gaps is that of the condition's gear: change the gear in atleak, not here."),
-            ("fluid", f"{fluid.name}; {fluid.source}"),
+            ("fluid", f"{fluid_in_state(self.diagnosis, wording('en'))}; {fluid.source}"),
             ("profile", self.diagnosis.profile.label),
             *(("condition", f"{at.title}: {at.projection.condition.source}") for at in self.conditions),
         ]

@@ -13,7 +13,7 @@ from atleak.job.record import Job, Record
 from atleak.look import CHART_GRID, PAPER
 from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, COVERS, DEMAND
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, verdict_of_rank
 from atleak.rules import Rule
@@ -22,7 +22,9 @@ from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
+from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
+from atleak.views.sentences import fluid_in_state
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
@@ -41,7 +43,6 @@ MEASURE_FIRST = 6  # lands named for a complaint
 _KINDS = {  # of numbers, by their unit
     "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
 }  # fmt: skip
-_INSTANTS = {"max_leakage": "largest leakage", "min_leakage": "smallest leakage", "max_share": "largest share"}
 
 
 class Sheets:
@@ -72,7 +73,7 @@ class Sheets:
             ("transmission", " ".join(filter(None, (box.maker, box.code, box.serial)))),
             ("mileage [km]", record["mileage_km"] or vehicle.mileage_km),
             ("valve body", record["controller"]["name"]),
-            ("fluid", record["fluid"]["name"]),
+            ("fluid", fluid_in_state(diagnosis, wording("en"))),
             ("limits", record["limits"]["name"]),
             ("profile", diagnosis.profile.label),
             ("measuring sheet", record["readings"]["file"]),
@@ -152,7 +153,8 @@ class Sheets:
                     formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
         book.colour_words(sheet, (first, 1), (row, 1), BANDS)
         put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
-        return row + 2
+        put(sheet, row + 2, 0, COVERS)
+        return row + 3
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
         """Return how sure the band of a total is and the interval of its leakage; nothing of a unit not measured."""
@@ -273,20 +275,11 @@ class Sheets:
             if share is not None
         ]
         row = book.pairs(sheet, 0, rows)
-        instants = [
-            {
-                "instant": label,
-                "time [s]": record[name]["time_s"],
-                "leakage [dm³/min]": record[name]["leakage_dm3_min"],
-                "pump capacity [dm³/min]": record[name]["pump_capacity_dm3_min"],
-                "share [%]": record[name]["share_percent"],
-            }
-            for name, label in _INSTANTS.items()
-            if record[name]
-        ]
         kinds = {"time [s]": "time", "share [%]": "percent"}
-        kinds |= dict.fromkeys(("leakage [dm³/min]", "pump capacity [dm³/min]"), "flow")
-        row = book.records(sheet, row + 1, instants, kinds) + 1
+        kinds |= dict.fromkeys(("leakage [dm³/min]", "leakage from", "leakage to", "pump capacity [dm³/min]"), "flow")
+        kinds |= dict.fromkeys(("share from", "share to"), "percent")
+        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty), kinds) + 1
+        put(sheet, row - 1, 0, wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}"))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
         if series.thinned:
