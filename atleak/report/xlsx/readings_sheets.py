@@ -16,13 +16,13 @@ from atleak.catalogue.controller import Land
 from atleak.catalogue.instruments import Part
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.readings import Reading, Station
-from atleak.report.xlsx.book import Book, put, span
-from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, cells_of_row, write_cell
+from atleak.report.xlsx.book import Book, formula, put, span
+from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, address, cells_of_row, write_cell
 from atleak.rules import LandKey
 from atleak.workshop_units import MM, UM
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
-_DIAMETER = 6  # column of the sheet of readings
+_DIAMETER, _COORDINATES = 6, 7  # columns of the sheet of readings
 _Place = tuple[LandKey, Part, str, float | None]  # land, part, plane and direction of some readings
 
 
@@ -81,13 +81,16 @@ def write_readings(book: Book, sheet: Worksheet, cells: ReadingCells) -> None:
     book.headings(sheet, 0, names)
     form, mm = book.form(), book.form("mm", **CHANGEABLE)
     for row, (reading, land) in enumerate(cells.lines, start=1):
-        low, high = reading.coordinates or (None, None)
         values = (reading.component, land.land if land else None, reading.part, reading.plane, reading.direction)
         for column, value in enumerate((*values, reading.repeat)):
             put(sheet, row, column, value, form)
-        put(sheet, row, _DIAMETER, reading.diameter * MM, mm)
-        put(sheet, row, 7, None if low is None else low * MM, book.form("mm"))
-        put(sheet, row, 8, None if high is None else high * MM, book.form("mm"))
+        if reading.coordinates is None:
+            put(sheet, row, _DIAMETER, reading.diameter * MM, mm)
+        else:
+            for column, coordinate in enumerate(reading.coordinates, start=_COORDINATES):
+                put(sheet, row, column, coordinate * MM, mm)
+            ends = (address(row, _COORDINATES + end) for end in (0, 1))
+            formula(sheet, row, _DIAMETER, f"ABS({'-'.join(ends)})", reading.diameter * MM, book.form("mm"))
         for column, value in enumerate((reading.place.sheet, reading.place.row, reading.place.column), start=9):
             put(sheet, row, column, value, form)
     sheet.set_column(0, len(names), 13)

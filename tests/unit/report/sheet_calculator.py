@@ -33,6 +33,7 @@ _FUNCTIONS = {
     "SUMPRODUCT": lambda *v: math.fsum(math.prod(terms) for terms in zip(*map(_flat, zip(v)), strict=True)),
     "COUNTIF": lambda cells, key: sum(cell == key for cell in _flat((cells,))),
     "CHOOSE": lambda n, *v: v[int(n) - 1],
+    "ABS": abs,
     "PI": lambda: math.pi,
     "LOG10": math.log10,
     "EXP": math.exp,

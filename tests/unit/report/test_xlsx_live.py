@@ -184,6 +184,19 @@ def test_a_change_in_the_workbook_gives_what_atleak_gives(units, change, referee
     assert referee.differing(sheets.book, sheets.value, expected) == []
 
 
+def test_a_changed_coordinate_changes_its_diameter_and_the_mean(units, calculator):
+    sheets = calculator(write_workbook(units["four_speed_2023"].diagnose()))
+    row = next(row for row in sheets.book["Readings"].iter_rows(min_row=2) if row[7].value is not None)
+    component, diameter, coordinate = row[0].value, row[6].coordinate, row[7]
+    lands = sheets.book["Lands"]
+    land = next(cells[0].row for cells in lands.iter_rows(min_row=2) if cells[0].value == component)
+    (spool,) = (cell.column_letter for cell in lands[1] if str(cell.value).startswith("spool diameter"))
+    before = sheets.value("Readings", diameter), sheets.value("Lands", f"{spool}{land}")
+    sheets.set("Readings", coordinate.coordinate, coordinate.value + 0.004)  # one of four readings of the plane
+    after = sheets.value("Readings", diameter), sheets.value("Lands", f"{spool}{land}")
+    assert [b - a for a, b in zip(before, after, strict=True)] == pytest.approx([0.004, 0.001], abs=1e-9)
+
+
 def rules_of(found: Diagnosis) -> list[Any]:
     return [(rule.value, rule.steps.levels) for land in found.lands for rule in (*land.rules, *found.total_rules)]
 
