@@ -178,8 +178,8 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
     at, prefix = condition.projection, condition.prefix
 
     def effective_clearance(row: LandRow) -> Cell:
-        of_land = (row.here(key) for key in ("c_r", "spool", "sleeve"))
-        formula = warm_clearance(*of_land, (row.here("beta_k"), row.here("beta_s")), condition("T"))
+        expansions = row.here("beta_k"), row.here("beta_s")
+        formula = warm_clearance(row.here("c_r"), row.here("spool"), row.here("sleeve"), expansions, condition("T"))
         return Cell("um", row.land.state.effective_clearance(at.condition.temperature) * UM, formula)
 
     def leakage(row: LandRow) -> Cell:

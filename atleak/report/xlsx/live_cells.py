@@ -16,8 +16,8 @@ from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula, put
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.wording import signed
 
-CHANGEABLE = {"font_color": INPUT}  # numbers that an auditor may change
-AFTER_A_NUMBER = {"align": "left", "indent": 1}  # text to the right of a column of numbers
+CHANGEABLE: Mapping[str, Any] = {"font_color": INPUT}  # numbers that an auditor may change
+AFTER_A_NUMBER: Mapping[str, Any] = {"align": "left", "indent": 1}  # text to the right of a column of numbers
 RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
 _SHEET_NAME = 31  # characters that Excel allows in a sheet's name
 

@@ -33,7 +33,7 @@ class ReadingCells:
         lands = {land.key: number for number, land in enumerate(diagnosis.lands)}
         found = diagnosis.readings.readings if diagnosis.readings else ()
         known = [(reading, diagnosis.controller.land_of_plane(reading.component, reading.plane)) for reading in found]
-        known.sort(key=lambda pair: _order(*pair, lands))
+        known.sort(key=lambda pair: _order(pair[0], pair[1], lands))
         self.lines: list[tuple[Reading, Land | None]] = known
         self._rows: dict[_Place, list[int]] = {}
         for row, (reading, land) in enumerate(known, start=1):
