@@ -18,7 +18,7 @@ from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
-from atleak.views.measure_first import measure_first, reason
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_series import road_series
 from atleak.wording import signed, wording
@@ -85,10 +85,14 @@ class Sheets:
         diagnosis = self.diagnosis
         if diagnosis.complaint is None:
             return []
-        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each)}" for each in measure_first(diagnosis)]
-        first = [("measure first" if number == 0 else f"then {number + 1}.", text) for number, text in enumerate(lands)]
-        shows = "; ".join(each.condition.label for each in diagnosis.complained)
-        return [("complaint", diagnosis.complaint.label), ("shows at", shows), *first[:MEASURE_FIRST]]
+        ranked = measure_first(diagnosis)
+        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each)}" for each in ranked[:MEASURE_FIRST]]
+        return [
+            ("complaint", diagnosis.complaint.label),
+            ("shows at", "; ".join(each.condition.label for each in diagnosis.complained)),
+            ("lands behind it", head(ranked)),
+            *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
+        ]
 
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
