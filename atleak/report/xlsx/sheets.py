@@ -49,7 +49,7 @@ class Sheets:
     def write_summary(self, sheet: Worksheet) -> None:
         """Write the verdict first, then totals, flagged lands and the order of repair."""
         book, record, diagnosis = self.book, self.record, self.diagnosis
-        for column, width in enumerate((26, 32, 16, 8, 14, 14, 14, 14, 14, 44, 24)):
+        for column, width in enumerate((30, 32, 16, 8, 14, 14, 14, 17, 17, 44, 24)):
             sheet.set_column(column, column, width)
         title = "Internal leakage of a valve body"
         put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
@@ -116,12 +116,12 @@ class Sheets:
         names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
         names += ["pump capacity [dm³/min]", "share [%]", "band", "pump needs for this leakage alone [1/min]"]
         book, live = self.book, self.live
-        book.headings(sheet, row, names)
+        book.headings(sheet, row, names, lines=3)
         first = row + 1
         for row, at in enumerate(live.conditions, start=first):
             projection, band = at.projection, self.diagnosis.band(at.projection)
             worst = projection is self.diagnosis.worst and len(live.conditions) > 1
-            put(sheet, row, 0, projection.condition.label + " (the worst, as issued)" * worst)
+            put_text(sheet, row, 0, projection.condition.label + "; the worst, as issued" * worst, book.wrapped, 30)
             cells: list[tuple[str, Any, str]] = [
                 ("T", projection.condition.temperature, "temperature"),
                 ("n", projection.condition.engine_speed * RPM, "rpm"),
@@ -146,7 +146,7 @@ class Sheets:
         shown = [at for at in live.conditions if any(at.projection is each for each in self.diagnosis.reported)]
         keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in shown)]
         headings = [live.columns[live.column_of[key]].heading for key in keys]
-        book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *headings])
+        book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *headings], lines=4)
         because = max(4 + len(keys), 9)
         put(sheet, row + 1, because, "because, as issued", book.heading)
         put(sheet, row + 1, because + 1, "origin of the limit", book.heading)
@@ -176,7 +176,7 @@ class Sheets:
         if plan.steps:
             names = ["component", "name", "verdict", "land", "total before [%]", "total after [%]", "band after"]
             names += ["helps most at", *(f"total after [%], {total.condition.label}" for total in plan.ends)]
-            book.headings(sheet, row, names, lines=3)
+            book.headings(sheet, row, names, lines=4)
             first = row + 1
             for row, step in enumerate(plan.steps, start=first):
                 self._step(sheet, row, step)
@@ -196,8 +196,8 @@ class Sheets:
         if step.helps:
             for column, total in enumerate((step.at.before, step.at.after), start=4):
                 put(sheet, row, column, total.share * PERCENT, book.form("percent", align="left"))
-            put(sheet, row, 6, step.at.after.band)
-        put(sheet, row, 7, step.at.condition.label if step.helps else no_help(step))
+            put(sheet, row, 6, step.at.after.band, book.form())
+        put_text(sheet, row, 7, step.at.condition.label if step.helps else no_help(step), book.wrapped, 17)
         for column, each in enumerate(step.conditions, start=8):
             put(sheet, row, column, each.after.share * PERCENT, book.form("percent", align="left"))
 

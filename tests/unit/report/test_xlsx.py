@@ -308,7 +308,7 @@ def test_the_summary_holds_the_repairs_their_end_and_the_complaint(worn):
         after = rows.loc[shares[0] + len(plan.steps), column]
         assert after == pytest.approx(each.after.share * 100.0, rel=1e-12, abs=0.0)
     assert complaint.label in cells
-    assert "hot idle in drive, 100 °C (the worst, as issued)" in cells
+    assert f"{worn.worst.condition.label}; the worst, as issued" in cells
     totals = [cell for cell in cells if cell.startswith(("hot idle in drive", "driving in second"))]
     assert totals[1].startswith("hot idle")  # beside "shows at": the complaint's condition comes first
 
