@@ -18,6 +18,7 @@ from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
+from atleak.views.sentences import covered_from
 from atleak.wording import signed
 from atleak.workshop_units import PERCENT
 from pages.shared import show
@@ -45,7 +46,7 @@ def complaint(diagnosis: Diagnosis) -> None:
 
 
 def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show every condition with its total, and the speed below which the pump no longer holds the pressure."""
+    """Show every condition with its total, and from which speed the pump covers the leakage."""
     rows = {row["name"]: row for row in record["conditions"]}
     for number, point in enumerate(diagnosis.presented, start=1):
         row = rows[point.condition.name]
@@ -54,7 +55,7 @@ def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
             f"{number} · **{plain(point.condition.label)}**{worst}: {row['leakage_dm3_min']:.2f} of "
             f"{row['pump_capacity_dm3_min']:.2f} dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm, "
             f"{row['leakage_new_dm3_min']:.2f} when new; {positions(diagnosis, point)}; "
-            f"for this leakage alone the pump needs **{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
+            f"{plain(covered_from(point))}. {plain(row['source'])}"
         )
 
 

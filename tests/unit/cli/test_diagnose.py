@@ -42,6 +42,13 @@ def test_summary_names_totals_flagged_pairs_and_repair(run: Run, sample_readings
         assert word in out
 
 
+def test_the_speed_that_covers_the_leakage_says_what_is_not_in_it(run: Run, sample_readings: Path) -> None:
+    _, out, _ = run("diagnose", sample_readings)
+    said = " ".join(out.split())
+    assert said.count("converter, lubrication and clutch fill are not in it") == 2  # at each of the two conditions
+    assert "needs" not in said
+
+
 def test_every_condition_is_printed_and_the_worst_is_named(run: Run, sample_readings: Path) -> None:
     _, out, _ = run("diagnose", sample_readings)
     said = " ".join(out.split())
@@ -255,6 +262,8 @@ def test_a_sheet_of_another_controller_says_so(run: Run, sample_readings: Path) 
         (["--sheet", "Nope"], ("'Nope'", "Measurements")),
         (["--sheet-unit", "furlong"], ("'furlong'", "inch")),
         (["--jsn", "-"], ("--jsn",)),
+        (["--fluid-state", "usd"], ("'usd'", "did you mean 'used'?")),
+        (["--fluid", "hipol_atf_iid_used", "--fluid-state", "fresh"], ("describe a used fluid",)),
     ],
 )
 def test_a_bad_option_is_named_with_its_value(
@@ -302,6 +311,30 @@ def test_a_log_without_main_pressure(run: Run, sample_readings: Path, tmp_path: 
     assert status == 2
     assert "log.csv" in err
     assert "pressure" in err
+
+
+@pytest.mark.parametrize(
+    ("pressure", "why"),
+    [
+        ("-{}", "most of its values cannot be main (line) pressure in kPa"),
+        ("0", "'p_g [kPa]' is 0 throughout"),
+        ("", "'p_g [kPa]' holds no values"),
+    ],
+)
+def test_a_main_pressure_that_is_there_but_not_usable_is_not_called_missing(
+    run: Run, sample_readings: Path, sample_log: Path, tmp_path: Path, pressure: str, why: str
+) -> None:
+    head, *rows = sample_log.read_text(encoding="utf-8").splitlines()
+    cells = [row.split(";") for row in rows]
+    log = tmp_path / "negative.csv"
+    changed = [";".join([*row[:2], pressure.format(row[2]), *row[3:]]) for row in cells]
+    log.write_text("\n".join([head, *changed]), encoding="utf-8")
+    status, _, err = run("diagnose", sample_readings, "--road-test", log)
+    assert status == 2
+    assert "negative.csv" in err
+    assert "the log's column of main pressure is not usable" in err
+    assert why in err
+    assert "no main pressure" not in err
 
 
 def test_several_faults_of_a_catalogue_file_are_said_at_once(run: Run, sample_readings: Path, tmp_path: Path) -> None:
@@ -367,6 +400,24 @@ def test_profile_and_set_reach_the_engine(sample_readings: Path, record_of: Reco
     changed = record_of(sample_readings, "--profile", "paper", "--set", "diameter=mean", "--set", "entry_loss=on")
     assert (changed["profile"]["diameter"], changed["profile"]["entry_loss"]) == ("mean", "on")
     assert changed["gaps"][0]["diameter_mm"] > paper["gaps"][0]["diameter_mm"]
+
+
+def test_the_state_of_the_fluid_is_assumed_and_said_or_as_it_was_stated(
+    run: Run, sample_readings: Path, record_of: RecordOf
+) -> None:
+    assumed = record_of(sample_readings)
+    stated = record_of(sample_readings, "--fluid-state", "fresh")
+    used = record_of(sample_readings, "--fluid-state", "used")
+    states = [(each["fluid"]["state"], each["fluid"]["state_assumed"]) for each in (assumed, stated, used)]
+    assert states == [("fresh", True), ("fresh", False), ("used", False)]
+    said = [any(message["code"] == "fluid_state_assumed" for message in each["messages"]) for each in (assumed, stated)]
+    assert said == [True, False]
+    leakage = [each["hot_idle"]["leakage_dm3_min"] for each in (assumed, stated, used)]
+    assert leakage[0] == leakage[1]
+    assert leakage[2] == pytest.approx(leakage[0] * 7.0 / 5.28, rel=0.01, abs=0.0)  # as thin as the study's used oil
+    assert used["fluid"]["id"] == "hipol_atf_iid_used"
+    _, out, _ = run("diagnose", sample_readings)
+    assert "taken as fresh (not stated)" in " ".join(out.split())
 
 
 def test_the_last_of_an_option_set_twice_counts(sample_readings: Path, record_of: RecordOf) -> None:

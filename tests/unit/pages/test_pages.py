@@ -76,7 +76,7 @@ def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> No
     assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
     assert [widget.value for widget in app.title] == ["Diagnosis"]
     assert re.match(r"\*\*\d+ ■ replace\*\* and \*\*\d+ ▲ watch\*\* of 47 measured lands, in", app.error[0].value)
-    assert "for this leakage alone the pump needs" in texts(app)
+    assert "converter, lubrication and clutch fill are not in it" in texts(app)
     assert "Representative" in texts(app) or "representative" in texts(app)
 
 
@@ -264,6 +264,18 @@ def test_where_the_spools_lie_can_be_unknown(app: AppTest) -> None:
     assert ratio().disabled
     position().set_value(False).run()
     assert "workshop, eccentricity=0.4" in texts(app)
+
+
+def test_the_state_of_the_fluid_is_asked_and_reaches_the_result(app: AppTest) -> None:
+    states = next(widget for widget in app.radio if widget.label == "The fluid is")
+    assert states.value is None
+    assert "taken as fresh (not stated)" in texts(app)
+    states.set_value("used").run()
+    assert not app.exception
+    assert "after 106 315 km" in texts(app)
+    assert "taken as fresh" not in "".join(widget.value for widget in app.main.caption)
+    go(app, "2_Readings")
+    assert next(widget for widget in app.radio if widget.label == "The fluid is").value == "used"
 
 
 def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> None:

@@ -19,6 +19,7 @@ from PIL import Image
 
 import atleak.wording
 from atleak.catalogue.controller import load_controller
+from atleak.catalogue.fluid import load_fluid
 from atleak.diagnosis import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError
@@ -226,6 +227,41 @@ def test_every_language_is_archival_and_says_its_words(worn, job, language):
     assert say("verdicts.replace") in text
     assert say.number(worn.flagged[0].state.radial_clearance * 1e6, 1) in text
     assert say("job_decisions.declined") in text
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "converter, lubrication and clutch fill are not in it"),
+        ("de", "Wandler, Schmierung und Füllen der Kupplungen sind nicht enthalten"),
+        ("pl", "przekładnia hydrokinetyczna, smarowanie i napełnianie sprzęgieł nie są wliczone"),
+    ],
+)
+def test_the_speed_that_covers_the_leakage_says_what_is_not_in_it(worn, language, said):
+    assert squeezed(said) in squeezed(text_of(write_pdf(worn, language=language, sections=[])))
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", ("taken as fresh (not stated)", "is some 20 to 25 % thinner", "some 20 to 25 % thinner than fresh")),
+        (
+            "de",
+            ("als frisch angenommen (nicht angegeben)", "ist etwa 20 bis 25 % dünner", "20 bis 25 % dünner als"),
+        ),
+        ("pl", ("przyjęty jako świeży (nie podano)", "o około 20 do 25 % rzadszy", "o około 20 do 25 % rzadszy niż")),
+    ],
+)
+def test_the_state_of_the_fluid_is_said(worn, language, said):
+    used = replace(worn, fluid=load_fluid("mobil_atf_220").in_state("used"), fluid_state_assumed=False)
+    assumed, stated = (
+        squeezed(text_of(write_pdf(each, language=language, sections=["conditions", "assumptions"])))
+        for each in (worn, used)
+    )
+    assert squeezed(said[0]) in assumed
+    assert squeezed(said[1]) in assumed
+    assert squeezed(said[2]) in stated
+    assert squeezed(said[0]) not in stated
 
 
 @pytest.mark.parametrize("language", languages())

@@ -44,6 +44,11 @@ def same(left: object, right: object) -> bool:
     return left == right
 
 
+def summary_cells(content: bytes) -> list[str]:
+    sheet = pd.read_excel(io.BytesIO(content), sheet_name="Summary", header=None, engine="calamine")
+    return sheet.fillna("").astype(str).to_numpy().ravel().tolist()
+
+
 @pytest.fixture(scope="module")
 def content(worn) -> bytes:
     return write_workbook(worn)
@@ -248,6 +253,14 @@ def test_job_prints_no_empty_label(unmeasured):
     assert ["vin", "WVWZZZ1JZXW000001"] in rows
     assert ["work", "ream"] in rows
     assert not any("customer" in row[0] or "mileage" in row[0] for row in rows)
+
+
+def test_conditions_are_named_by_their_labels_and_the_speed_says_what_it_leaves_out(content):
+    cells = summary_cells(content)
+    assert "hot idle in drive, 100 °C" in cells
+    names = {point.name for point in load_controller("four_speed_2023").operating_points}
+    assert not names & set(cells)
+    assert any("converter, lubrication and clutch fill are not in it" in cell for cell in cells)
 
 
 def test_road_series_keeps_a_spike_and_the_gap(worn):
