@@ -123,10 +123,8 @@ def land_columns(sheet: LandSheet) -> list[LandColumn]:
 def _names(sheet: LandSheet) -> Iterable[LandColumn]:
     def verdict(row: LandRow) -> Cell:
         land = row.land
-        # half a pair is never called ok
-        fine = Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
         ranks = sheet.ranks.get(land.key)
-        formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine)
+        formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine_of(land))
         return Cell("plain", signed(land.verdict), formula, {"bold": True})
 
     yield LandColumn("component", "component", 12, lambda row: Cell("plain", row.land.key[0], look={"bold": True}))
@@ -246,6 +244,11 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         yield LandColumn("mileage", "replace at (95 % interval), wear ∝ mileage, as issued", 30, mileage)
     yield LandColumn("because", "rule that gave the verdict, as issued", 34, because)
     yield LandColumn("representative", "representative values", 40, representative)
+
+
+def fine_of(land: LandDiagnosis) -> Verdict:
+    """Return the verdict of a land that has reached no limit: half a pair is never called ok."""
+    return Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
 
 
 def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:

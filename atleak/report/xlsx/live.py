@@ -32,6 +32,7 @@ from atleak.report.xlsx.land_columns import (
     LandSheet,
     SheetCondition,
     address,
+    fine_of,
     land_columns,
     share_of,
     sheet_conditions,
@@ -343,9 +344,10 @@ class LiveSheets:
         put(sheet, row, _VERDICT + 2, rule.origin)
         put(sheet, row, _VERDICT + 3, rule.source)
 
-    def rule_verdict(self, judged: LandDiagnosis, rule: Rule) -> str:
-        """Return the cell with the verdict of one of a land's rules."""
-        return cell(self.rule_rows[judged.key][0] + judged.rules.index(rule), _VERDICT, "Rules")
+    def share_verdict(self, judged: LandDiagnosis, rule: Rule) -> str:
+        """Return the formula of the verdict of a land's share; half a pair is never called ok."""
+        row = self.rule_rows[judged.key][0] + judged.rules.index(rule)
+        return verdict_of_rank(cell(row, _VERDICT + 1, "Rules"), fine_of(judged))
 
     def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str:
         """Return the cell with the rule's value on the sheet of lands."""

@@ -221,9 +221,9 @@ class Sheets:
             for column, (at, judged) in enumerate(zip(live.conditions, each.cells, strict=True)):
                 share = cell(place, live.column_of["share", at.prefix], "Lands")
                 formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("percent"))
-                if judged.rule is not None:
-                    source = live.rule_verdict(each.land, judged.rule)
-                    formula(sheet, row, 4 + 2 * column, source, signed(judged.rule.verdict))
+                if judged.rule is not None and judged.verdict is not None:
+                    verdict = live.share_verdict(each.land, judged.rule)
+                    formula(sheet, row, 4 + 2 * column, verdict, signed(judged.verdict))
             put(sheet, row, len(names), each.elsewhere or None)
         book.colour_words(sheet, (1, 4), (len(rows), len(names) - 1), VERDICTS)
         sheet.set_column(0, 0, 12)

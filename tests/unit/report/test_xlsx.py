@@ -291,11 +291,21 @@ def test_every_land_stands_beside_every_condition(worn, content):
         label = projection.condition.label
         shares = [row.cells[number].share * 100.0 for row in rows]
         assert matrix[f"share of pump capacity [%], {label}"].tolist() == pytest.approx(shares, rel=1e-12, abs=1e-15)
-        verdicts = [None if row.cells[number].rule is None else signed(row.cells[number].rule.verdict) for row in rows]
+        verdicts = [None if row.cells[number].rule is None else signed(row.cells[number].verdict) for row in rows]
         issued = matrix[f"verdict of the share, {label}"].tolist()
         assert [None if pd.isna(verdict) else verdict for verdict in issued] == verdicts
         assert sum(shares) == pytest.approx(projection.share * 100.0, rel=1e-9, abs=0.0)
     assert matrix["elsewhere, as issued"].iloc[0] == "leaks into p_m, not drawn from the pump"
+
+
+def test_half_a_pair_is_called_ok_at_no_condition(worn, calculator):
+    kept = tuple(reading for reading in worn.readings.readings if reading.part == "spool")
+    half = diagnose(worn.controller, worn.fluid, worn.limits, readings=replace(worn.readings, readings=kept))
+    sheets = calculator(write_workbook(half))
+    for row, land in enumerate(half.lands, start=2):
+        if land.state.measured:
+            shown = {sheets.value("Land by condition", f"{letter}{row}") for letter in "EG"}
+            assert shown == {"○ not measured"}
 
 
 def test_a_changed_diameter_reaches_the_land_s_share_at_every_condition(worn, content, calculator):
