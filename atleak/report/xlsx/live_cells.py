@@ -9,7 +9,7 @@ from typing import Any
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.look import INPUT
 from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula, put
@@ -85,6 +85,11 @@ def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
 
 
 # --- formulas
+
+
+def fine_of(land: LandDiagnosis) -> Verdict:
+    """Return the verdict of a land that has reached no limit: half a pair is never called ok."""
+    return Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
 
 
 def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:

@@ -248,11 +248,21 @@ def test_every_land_stands_beside_every_condition(worn, content):
         label = projection.condition.label
         shares = [row.cells[number].share * 100.0 for row in rows]
         assert matrix[f"share of pump capacity [%], {label}"].tolist() == pytest.approx(shares, rel=1e-12, abs=1e-15)
-        verdicts = [None if row.cells[number].rule is None else signed(row.cells[number].rule.verdict) for row in rows]
+        verdicts = [None if row.cells[number].rule is None else signed(row.cells[number].verdict) for row in rows]
         issued = matrix[f"verdict of the share, {label}"].tolist()
         assert [None if pd.isna(verdict) else verdict for verdict in issued] == verdicts
         assert sum(shares) == pytest.approx(projection.share * 100.0, rel=1e-9, abs=0.0)
     assert matrix["elsewhere, as issued"].iloc[0] == "leaks into p_m, not drawn from the pump"
+
+
+def test_half_a_pair_is_called_ok_at_no_condition(worn, calculator):
+    kept = tuple(reading for reading in worn.readings.readings if reading.part == "spool")
+    half = diagnose(worn.controller, worn.fluid, worn.limits, readings=replace(worn.readings, readings=kept))
+    sheets = calculator(write_workbook(half))
+    for row, land in enumerate(half.lands, start=2):
+        if land.state.measured:
+            shown = {sheets.value("Land by condition", f"{letter}{row}") for letter in "EG"}
+            assert shown == {"○ not measured"}
 
 
 def test_a_changed_diameter_reaches_the_land_s_share_at_every_condition(worn, content, calculator):
@@ -278,7 +288,7 @@ def test_the_summary_holds_the_repairs_their_end_and_the_complaint(worn):
         after = rows.loc[shares[0] + len(plan.steps), column]
         assert after == pytest.approx(each.after.share * 100.0, rel=1e-12, abs=0.0)
     assert complaint.label in cells
-    assert "hot idle in drive, 100 °C (the worst, as issued)" in cells
+    assert f"{worn.worst.condition.label}; the worst, as issued" in cells
     totals = [cell for cell in cells if cell.startswith(("hot idle in drive", "driving in second"))]
     assert totals[1].startswith("hot idle")  # beside "shows at": the complaint's condition comes first
 
