@@ -29,9 +29,9 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
 from atleak.errors import InputError, Place
+from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, understand
-from atleak.intake.road_test.names.matching import words
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR

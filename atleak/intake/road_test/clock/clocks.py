@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.clock.dates import day_number, half_day, likely_order
+from atleak.intake.dates import day_number, half_day, likely_order
 from atleak.intake.units import find_unit
 
 DAY = 86400.0

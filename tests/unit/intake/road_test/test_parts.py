@@ -11,9 +11,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from atleak.intake.dates import day_number, likely_order, month
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.clock.clocks import Motion, numeric_clock, text_clock
-from atleak.intake.road_test.clock.dates import day_number, likely_order, month
 from atleak.intake.road_test.clock.timeline import build, gap_limit
 from atleak.intake.road_test.files.decoding import to_text
 from atleak.intake.road_test.files.layout import find_dialect

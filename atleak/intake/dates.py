@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Literal
 
-from atleak.intake.road_test.names.matching import words
+from atleak.intake.plain_words import words
 
 Order = Literal["dmy", "mdy"]
 
