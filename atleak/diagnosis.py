@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
+from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
@@ -16,7 +16,7 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, project, repaired
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
-from atleak.readings import LandClearance, Readings, clearances
+from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
 from atleak.uncertainty import (
@@ -96,6 +96,7 @@ class Diagnosis:
     """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more."""
 
     readings: Readings | None
+    measured_at: MeasuringTemperature | None  # of gauge and parts; None without readings
     controller: Controller
     fluid: Fluid
     limits: Limits
@@ -228,6 +229,7 @@ def diagnose(
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
+    measuring_temperature: float | None = None,
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
     guard_factor: float = GUARD_FACTOR,
@@ -246,6 +248,8 @@ def diagnose(
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
         mileage of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
+    measuring_temperature
+        that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
     instruments, assumptions
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
     guard_factor
@@ -257,9 +261,13 @@ def diagnose(
         a condition's temperature outside the fluid's data.
     RoadTestError
         a road test without usable main pressure.
+    ReadingsError
+        a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
     condition = condition or controller.operating_points[0]
-    states = clearances(readings, controller)
+    measured_at = None if readings is None else readings.measured_at(measuring_temperature)
+    temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
+    states = clearances(readings, controller, temperature=temperature, instruments=instruments)
     model = LeakageModel(controller, states, fluid, profile)
     new = LeakageModel(controller, repaired(states, [state.land.key for state in states]), fluid, profile)
     conditions = [condition]
@@ -287,6 +295,7 @@ def diagnose(
         messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
     return Diagnosis(
         readings=readings,
+        measured_at=measured_at,
         controller=controller,
         fluid=fluid,
         limits=limits,

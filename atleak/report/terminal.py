@@ -18,7 +18,8 @@ from atleak.look import look_of
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
-from atleak.wording import signed
+from atleak.views.measuring import measuring_temperature
+from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
 
@@ -44,7 +45,10 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     controller, readings = diagnosis.controller, diagnosis.readings
     console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
-    console.print(Text(measured + (f" in {readings.file}" if readings else "")))
+    if readings is not None and diagnosis.measured_at is not None:
+        at = measuring_temperature(diagnosis.measured_at, wording("en"))
+        measured += f" in {readings.file}; temperature of measuring: {at}"
+    console.print(Text(measured))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
     for projection in diagnosis.reported:
         console.print(Text(_total(diagnosis, projection)))

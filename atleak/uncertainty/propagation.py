@@ -23,7 +23,7 @@ from atleak.engine.projection import Projection
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.sources import ROOM_TEMPERATURE, LandSources
+from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
 
 SEED = 7667
 DRAWS = 20_000
@@ -218,7 +218,7 @@ def propagate(
     deviates = {name: shared.standard_normal(draws) for name in FACTORS}
     names = sorted({group for land in sources for group in land.groups})
     common = {
-        name: _rectangular_draws(shared, draws) if name == ROOM_TEMPERATURE else shared.standard_normal(draws)
+        name: _rectangular_draws(shared, draws) if name == MEASURING_TEMPERATURE else shared.standard_normal(draws)
         for name in names
     }
     conditions = [_Condition(model, projection, assumptions) for projection in projections]

@@ -1,7 +1,7 @@
 """Collect from instruments and readings what makes each clearance uncertain, source by source.
 
 Every source is stated as its standard uncertainty in the *radial clearance* (half of that in a diameter). A source
-with a ``group`` is one error that lands share: the instrument's common part, the temperature of the room.
+with a ``group`` is one error that lands share: the instrument's common part, the temperature of measuring.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from atleak.readings import LandClearance, Reading, Readings, independent_repeat
 from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
-ROOM_TEMPERATURE = "room temperature"  # group of the error that all lands share
+MEASURING_TEMPERATURE = "measuring temperature"  # group of the error that all lands share
 SourceKind = Literal[
     "common calibration",
     "calibration",
     "resolution",
     "repeats",
     "form",
-    "room temperature",
+    "measuring temperature",
     "nominal diameter",
     "mounting clearance",
 ]
@@ -260,8 +260,6 @@ def _land_sources(
             sources += _part_sources(
                 state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
             )
-        thermal = state.thermal_rate * rectangular(assumptions.room_temperature)
-        sources.append(UncertaintySource("room temperature", None, thermal, ROOM_TEMPERATURE, "rectangular"))
     return LandSources(state, tuple(sources), plans, spreads, instruments, assumptions)
 
 
@@ -287,7 +285,18 @@ def _part_sources(
         UncertaintySource("resolution", part, 0.5 * math.sqrt(resolution), None, "rectangular"),
         UncertaintySource("repeats", part, 0.5 * math.sqrt(repeats)),
         UncertaintySource("form", part, 0.5 * _form(state, part, plan, spread, assumptions)),
+        _temperature_source(state, part, sign, instrument, assumptions),
     ]
+
+
+def _temperature_source(
+    state: LandClearance, part: Part, sign: float, instrument: Instrument, assumptions: Assumptions
+) -> UncertaintySource:
+    """Return what an error of the measuring temperature does: part and gauge expand, and their difference is read."""
+    diameter = state.spool_diameter if part == "spool" else state.sleeve_diameter
+    rate = (state.land.expansion_of(part) - instrument.expansion) * diameter  # [m/K]
+    u = sign * rate * rectangular(assumptions.room_temperature)
+    return UncertaintySource("measuring temperature", part, u, MEASURING_TEMPERATURE, "rectangular")
 
 
 def _form(

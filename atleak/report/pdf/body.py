@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
 from atleak.diagnosis import LandDiagnosis
 from atleak.errors import unknown
@@ -14,6 +13,7 @@ from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table,
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
+from atleak.views.measuring import measuring_temperature
 from atleak.views.road_series import RoadSeries
 from atleak.wording import isolated
 from atleak.workshop_units import G_CM3, MM, MM2_S, UM
@@ -339,9 +339,8 @@ class Body:
             if not each.empty
         ]
         measured = f"{diagnosis.measured} / {len(diagnosis.lands)}"
-        temperature = f"{say.plain(REFERENCE_TEMPERATURE)} °C"
-        if job.measuring_temperature_c is not None:
-            temperature = say("facts.not_corrected", temperature=say.plain(job.measuring_temperature_c))
+        measured_at = diagnosis.measured_at
+        temperature = "" if measured_at is None else measuring_temperature(measured_at, say)
         options = joined(f"{name} = {_option(value)}" for name, value in diagnosis.profile.options.items())
         uncertainty = diagnosis.uncertainty
         taken = (
@@ -363,7 +362,7 @@ class Body:
                 [say("facts.profile"), diagnosis.profile.label],
                 [say("facts.options"), options],
                 [say("facts.measured"), measured],
-                [say("facts.measuring_temperature"), temperature],
+                *([[say("facts.measuring_temperature"), temperature]] if temperature else []),
                 *([[say("facts.instruments"), joined(instruments, "; ")]] if instruments else []),
                 *([[say("facts.uncertainty"), taken]] if taken else []),
             ]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
-from atleak.catalogue.instruments import Part
+from atleak.catalogue.instruments import Instruments, Part
 from atleak.diagnosis import LandDiagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
@@ -83,6 +83,8 @@ class LandSheet:
     gaps: Mapping[str, Sequence[GapLeakage]]  # by the condition's prefix, in the order of its sheet
     ranks: Mapping[LandKey, str]  # the stretch of the sheet of rules that holds a land's ranks
     means: Mapping[tuple[LandKey, Part], str]  # formula of a part's mean diameter over the readings
+    gauges: Instruments | None  # that measured, where their expansion counts
+    rise: float  # [K] of gauge and parts over 20 °C when they were measured
 
 
 def land_columns(sheet: LandSheet) -> list[LandColumn]:
@@ -111,11 +113,17 @@ def _names(sheet: LandSheet) -> Iterable[LandColumn]:
 
 
 def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
+    expansions: Mapping[Part, ColumnKey] = {"spool": "beta_s", "sleeve": "beta_k"}
+
     def diameter(part: Part) -> Callable[[LandRow], Cell]:
         def measured(row: LandRow) -> Cell:
             state = row.land.state
             value = state.spool_diameter if part == "spool" else state.sleeve_diameter
-            return Cell("mm", value * MM, sheet.means.get((row.land.key, part)), CHANGEABLE)
+            formula = sheet.means.get((row.land.key, part))
+            if formula is not None and sheet.gauges is not None:
+                own, gauge = row.here(expansions[part]), exact(sheet.gauges.of(part).expansion * _PER_KELVIN)
+                formula = f"({formula})*(1-({own}-{gauge})*1E-6*{exact(sheet.rise)})"
+            return Cell("mm", value * MM, formula, CHANGEABLE)
 
         return measured
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.controller import Pressure
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Pressure
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
@@ -60,6 +60,7 @@ class LiveSheets:
         self.rule_rows = self._rule_rows()
         self.limit_cells: dict[tuple[RuleKind, Level], str] = {}  # their addresses in the sheet of limits
         self.means: dict[tuple[LandKey, Part], str] = {}  # filled in when the readings are written
+        self.rise = diagnosis.measured_at.value - REFERENCE_TEMPERATURE if diagnosis.measured_at else 0.0
         self.columns = land_columns(
             LandSheet(
                 lands=self.lands,
@@ -69,6 +70,8 @@ class LiveSheets:
                 gaps=self.gaps,
                 ranks={key: span(*rows, _VERDICT + 1, "Rules") for key, rows in self.rule_rows.items()},
                 means=self.means,
+                gauges=diagnosis.uncertainty.instruments if diagnosis.uncertainty and self.rise else None,
+                rise=self.rise,
             )
         )
         self.column_of = {column.key: number for number, column in enumerate(self.columns)}

@@ -16,6 +16,7 @@ from atleak.report.xlsx.land_columns import ColumnKey
 from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.views.measuring import measuring_temperature
 from atleak.views.road_series import road_series
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM
@@ -50,7 +51,7 @@ class Sheets:
         put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
         sheet.set_row(0, 24)
         put(sheet, 1, 0, self._sentence(), book.bold)
-        vehicle, box = self.job.vehicle, self.job.transmission
+        vehicle, box, measured_at = self.job.vehicle, self.job.transmission, diagnosis.measured_at
         rows: list[tuple[str, Any]] = [
             ("job", self.job.number),
             ("date", self.job.date.isoformat() if self.job.date else None),
@@ -64,6 +65,7 @@ class Sheets:
             ("limits", record["limits"]["name"]),
             ("profile", diagnosis.profile.label),
             ("measuring sheet", record["readings"]["file"]),
+            ("measured at", None if measured_at is None else measuring_temperature(measured_at, wording("en"))),
             ("road test", record["road_test"]["file"] if record["road_test"] else None),
             ("representative", record["controller"]["representative_note"]),
         ]
@@ -287,7 +289,7 @@ class Sheets:
                         row += 1
             else:
                 put(sheet, row, 0, _words(name), self.book.heading)
-                row = put_text(sheet, row, 1, _field(name, value), self.book.wrapped, 84) + 2
+                row = put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
 
     def write_messages(self, sheet: Worksheet) -> None:
         rows = [
@@ -331,13 +333,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return ", ".join(map(str, value))
     return value if value is None or isinstance(value, int | float | str) else str(value)
-
-
-def _field(name: str, value: Any) -> str:
-    if name == "measuring_temperature_c":
-        say = wording("en")
-        return say("facts.not_corrected", temperature=say.plain(value))
-    return str(value)
 
 
 def _words(name: str) -> str:
