@@ -19,6 +19,7 @@ from atleak.errors import Message
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
+from atleak.sheet_checks import sheet_messages
 from atleak.uncertainty import (
     DECISIONS,
     DEFAULTS,
@@ -58,8 +59,12 @@ class LandDiagnosis:
     @property
     def decision(self) -> Decision | None:
         """Say how sure the verdict is, about the limit of the rule that gave it; None where not measured."""
-        decided = self.deciding_uncertainty
-        return decided.decision if decided and self.verdict != Verdict.NOT_MEASURED else None
+        return self.uncertainty.decision if self.uncertainty and self.verdict != Verdict.NOT_MEASURED else None
+
+    @property
+    def suspect(self) -> bool:
+        """Return whether the pair measures tighter than a new one can be."""
+        return self.uncertainty is not None and self.uncertainty.suspect
 
     @property
     def probability_over_limit(self) -> float | None:
@@ -277,8 +282,8 @@ def diagnose(
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
     rules = unit_rules(states, projections, when_new, limits)
-    uncertainty = None
-    if readings is not None:
+    uncertainty, of_sheet = None, ()
+    if readings is not None and measured_at is not None:
         uncertainty = assess(
             model,
             states,
@@ -289,10 +294,11 @@ def diagnose(
             assumptions=assumptions,
             guard_factor=guard_factor,
         )
+        of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
     if uncertainty is not None:
-        messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
+        messages = list(dict.fromkeys([*messages, *of_sheet, *uncertainty.messages]))
     return Diagnosis(
         readings=readings,
         measured_at=measured_at,

@@ -448,23 +448,14 @@ def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Messag
             "wear is not seen",
             place,
         )
-    elif state.status == "measured":
-        if state.radial_clearance < 0.5 * land.mounting_range[0]:
-            yield Message(
-                "warning",
-                "tighter_than_new",
-                f"{name}: radial clearance {_um(state.radial_clearance)} µm is less than half the mounting clearance "
-                f"of {_um(land.mounting_range[0])} µm: check the readings",
-                place,
-            )
-        if state.min_clearance < 0.0 <= state.radial_clearance:
-            yield Message(
-                "warning",
-                "tight_direction",
-                f"{name}: in one direction the sleeve measures {_um(-2.0 * state.min_clearance)} µm smaller than the "
-                f"{land.part}",
-                place,
-            )
+    elif state.status == "measured" and state.min_clearance < 0.0 <= state.radial_clearance:
+        yield Message(
+            "warning",
+            "tight_direction",
+            f"{name}: in one direction the sleeve measures {_um(-2.0 * state.min_clearance)} µm smaller than the "
+            f"{land.part}",
+            place,
+        )
 
 
 def _clearance(sleeve_diameter: float, spool_diameter: float) -> float:

@@ -38,6 +38,7 @@ SourceKind = Literal[
 ]
 
 _ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
+_SUSPECT = 3.0  # standard uncertainties under the mounting clearance: choice of this project
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
 _STEP_TOLERANCE = 1e-9  # [m]
 _READINGS_THAT_SHOW_A_STEP = 12
@@ -155,6 +156,16 @@ class LandSources:
     def u_mounting(self) -> float:
         """Return the standard uncertainty of the mounting clearance as this pair's own [m]."""
         return mounting_uncertainty(self.state.land, self.assumptions)
+
+    @property
+    def suspect(self) -> bool:
+        """Return whether the pair measures tighter than a new one, by more than the readings and c_m can be off.
+
+        Wear only opens a pair. Of a range the lower end counts, which new pairs do not pass.
+        """
+        low, high = self.state.land.mounting_range
+        u = math.hypot(self.standard_uncertainty, self.u_mounting if low == high else 0.0)
+        return self.state.status == "measured" and self.state.radial_clearance < low - _SUSPECT * u
 
     def variance_with(
         self,

@@ -179,6 +179,7 @@ def _land(land: LandDiagnosis) -> dict[str, Any]:
         "share_percent": _finite(land.share * PERCENT),
         "verdict": land.verdict,
         "decision": land.decision,
+        "suspect": land.suspect,
         "probability_over_limit": land.probability_over_limit,
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": land.replace_mileage,

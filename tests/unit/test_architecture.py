@@ -42,6 +42,7 @@ FLOORS = (
     ("engine.series", "engine.projection"),
     ("engine.road_leakage", "rules"),
     ("uncertainty", "variants"),
+    ("sheet_checks",),
     ("diagnosis",),
     ("views", "intake"),
     ("figures", "job.record", "job.case", "report.printed_charts", "report.terminal", "report.measuring_sheet"),

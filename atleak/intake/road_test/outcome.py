@@ -69,7 +69,7 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
         assigner.say("ambiguous", text, "warning")
     road_test = RoadTest(
         blank.file, blank.sha256, reading.rows, timeline.duration, timeline.time, channels, timeline.segments,
-        tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal,
+        tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal, reading.clock.date,
     )  # fmt: skip
     return replace(
         blank,

@@ -156,9 +156,11 @@ class Body:
         ]
         if items:
             yield {"kind": "list", "items": items}
-        unsure = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
-        if unsure:
-            yield text(say("texts.unsure", lands=joined(names.land_number(land) for land in unsure)))
+        within = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
+        for key, suspect in (("texts.unsure", False), ("texts.suspect", True)):
+            lands = [names.land_number(land) for land in within if land.suspect == suspect]
+            if lands:
+                yield text(say(key, lands=joined(lands)))
 
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
