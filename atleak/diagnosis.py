@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,7 +13,7 @@ from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import Projection, mileage_at_wear, project, repaired
+from atleak.engine.projection import Projection, mileage_at_wear, project, project_new
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
@@ -274,11 +274,10 @@ def diagnose(
     temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
     states = clearances(readings, controller, temperature=temperature, instruments=instruments)
     model = LeakageModel(controller, states, fluid, profile)
-    new = LeakageModel(controller, repaired(states, [state.land.key for state in states]), fluid, profile)
     conditions = [condition]
     conditions += [point for point in controller.operating_points if point != condition]
     projections = [project(model, point) for point in conditions]
-    when_new = [project(new, point) for point in conditions]
+    when_new = project_new(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
     rules = unit_rules(states, projections, when_new, limits)
@@ -310,7 +309,7 @@ def diagnose(
         model=model,
         lands=lands,
         projections=tuple(projections),
-        new_projections=tuple(when_new),
+        new_projections=when_new,
         road=road,
         repair_plan=_repair_plan(lands, projections, when_new, idle),
         uncertainty=uncertainty,
@@ -332,7 +331,7 @@ def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:
 def _repair_plan(
     lands: Iterable[LandDiagnosis],
     projections: list[Projection],
-    when_new: list[Projection],
+    when_new: Sequence[Projection],
     idle: Projection | None,
 ) -> tuple[RepairStep, ...]:
     """Order the flagged lands, with the total share before and after each comes back to its mounting clearance.
@@ -351,7 +350,7 @@ def _repair_plan(
 def _land(
     state: LandClearance,
     projections: list[Projection],
-    when_new: list[Projection],
+    when_new: Sequence[Projection],
     rules: UnitRules,
     mileage: float | None,
     uncertainty: UnitUncertainty | None,

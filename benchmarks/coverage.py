@@ -29,7 +29,7 @@ from atleak.catalogue.instruments import Instrument, Instruments, load_instrumen
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps, load_limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
-from atleak.engine.projection import project
+from atleak.engine.projection import project, project_new
 from atleak.readings import Reading, Readings, clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, LandUncertainty, RuleDecision, UnitUncertainty, assess
@@ -142,7 +142,7 @@ def simulate(world: World, unit: int) -> tuple[UnitUncertainty, Truth, int]:
         model,
         states,
         projections,
-        unit_rules(states, projections, limits),
+        unit_rules(states, projections, project_new(states, model, projections), limits),
         readings=sheet,
         instruments=instruments,
         draws=draws,

@@ -19,7 +19,7 @@ from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
-from atleak.engine.projection import project
+from atleak.engine.projection import project, project_new
 from atleak.intake.readings import read_readings
 from atleak.readings import clearances
 from atleak.rules import unit_rules
@@ -49,7 +49,14 @@ def main(chosen: argparse.Namespace) -> None:
         return [np.quantile((means + 1e-6 * draws) ** 3, (0.025, 0.975), axis=1) for _ in points]
 
     ours = median_time(
-        lambda: assess(model, states, points, unit_rules(states, points, limits), readings=readings, draws=number)
+        lambda: assess(
+            model,
+            states,
+            points,
+            unit_rules(states, points, project_new(states, model, points), limits),
+            readings=readings,
+            draws=number,
+        )
     )
     peer = median_time(bare)
     print(f"{len(states)} lands x {number} draws x {len(points)} conditions")

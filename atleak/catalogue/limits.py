@@ -32,7 +32,7 @@ ROUNDING = 1e-9  # relative: a value that equals its limit but for floating poin
 
 def reaches(value: float, limit: float) -> bool:
     """Tell whether a value is at or past a limit, whatever rounding does to its last digits."""
-    return value >= limit - ROUNDING * abs(limit)
+    return value >= limit or value > limit - ROUNDING * abs(limit)
 
 
 class LimitOrigin(StrEnum):

@@ -142,6 +142,16 @@ def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int
     )
 
 
+def project_new(
+    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
+) -> tuple[Projection, ...]:
+    """Project the same unit with every land as new pairs are, with the same fluid and to the same conditions."""
+    states = tuple(states)
+    new = repaired(states, [state.land.key for state in states])
+    as_new = LeakageModel(model.controller, new, model.fluid, model.profile)
+    return tuple(project(as_new, each.condition) for each in projections)
+
+
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
     sleeve = state.spool_diameter + 2.0 * radial_clearance
     return replace(state, radial_clearance=radial_clearance, sleeve_diameter=sleeve)

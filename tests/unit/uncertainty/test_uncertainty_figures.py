@@ -59,7 +59,7 @@ def test_leakages_show_interval_and_eccentricity(unit: UnitUncertainty) -> None:
 
 
 def test_budget_adds_up(unit: UnitUncertainty) -> None:
-    bars = figures.budget(unit.lands[0], sources=50).data
+    bars = figures.budget(next(land for land in unit.lands if land.conditions[0].share > 0.0), sources=50).data
     assert [sum(bar.x) for bar in bars] == pytest.approx([100.0, 100.0], rel=1e-9, abs=0.0)
 
 
