@@ -2,9 +2,9 @@
 
     python benchmarks/common_shift.py [--small]
 
-Units are new (with the common error that a certificate allows), worn in several ways, or read with a gauge that is off
-by 3 or 5 µm in the clearance. Their sheets are read with the catalogue's instruments: two directions, two repeats. Exits
-with 1 where a stated rate is not met.
+Units are new (with the common error that a certificate allows), worn in several ways, or read with a gauge that is
+off by 3 or 5 µm in the clearance. Their sheets are read with the catalogue's instruments: two directions, two repeats.
+Exits with 1 where a stated rate is not met.
 """
 
 from __future__ import annotations

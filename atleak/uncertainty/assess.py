@@ -143,10 +143,12 @@ class LandUncertainty:
         rule = self.deciding
         if rule is None:
             return None
-        if self.suspect:
-            return "the pair measures tighter than when new: check the readings and the gauges, and measure again."
         above = rule.at_next_level
-        return self.advice_on(rule) or (self.advice_on(above) if above else None)
+        advice = self.advice_on(rule) or (self.advice_on(above) if above else None)
+        if self.suspect:
+            tight = "tighter than when new, which wear cannot do: check the readings and the gauges, and measure again"
+            return f"{tight}; {advice}" if advice else f"{tight}."
+        return advice
 
     def _at(self, rule: Rule) -> AtCondition:
         """Return the condition at which a rule about a share holds."""
