@@ -92,13 +92,17 @@ def day_number(text: str, order: Order = "dmy") -> int | None:
 
 
 def sure_date(texts: Sequence[str]) -> dt.date | None:
-    """Return the earliest of some dates written alike; None where one is none, or day and month may be swapped.
+    """Return the earliest of some dates written alike.
+
+    None where one of them is none or lacks its year, or where day and month may be swapped.
 
     >>> sure_date(["2026-03-04"]), sure_date(["4.3.2026"]), sure_date(["03/04/2026"])
     (datetime.date(2026, 3, 4), datetime.date(2026, 3, 4), None)
     >>> sure_date(["03/04/2026", "03/14/2026"])
     datetime.date(2026, 3, 4)
     """
+    if any(len(_numbers(text)) < 2 and not re.search(r"\d{8}", text) for text in texts):
+        return None  # "27 Sep"
     dotted = any(re.search(r"(?<!\d)\d{1,2}\.\d{1,2}\.\d{2}", text) for text in texts)  # the day stands first
     orders: tuple[Order, ...] = ("dmy",) if dotted else ("dmy", "mdy")
     read = [[day_number(text, order) for text in texts] for order in orders]

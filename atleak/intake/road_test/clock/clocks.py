@@ -171,7 +171,7 @@ def text_clock(column: pd.Series) -> Clock | None:
     clock = as_parts(read, good, days if dated else None, halves)
     if clock is None or not dated:
         return clock
-    return replace(clock, date=sure_date([dates[index] for index in sorted(used)]))
+    return replace(clock, date=sure_date([read.texts[index] for index in sorted(used)]))
 
 
 def _three_parts(
