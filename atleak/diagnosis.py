@@ -1,4 +1,4 @@
-"""Judge a unit by its limits: which pairs, by which rule, what they cost the pump, and what to repair first."""
+"""Judge a unit by its limits: which pairs, by which rule, and what they cost the pump."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atleak.catalogue.complaints import Complaint
 from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.engine.leakage import LeakageModel
+from atleak.engine.leakage import LeakageModel, narrow_gap_messages
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, project, project_new
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
@@ -87,16 +88,6 @@ class LandDiagnosis:
 
 
 @dataclass(frozen=True)
-class RepairStep:
-    """The repair of one land to its mounting clearance, after the steps before it."""
-
-    land: LandDiagnosis
-    condition: OperatingPoint
-    share_before: float  # total, at that condition
-    share_after: float
-
-
-@dataclass(frozen=True)
 class Diagnosis:
     """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more."""
 
@@ -112,9 +103,9 @@ class Diagnosis:
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     road: RoadLeakage | None
-    repair_plan: tuple[RepairStep, ...]  # flagged lands in order of repair
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
+    complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
     messages: tuple[Message, ...]
 
     @property
@@ -128,13 +119,36 @@ class Diagnosis:
         return next((each for each in self.projections if each.condition.name == HOT_IDLE), None)
 
     @property
+    def complained(self) -> tuple[Projection, ...]:
+        """Return the projections at which the customer's complaint can show; none without one."""
+        names = self.complaint.conditions if self.complaint is not None else ()
+        return tuple(each for name in names for each in self.projections if each.condition.name == name)
+
+    @property
+    def presented(self) -> tuple[Projection, ...]:
+        """Return every projection in the order in which people read them: those of the complaint lead."""
+        first = self.complained
+        return (*first, *(each for each in self.projections if not any(each is led for led in first)))
+
+    @property
     def reported(self) -> tuple[Projection, ...]:
-        """Return the projections that reports show: the stated condition, hot idle, and the one that decided."""
-        shown = [self.projection, self.hot_idle]
+        """Return the projections that must stand in every report, in the order in which people read them.
+
+        These are those of the complaint, the stated condition, hot idle, the one at which the total is worst, and the
+        one of the rule that decided.
+        """
+        shown = [*self.complained, self.projection, self.hot_idle, self.worst]
         decided_by = self.decided_by
-        if isinstance(decided_by, Rule) and decided_by.condition is not None:
-            shown.append(self.at(decided_by.condition))
-        return tuple(each for each in self.projections if any(each is other for other in shown))
+        rule = decided_by if decided_by is None or isinstance(decided_by, Rule) else decided_by.deciding
+        if rule is not None and rule.condition is not None:
+            shown.append(self.at(rule.condition))
+        return tuple(each for each in self.presented if any(each is other for other in shown))
+
+    @property
+    def worst(self) -> Projection:
+        """Return the projection at which the total reached the worst band; of several, the largest share."""
+        condition = self.worst_total.condition
+        return self.projection if condition is None else self.at(condition)
 
     def total_rule(self, projection: Projection) -> Rule:
         """Return the rule of the total at the condition of one of the projections."""
@@ -165,7 +179,8 @@ class Diagnosis:
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
         """Return the lands at watch or past it, the worst first, then the costliest."""
-        return _flagged(self.lands)
+        flagged = [land for land in self.lands if land.verdict.flagged]
+        return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
 
     @property
     def ranked(self) -> tuple[LandDiagnosis, ...]:
@@ -238,6 +253,7 @@ def diagnose(
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
     guard_factor: float = GUARD_FACTOR,
+    complaint: Complaint | None = None,
 ) -> Diagnosis:
     """Diagnose a unit from its readings and a road test: a verdict for every land and for the whole.
 
@@ -259,6 +275,8 @@ def diagnose(
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
     guard_factor
         k of the guard band k·u around every limit; 1.645 leaves a risk of 5 %.
+    complaint
+        one of the controller's, which leads the result; it changes no number and no verdict.
 
     Raises
     ------
@@ -311,9 +329,9 @@ def diagnose(
         projections=tuple(projections),
         new_projections=when_new,
         road=road,
-        repair_plan=_repair_plan(lands, projections, when_new, idle),
         uncertainty=uncertainty,
         total_rules=rules.totals,
+        complaint=complaint,
         messages=tuple(messages),
     )
 
@@ -321,30 +339,6 @@ def diagnose(
 def _certainty(decision: Decision | None) -> int:
     """Rank a decision: the surer a limit is passed, the higher."""
     return -1 if decision is None else DECISIONS.index(decision)
-
-
-def _flagged(lands: Iterable[LandDiagnosis]) -> tuple[LandDiagnosis, ...]:
-    flagged = [land for land in lands if land.verdict.flagged]
-    return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
-
-
-def _repair_plan(
-    lands: Iterable[LandDiagnosis],
-    projections: list[Projection],
-    when_new: Sequence[Projection],
-    idle: Projection | None,
-) -> tuple[RepairStep, ...]:
-    """Order the flagged lands, with the total share before and after each comes back to its mounting clearance.
-
-    The total is that at hot idle where the controller states it: there the pump is weakest.
-    """
-    index = projections.index(idle) if idle is not None else 0
-    now, new = projections[index], when_new[index]
-    leakage, steps = now.leakage, []
-    for land in _flagged(lands):
-        before, leakage = leakage, leakage - (now.drawn_by(land.key) - new.drawn_by(land.key))
-        steps.append(RepairStep(land, now.condition, now.share_of(before), now.share_of(leakage)))
-    return tuple(steps)
 
 
 def _land(
@@ -441,6 +435,7 @@ def _messages(
         if logged is not None:
             temperatures += [float(value) for value in (np.nanmin(logged), np.nanmax(logged))]
     messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
+    messages += narrow_gap_messages(gap for projection in projections for gap in projection.gaps)
     for projection in projections:
         messages += projection.messages
         if projection.pump_capacity <= 0.0:

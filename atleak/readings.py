@@ -156,6 +156,24 @@ class LandClearance:
         """Return the growth of the radial clearance with temperature [m/K], eq. (2)."""
         return self.land.thermal_rate(self.spool_diameter, self.sleeve_diameter)
 
+    @property
+    def form_moments(self) -> tuple[float, float]:
+        """Return the second [m²] and third [m³] central moment of the radial clearance over the places measured.
+
+        Directions of a plane are averaged first, then planes, as for the mean. A part known only by its mean adds
+        nothing, and nothing is known of a land where no plane has two directions: (0, 0).
+        """
+        planes: dict[str, list[float]] = defaultdict(list)
+        for station in self.stations:
+            planes[station.plane].append(station.radial_clearance)
+        if all(len(directions) < 2 for directions in planes.values()):
+            return 0.0, 0.0
+        mean = fmean(fmean(directions) for directions in planes.values())
+        second, third = (
+            fmean(fmean((c - mean) ** power for c in directions) for directions in planes.values()) for power in (2, 3)
+        )
+        return second, third
+
     def effective_clearance(self, temperature: float) -> float:
         """Return the radial clearance [m] at a temperature [°C], eq. (2): zero where the pair binds."""
         rise = temperature - REFERENCE_TEMPERATURE

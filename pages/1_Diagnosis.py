@@ -7,12 +7,13 @@ import streamlit as st
 from atleak.figures import diagnosis_figures as figures
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from pages.shared import panel, show, words
+from pages.shared import conditions, panel, show, words
 
 case, diagnosis = panel.shown()
 record = diagnosis_record(diagnosis)
 st.title("Diagnosis")
 show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
+conditions.complaint(diagnosis)
 
 st.subheader("Flagged pairs")
 if diagnosis.flagged:
@@ -25,10 +26,13 @@ show.sheet_messages(diagnosis)
 
 st.subheader("Total share of the pump's flow")
 show.chart(figures.total_share(diagnosis), "share")
-show.conditions(diagnosis, record)
+conditions.totals(diagnosis, record)
+
+st.subheader("Land by condition")
+conditions.matrix(diagnosis)
 
 st.subheader("Order of repair")
-show.repair_plan(diagnosis, record)
+conditions.repairs(diagnosis)
 
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)

@@ -15,6 +15,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from atleak.catalogue.complaints import Complaint, complaints_of, find_complaint
 from atleak.catalogue.controller_tables import (
     ComponentTable,
     ControllerFile,
@@ -223,6 +224,7 @@ class Controller:
     relations: MappingProxyType[str, PressureRelation]  # of p_s and p_m; p_g and p_k are measured
     pump: Pump
     operating_points: tuple[OperatingPoint, ...]
+    complaints: tuple[Complaint, ...]
     origin: Origin
 
     @property
@@ -253,6 +255,16 @@ class Controller:
 
     def lands_of(self, component: str) -> tuple[Land, ...]:
         return tuple(land for land in self.lands if land.component == component)
+
+    def complaint(self, wanted: str | None) -> Complaint | None:
+        """Return the complaint of that id; None where none is wanted.
+
+        Raises
+        ------
+        InputError
+            if the controller maps no such complaint.
+        """
+        return find_complaint(self.complaints, wanted, self.name)
 
     def gaps_in(self, gear: int) -> tuple[Gap, ...]:
         """Return the gaps that see a pressure drop in that gear."""
@@ -316,6 +328,14 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
     # a controller whose gaps use neither pressure still answers what each would be
     for section in ("p_s", "p_m"):
         relations.setdefault(section, PressureRelation("line", 0.0, 0.0, None))
+    points = tuple(_operating_points(entry, origin.path))
+    complaints = complaints_of(
+        entry.complaints,
+        [point.name for point in points],
+        [land.key for land in lands],
+        entry.source,
+        origin.path,
+    )
     return Controller(
         id=entry.id,
         name=entry.name,
@@ -329,7 +349,8 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         gaps=gaps,
         relations=MappingProxyType(relations),
         pump=_pump(entry.pump),
-        operating_points=tuple(_operating_points(entry, origin.path)),
+        operating_points=points,
+        complaints=complaints,
         origin=origin,
     )
 

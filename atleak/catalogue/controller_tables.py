@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
+from atleak.catalogue.complaints import ComplaintTable
 from atleak.catalogue.entries import Entry, Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
 
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
@@ -234,3 +235,4 @@ class ControllerFile(Entry):
     operating_points: list[OperatingPointTable] = Field(min_length=1)
     components: list[ComponentTable] = Field(min_length=1)
     gaps: list[GapTable] = []
+    complaints: list[ComplaintTable] = []

@@ -34,6 +34,7 @@ def _controllers(options: argparse.Namespace) -> int:
             "gaps": len(controller.gaps),
             "gears": list(controller.gears),
             "operating_points": [point.name for point in controller.operating_points],
+            "complaints": [complaint.record for complaint in controller.complaints],
             "representative": bool(controller.representative),
             "source": controller.source,
             "sha256": controller.sha256,

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from atleak.system.marks import Kind
 
 
+_POSITION = "eccentricity"  # an option of the profile that people also look for among the assumptions
+
+
 def add_parser(commands: Any) -> None:
     """Add the command."""
     parser = add_command(commands, "diagnose", run, "a verdict for every land from a measuring sheet and a road test")
@@ -71,8 +74,14 @@ def add_parser(commands: Any) -> None:
         help="of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given",
     )
     parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
+    parser.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
     parser.add_argument(
-        "--assume", metavar="NAME=VALUE", type=pair, action="append", default=[], help="one assumed uncertainty"
+        "--assume",
+        metavar="NAME=VALUE",
+        type=pair,
+        action="append",
+        default=[],
+        help="one assumed uncertainty; or eccentricity=unknown, an option of the profile",
     )
     parser.add_argument("--guard", metavar="K", type=number, help="guard band of every limit in standard uncertainties")
     parser.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
@@ -141,7 +150,7 @@ def _case(options: argparse.Namespace) -> Case:
         readings=SourceFile.at(options.readings),
         road_test=None if options.road_test is None else SourceFile.at(options.road_test),
         **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
-        options=tuple(options.set),
+        options=_profile_options(options),
         temperature=options.temperature,
         engine_speed=None if options.rpm is None else options.rpm / 60.0,
         gear=options.gear,
@@ -153,9 +162,18 @@ def _case(options: argparse.Namespace) -> Case:
         columns=tuple(options.map),
         units=tuple(options.unit),
         constants=tuple(options.constant),
-        assumptions=tuple(options.assume),
+        assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
         guard_factor=options.guard,
+        complaint=options.complaint,
     )
+
+
+def _profile_options(options: argparse.Namespace) -> tuple[tuple[str, str], ...]:
+    """Return the options of the profile, among them where the spools are assumed to lie."""
+    assumed = [pair for pair in options.assume if pair[0] == _POSITION]
+    if assumed and _POSITION in dict(options.set):
+        raise InputError("the eccentricity is set twice", value=assumed[-1][1], expected="--set or --assume, not both")
+    return (*options.set, *assumed)
 
 
 def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: argparse.Namespace) -> list[str]:

@@ -3,7 +3,8 @@
 To change the physics read only this file. It calls the published equations of `atleak.equations` and adds nothing but
 the order in which they are used:
 
-1. The clearance of a gap grows with temperature (`GapGeometry.effective_clearance`).
+1. The clearance of a gap grows with temperature (`GapGeometry.effective_clearance`); where it differs around the
+   circumference, an even gap that leaks as much stands for it (`GapLaw.flow_clearance`).
 2. The pressures before and behind it follow from main and converter pressure (`GapGeometry.pressure_drop`); a negative
    drop leaks nothing.
 3. The gap law gives the flow (`GapLaw.flow`), with the fluid's viscosity and density at that temperature.
@@ -16,7 +17,7 @@ each gap and each sample would take a hundred times as long. It must give the sa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -25,15 +26,17 @@ import numpy as np
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, SECTIONS, Controller, Gap, Land, OperatingPoint, Pump
 from atleak.catalogue.fluid import Fluid
-from atleak.engine.profile import Profile
+from atleak.engine.profile import UNKNOWN, Profile
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import gap as gap_equations
 from atleak.equations import pump as pump_equations
 from atleak.errors import Message
 from atleak.workshop_units import PERCENT, UM
 
-#: Part of the flow [-] from which on an entry loss that is not computed is reported: choice of this project.
-ENTRY_LOSS_WORTH_SAYING = 0.02
+#: Part of a gap's flow [-] from which on the entry loss is reported: choice of this project.
+ENTRY_LOSS_WORTH_SAYING = 0.1
+
+Moments = tuple[float, float]  # second [m²] and third [m³] central moment of a radial clearance
 
 
 class Clearance(Protocol):
@@ -52,7 +55,11 @@ class Clearance(Protocol):
 
     @property
     def radial_clearance(self) -> float:
-        """Return the cold radial clearance [m]."""
+        """Return the cold radial clearance [m], the mean over directions and planes."""
+
+    @property
+    def form_moments(self) -> Moments:
+        """Return the central moments of the radial clearance over the directions and planes measured."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +70,7 @@ class GapLeakage:
     pressure_drop: float  # [Pa], with its sign: a negative one leaks nothing
     diameter: float  # [m], the one in the gap law
     contact_length: float  # [m]
-    effective_clearance: float  # [m]
+    effective_clearance: float  # [m], the one in the gap law: of an even gap that leaks as much
     kinematic_viscosity: float  # [m²/s]
     density: float  # [kg/m³]
     leakage: float  # [m³/s]
@@ -81,12 +88,13 @@ class GapGeometry:
     gap: Gap
     spool_diameter: float  # [m]
     contact_length: float  # [m]
-    radial_clearance: float  # [m], cold
+    radial_clearance: float  # [m], cold, the mean
+    form_moments: Moments
     thermal_rate: float  # [m/K]
     drawn_from_pump: bool
 
     def effective_clearance(self, temperature: Any) -> Any:
-        """Return the radial clearance [m] at a temperature [°C]: zero where the spool binds."""
+        """Return the mean radial clearance [m] at a temperature [°C]: zero where the spool binds."""
         rise = temperature - REFERENCE_TEMPERATURE
         return clearance_equations.effective_clearance(self.radial_clearance, self.thermal_rate, rise)
 
@@ -106,23 +114,53 @@ class GapGeometry:
 
 @dataclass(frozen=True)
 class GapLaw:
-    """The law of the annular gap with the options of a profile: diameter, eccentricity and entry loss."""
+    """The law of the annular gap with the options of a profile: diameter, form, eccentricity and entry loss."""
 
     profile: Profile
 
     @property
     def linear(self) -> bool:
         """Return whether the flow is in proportion to the pressure drop and to one over the dynamic viscosity."""
-        return not self.profile.entry_loss
+        return self.profile.entry_loss == "off"
+
+    @property
+    def counts_form(self) -> bool:
+        """Return whether a clearance that differs around the circumference leaks more than its mean."""
+        return self.profile.form == "mean_of_cubes"
 
     @cached_property
     def eccentricity_factor(self) -> float:
-        """Compute how much more than a concentric gap every gap leaks [-]."""
+        """Compute how much more than a concentric gap every gap leaks by friction alone [-].
+
+        Of a spool of which nobody knows where it lies, this is the mean over all its positions.
+        """
+        if self.profile.eccentricity == UNKNOWN:
+            return gap_equations.MEAN_ECCENTRIC
         return float(gap_equations.eccentricity_factor(self.profile.eccentricity, 1.0))
 
+    @property
+    def concentric_factor(self) -> tuple[float, float]:
+        """Return between which factors the flow may lie of that with every spool concentric [-].
+
+        As long as a spool is only taken as concentric, or nobody knows where it lies, from 1 to 2.5; where the profile
+        sets an eccentricity, twice its factor. The entry loss takes something off the factors of wide gaps.
+        """
+        if self.profile.eccentricity in (UNKNOWN, 0.0):
+            return 1.0, gap_equations.FULLY_ECCENTRIC
+        return self.eccentricity_factor, self.eccentricity_factor
+
     def diameter(self, spool_diameter: Any, clearance: Any) -> Any:
-        """Return the diameter [m] on which the gap's circumference is taken."""
+        """Return the diameter [m] on which the gap's circumference is taken, from its mean effective clearance [m]."""
         return spool_diameter + clearance if self.profile.diameter == "mean" else spool_diameter
+
+    def flow_clearance(self, clearance: Any, m2: Any, m3: Any) -> Any:
+        """Return the clearance [m] that `flow` asks for, from the mean effective clearance and its central moments.
+
+        Where the profile takes the cube of the mean, this is the mean itself.
+        """
+        if not self.counts_form or not (np.any(m2) or np.any(m3)):
+            return clearance
+        return gap_equations.flow_equal_clearance(clearance, m2, m3)
 
     def flow(
         self,
@@ -132,13 +170,29 @@ class GapLaw:
         kinematic_viscosity: Any,
         density: Any,
         contact_length: Any,
+        eccentricity_factor: Any = None,
     ) -> Any:
-        """Return the volume flow [m³/s]; arguments as those of `atleak.equations.gap.annular_flow`."""
+        """Return the volume flow [m³/s]; arguments as those of `atleak.equations.gap.annular_flow`.
+
+        ``eccentricity_factor`` [-] takes the place of the profile's, for spools whose positions are drawn.
+        """
         factors = (pressure_drop, diameter, clearance, kinematic_viscosity, density, contact_length)
-        if not self.linear:
-            return self.eccentricity_factor * gap_equations.entry_loss_flow(*factors)
-        eccentricity = self.profile.eccentricity * clearance if self.profile.eccentricity else 0.0
-        return gap_equations.annular_flow(*factors, eccentricity)
+        eccentric = self.eccentricity_factor if eccentricity_factor is None else eccentricity_factor
+        if self.linear:
+            return eccentric * gap_equations.annular_flow(*factors)
+        return gap_equations.entry_loss_flow(*factors, eccentricity_factor=eccentric)
+
+    def entry_loss(
+        self, pressure_drop: Any, clearance: Any, kinematic_viscosity: Any, density: Any, contact_length: Any
+    ) -> Any:
+        """Return the fraction of the flow by friction alone that the entry loss takes off, computed or not [-]."""
+        factors = (1.0, clearance, kinematic_viscosity, density, contact_length)  # no diameter changes it
+        eccentric = self.eccentricity_factor
+        lossless = eccentric * gap_equations.annular_flow(1.0, *factors)  # per pascal
+        lossy = gap_equations.entry_loss_flow(pressure_drop, *factors, eccentricity_factor=eccentric)
+        flows = (pressure_drop > 0.0) & (clearance > 0.0)
+        whole = np.where(flows, lossless * pressure_drop, 1.0)
+        return np.where(flows, 1.0 - lossy / whole, 0.0)
 
 
 # --- the pump
@@ -211,6 +265,7 @@ class LeakageModel:
         rates = {
             key: state.land.thermal_rate(state.spool_diameter, state.sleeve_diameter) for key, state in states.items()
         }
+        moments = {key: state.form_moments for key, state in states.items()}
         counts_every_gap = self.profile.pump_draw == "all_gaps"
         return tuple(
             GapGeometry(
@@ -218,6 +273,7 @@ class LeakageModel:
                 spool_diameter=states[gap.key].spool_diameter,
                 contact_length=states[gap.key].land.contact_length,
                 radial_clearance=states[gap.key].radial_clearance,
+                form_moments=moments[gap.key],
                 thermal_rate=rates[gap.key],
                 drawn_from_pump=counts_every_gap or gap.into_sump,
             )
@@ -242,8 +298,9 @@ class LeakageModel:
             if condition.gear not in geometry.gap.gears:
                 continue
             drop = float(geometry.pressure_drop(pressures))
-            clearance = float(geometry.effective_clearance(temperature))
-            diameter = float(self.law.diameter(geometry.spool_diameter, clearance))
+            mean = float(geometry.effective_clearance(temperature))
+            diameter = float(self.law.diameter(geometry.spool_diameter, mean))
+            clearance = float(self.law.flow_clearance(mean, *geometry.form_moments))
             flow = self.law.flow(max(drop, 0.0), diameter, clearance, viscosity, density, geometry.contact_length)
             leakages.append(
                 GapLeakage(
@@ -290,49 +347,62 @@ class LeakageModel:
 # --- messages
 
 
-def gap_messages(gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
-    """Report reversed drops, narrow gaps, entry loss and turbulence at one condition."""
+def gap_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
+    """Report reversed drops, a large entry loss and turbulence at one condition."""
     messages = []
     at = condition.label
-
-    def names(chosen: list[GapLeakage]) -> str:
-        return ", ".join(sorted({f"{gap.gap.component} land {gap.gap.land}" for gap in chosen}))
-
     reversed_ = [gap for gap in gaps if gap.pressure_drop < 0]
     if reversed_:
-        text = f"{at}: the pressure drop is negative and counts as no leakage at {names(reversed_)}."
+        text = f"{at}: the pressure drop is negative and counts as no leakage at {_lands(reversed_)}."
         messages.append(Message("warning", "reversed_pressure_drop", text))
-    regime = gap_equations.obliteration(np.array([gap.effective_clearance for gap in gaps]))
-    narrow = [gap for gap, state in zip(gaps, regime, strict=True) if state != "free"]
-    if narrow:
-        text = (
-            f"{at}: under {gap_equations.FREE_CLEARANCE * UM:g} µm the boundary layer partly closes a gap, so the "
-            f"leakage given is an upper bound: {names(narrow)}."
-        )
-        messages.append(Message("info", "partly_closed_gap", text))
-    lossy = [gap for gap in gaps if entry_loss_share(gap) > ENTRY_LOSS_WORTH_SAYING]
-    if lossy:
-        part = f"{ENTRY_LOSS_WORTH_SAYING * PERCENT:g} %"
-        text = f"{at}: entry loss would take more than {part} off the flow at {names(lossy)}."
-        messages.append(Message("info", "entry_loss", text))
+    messages += _entry_loss_messages(law, gaps, at)
     fast = [gap for gap in gaps if gap.reynolds_number > gap_equations.LAMINAR_REYNOLDS]
     if fast:
         limit = f"{gap_equations.LAMINAR_REYNOLDS:g}"
-        text = f"{at}: Reynolds number over {limit}, the flow may not be laminar, at {names(fast)}."
+        text = f"{at}: Reynolds number over {limit}, the flow may not be laminar, at {_lands(fast)}."
         messages.append(Message("warning", "not_laminar", text))
     return messages
 
 
-def entry_loss_share(gap: GapLeakage) -> float:
-    """Return the fraction of the gap law's flow that the entry loss would take off [-]."""
-    if gap.pressure_drop <= 0 or gap.effective_clearance <= 0:
-        return 0.0
-    factors = (
-        gap.pressure_drop,
-        gap.diameter,
-        gap.effective_clearance,
-        gap.kinematic_viscosity,
-        gap.density,
-        gap.contact_length,
+def narrow_gap_messages(gaps: Iterable[GapLeakage]) -> list[Message]:
+    """Report once how many lands have a gap so narrow that its walls' boundary layer partly closes it.
+
+    ``gaps`` are those of a unit at all its conditions.
+    """
+    clearances: dict[tuple[str, int], float] = {}  # the least of each land
+    for gap in gaps:
+        clearances[gap.gap.key] = min(gap.effective_clearance, clearances.get(gap.gap.key, np.inf))
+    regime = gap_equations.obliteration(np.array(list(clearances.values())))
+    narrow = np.count_nonzero(regime != "free")
+    if not narrow:
+        return []
+    component, land = min(clearances, key=lambda key: clearances[key])
+    free = f"{gap_equations.FREE_CLEARANCE * UM:g} µm"
+    text = (
+        f"{narrow} of {len(clearances)} lands that leak have gaps of {free} or less at operating temperature, which "
+        "the boundary layer partly closes: their leakage is an upper bound. The narrowest is "
+        f"{component} land {land} with {clearances[component, land] * UM:.1f} µm."
     )
-    return 1.0 - gap_equations.entry_loss_flow(*factors) / gap_equations.annular_flow(*factors)
+    return [Message("info", "partly_closed_gap", text)]
+
+
+def _entry_loss_messages(law: GapLaw, gaps: Sequence[GapLeakage], at: str) -> list[Message]:
+    """Report how much of the flow by friction alone the entry loss takes, or would take, where that is much."""
+    taken: dict[str, float] = {}
+    for gap in gaps:
+        of_fluid = (gap.kinematic_viscosity, gap.density)
+        loss = float(law.entry_loss(gap.pressure_drop, gap.effective_clearance, *of_fluid, gap.contact_length))
+        if loss > ENTRY_LOSS_WORTH_SAYING:
+            taken[_lands([gap])] = max(loss, taken.get(_lands([gap]), 0.0))
+    if not taken:
+        return []
+    largest_first = sorted(taken.items(), key=lambda item: -item[1])
+    amounts = ", ".join(f"{loss * PERCENT:.0f} % at {land}" for land, loss in largest_first)
+    if law.linear:
+        text = f"{at}: the entry loss is left out, so flows are too high. It would take off {amounts}."
+        return [Message("warning", "entry_loss", text)]
+    return [Message("info", "entry_loss", f"{at}: of the flow by friction alone the entry loss takes off {amounts}.")]
+
+
+def _lands(gaps: Iterable[GapLeakage]) -> str:
+    return ", ".join(sorted({f"{gap.gap.component} land {gap.gap.land}" for gap in gaps}))

@@ -10,6 +10,9 @@ from atleak.catalogue.fluid import ViscosityModel
 from atleak.errors import InputError, unknown
 from atleak.written_numbers import decimal_number
 
+#: The eccentricity of a spool of which nobody knows where it lies: e/c uniform from 0 to 1, a choice of this project.
+UNKNOWN: Literal["unknown"] = "unknown"
+
 
 @dataclass(frozen=True)
 class Profile:
@@ -30,9 +33,15 @@ class Profile:
         ``constant``: the controller's volumetric efficiency. ``wilson``: with the controller's slip coefficient,
         where it states one.
     entry_loss
-        Whether the kinetic loss at a gap's entry is subtracted. It breaks linearity in pressure.
+        ``on``: every flow carries the loss of pressure that accelerates the fluid at a gap's entry and is lost at its
+        exit. ``auto``: likewise, but over a log the gaps where it stays under 1 % are computed without it, which is
+        quicker. ``off``: left out, as in the study.
     eccentricity
-        e/c, the same for every gap: 0 concentric, 1 touching (2.5 times the flow).
+        e/c, the same for every gap: 0 concentric, 1 touching (2.5 times the flow), or `UNKNOWN`: every flow carries the
+        mean over all positions of the spool.
+    form
+        ``mean_of_cubes``: flow follows the mean of the cubed clearances over the directions and planes measured.
+        ``cube_of_mean``: the cube of their mean, as the study.
     """
 
     name: str
@@ -40,8 +49,9 @@ class Profile:
     viscosity: ViscosityModel
     pump_draw: Literal["into_sump", "all_gaps"]
     pump_efficiency: Literal["wilson", "constant"]
-    entry_loss: bool = False
-    eccentricity: float = 0.0
+    entry_loss: Literal["auto", "on", "off"]
+    eccentricity: float | Literal["unknown"]
+    form: Literal["mean_of_cubes", "cube_of_mean"]
 
     @property
     def options(self) -> dict[str, Any]:
@@ -52,7 +62,7 @@ class Profile:
     def label(self) -> str:
         """Join the name and what was set apart from it: ``workshop, diameter=spool``."""
         base = PROFILES[self.name].options
-        changed = [f"{name}={_text(value)}" for name, value in self.options.items() if base[name] != value]
+        changed = [f"{name}={value}" for name, value in self.options.items() if base[name] != value]
         return ", ".join([self.name, *changed])
 
     def with_options(self, **options: Any) -> Profile:
@@ -66,18 +76,18 @@ class Profile:
         return replace(self, **{name: _checked(name, value) for name, value in options.items()})
 
 
-PAPER = Profile("paper", "spool", "tabulated", "all_gaps", "constant")
-WORKSHOP = Profile("workshop", "mean", "d341", "into_sump", "wilson")
+PAPER = Profile("paper", "spool", "tabulated", "all_gaps", "constant", "off", 0.0, "cube_of_mean")
+WORKSHOP = Profile("workshop", "mean", "d341", "into_sump", "wilson", "auto", 0.0, "mean_of_cubes")
 PROFILES = MappingProxyType({"workshop": WORKSHOP, "paper": PAPER})
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     name: get_args(hint) for name, hint in get_type_hints(Profile).items() if get_origin(hint) is Literal
 }
-_SWITCH = {"on": True, "off": False, "true": True, "false": False, "1": True, "0": False}
+_SWITCH = {"true": "on", "false": "off", "1": "on", "0": "off"}  # other words for the values of `entry_loss`
 
 
 def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
-    """Find a profile by name, with options given as text (``{"entry_loss": "on"}``).
+    """Find a profile by name, with options given as text (``{"eccentricity": "0.5"}``).
 
     Raises
     ------
@@ -94,19 +104,15 @@ def _checked(name: str, value: Any) -> Any:
     if name not in known:
         raise unknown("no such option", name, known)
     if name in _CHOICES:
-        if value not in _CHOICES[name]:
+        choice = str(value).lower() if name == "entry_loss" else value
+        choice = _SWITCH.get(choice, choice) if name == "entry_loss" else choice
+        if choice not in _CHOICES[name]:
             raise unknown(f"option {name} does not take this value", value, _CHOICES[name])
-        return value
-    if name == "entry_loss":
-        switch = _SWITCH.get(str(value).lower())
-        if switch is None:
-            raise InputError("option entry_loss does not take this value", value=value, expected="on or off")
-        return switch
+        return choice
+    if str(value).lower() == UNKNOWN:
+        return UNKNOWN
     ratio = decimal_number(str(value))
     if ratio is None or not 0.0 <= ratio <= 1.0:
-        raise InputError("option eccentricity does not take this value", value=value, expected="a number 0 to 1")
+        expected = f"a number 0 to 1, or {UNKNOWN}"
+        raise InputError("option eccentricity does not take this value", value=value, expected=expected)
     return ratio
-
-
-def _text(value: Any) -> str:
-    return {True: "on", False: "off"}.get(value, str(value)) if isinstance(value, bool) else str(value)

@@ -11,6 +11,7 @@ from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
 from atleak.equations.clearance import worn_clearance
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance
+from atleak.workshop_units import PERCENT
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class Projection:
     leakage: float  # [m³/s] drawn from the pump, as the profile counts it
     pump_capacity: float  # [m³/s]
     minimum_speed: float  # [1/s] below which the pump cannot hold the pressure
+    #: between which factors the leakage may lie of that with every spool concentric, see `GapLaw.concentric_factor`
+    concentric_factor: tuple[float, float]
     messages: tuple[Message, ...]
 
     @property
@@ -64,6 +67,7 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     gaps = model.gaps(condition)
     leakage = sum(gap.leakage for gap in gaps if gap.drawn_from_pump)
     where = (condition.main_pressure, condition.temperature)
+    capacity = float(model.pump_capacity(condition.engine_speed, *where))
     return Projection(
         condition=condition,
         pressures={
@@ -74,10 +78,24 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         },
         gaps=gaps,
         leakage=leakage,
-        pump_capacity=float(model.pump_capacity(condition.engine_speed, *where)),
+        pump_capacity=capacity,
         minimum_speed=model.minimum_speed(leakage, *where),
-        messages=(*gap_messages(gaps, condition), *_relation_messages(model.controller, condition)),
+        concentric_factor=model.law.concentric_factor,
+        messages=(
+            *gap_messages(model.law, gaps, condition),
+            *_relation_messages(model.controller, condition),
+            *_demand_messages(condition, leakage, capacity),
+        ),
     )
+
+
+def _demand_messages(condition: OperatingPoint, leakage: float, capacity: float) -> Iterable[Message]:
+    if 0.0 < capacity < leakage:
+        text = (
+            f"{condition.label}: the share of {leakage / capacity * PERCENT:.0f} % is a demand that the pump cannot "
+            "meet, not a flow: main pressure will fall until no more leaks than the pump delivers."
+        )
+        yield Message("warning", "demand_over_pump", text)
 
 
 def _relation_messages(controller: Controller, condition: OperatingPoint) -> Iterable[Message]:
@@ -126,7 +144,8 @@ def stated_condition(
 def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[LandClearance, ...]:
     """Widen every cold radial clearance by a fraction of itself: the sleeve opens, the spool keeps its diameter.
 
-    This is how the source study models wear (W3, W4): the thermal term is added afterwards and not scaled.
+    This is how the source study models wear (W3, W4): the thermal term is added afterwards and not scaled. The form of
+    a gap, its deviations from its mean, stays as it is.
     """
     return tuple(
         _with_clearance(state, worn_clearance(state.radial_clearance, increment * state.radial_clearance))
@@ -135,10 +154,11 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
 
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
-    """Return the same unit with some lands brought back to the clearance of new pairs."""
+    """Return the same unit with some lands brought back to the clearance of new pairs, the same all around."""
     chosen = set(lands)
     return tuple(
-        _with_clearance(state, state.land.new_clearance) if state.land.key in chosen else state for state in clearances
+        replace(_with_clearance(state, state.land.new_clearance), stations=()) if state.land.key in chosen else state
+        for state in clearances
     )
 
 

@@ -10,6 +10,7 @@ One gap leaks ``q = Δp · π D c³ / (12 μ l)``.
 1. *Polynomials.* The clearance is linear in temperature, ``c = c_r + a τ`` with ``τ = T − T₀``, and so is the diameter
    D where it is the mean one. Hence ``π D c³ / 12 l = P(τ)``, a polynomial of degree 4: its five coefficients are
    computed once and hold for every sample.
+   Where it differs around the circumference, ``c³ + 3 c m₂ + m₃`` stands for c³, of no higher degree.
 2. *Groups.* Gaps whose pressure drops differ in size only (0.9 p_g and 0.5 p_g) leak ``μ q = p_g (0.9 P₁ + 0.5 P₂)``:
    their polynomials are added up once. So 600 gaps cost what 6 do.
 3. *Powers.* The powers 1, τ … τ⁴ of all samples are the rows of a matrix. One product with the matrix of coefficients
@@ -27,7 +28,9 @@ What breaks it, and what is done then
 - The flow of a section is a sum over groups: where sections are asked for, all samples are computed group by group.
 - A gap that closes in the cold leaves its polynomial (1): it is computed on its own, by the gap law of ``leakage.py``,
   wherever the range of temperature of some samples reaches so far.
-- With entry loss a flow is not linear in its drop (2): every gap is computed on its own.
+- With entry loss a flow is not linear in its drop (2). With ``auto`` a gap stays in its group, without the loss, as
+  long as that takes less than 1 % of its flow at the largest drop, the widest gap and the thinnest fluid of the log
+  taken together. The other gaps, or with ``on`` all of them, are computed on their own.
 
 A log is worked through in chunks that fit the processor's cache. The work rows are taken once, because fresh memory
 costs more than the sums.
@@ -37,7 +40,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -45,10 +48,12 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, SECTIONS, Controller
-from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel
+from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel, Moments
 from atleak.equations.clearance import effective_clearance
 
 _CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
+ENTRY_LOSS_LEFT_OUT = 0.01  # part of a gap's flow [-] up to which ``auto`` leaves the entry loss out over a whole log
+
 _RUNS = 32  # runs of one gear in a chunk, above which masks are quicker than slices
 
 _Drop = tuple[tuple[str, float], ...]  # (section, coefficient) …
@@ -97,7 +102,7 @@ def leakage_series(
     size = np.broadcast_shapes(*(array.shape for array in arrays), (1,))[0]
     log = _Log(*(np.broadcast_to(array, (size,)) for array in arrays))
     series = LeakageSeries(np.empty(size), {name: np.empty(size) for name in SECTIONS} if sections else {})
-    sums = _gear_sums(model)
+    sums = _gear_sums(model, log)
     rows = np.ones((8, min(_CHUNK, size)))
     for start in range(0, size, _CHUNK):
         part = slice(start, start + _CHUNK)
@@ -119,8 +124,10 @@ class _Term:
     @classmethod
     def of(cls, geometry: GapGeometry, law: GapLaw) -> _Term:
         """Expand π D c³/12l in powers of τ."""
-        c, a = geometry.radial_clearance, geometry.thermal_rate
-        cube = (c**3, 3.0 * c**2 * a, 3.0 * c * a**2, a**3, 0.0)  # of c + a τ
+        c, a, (m2, m3) = geometry.radial_clearance, geometry.thermal_rate, _form(geometry, law)
+        even = (c**3, 3.0 * c**2 * a, 3.0 * c * a**2, a**3, 0.0)  # cube of c + a τ
+        uneven = (3.0 * c * m2 + m3, 3.0 * a * m2, 0.0, 0.0, 0.0)  # what the form of the gap adds to it
+        cube = tuple(one + other for one, other in zip(even, uneven, strict=True))
         diameter, growth = law.diameter(geometry.spool_diameter, c), law.diameter(0.0, a)  # of diameter + growth τ
         size = abs(geometry.drop_coefficients[0][1])
         factor, scale = math.pi / (12.0 * geometry.contact_length), law.eccentricity_factor * size
@@ -137,9 +144,10 @@ class _Term:
 class _GearSum:
     """The gaps of one gear: added up in groups of one drop, but for those that have to be computed on their own."""
 
+    law: GapLaw
     terms: tuple[_Term, ...]
     alone: tuple[GapGeometry, ...] = ()
-    always_open: bool = False  # no gap closes at any temperature that the fluid's data cover
+    always_open: bool = False  # no gap of a group closes at any temperature that the fluid's data cover
 
     @cached_property
     def groups(self) -> tuple[tuple[str, _Drop], ...]:
@@ -163,34 +171,73 @@ class _GearSum:
         """Return these gaps with those set apart that close somewhere between the given temperatures [°C]."""
         if self.always_open or not self.terms:
             return self
-        open_ = _open(self.terms, *_span(temperature))
+        open_ = _open(self.terms, self.law, *_span(temperature))
         if open_.all():
             return self
         return _GearSum(
+            self.law,
             tuple(term for term, keep in zip(self.terms, open_, strict=True) if keep),
-            tuple(term.geometry for term, keep in zip(self.terms, open_, strict=True) if not keep),
+            (*self.alone, *(term.geometry for term, keep in zip(self.terms, open_, strict=True) if not keep)),
         )
 
 
-def _open(terms: Sequence[_Term], lowest: float, highest: float) -> np.ndarray:
-    """Return which gaps are open at both ends of a range of temperature [°C], and so all through it."""
+def _form(geometry: GapGeometry, law: GapLaw) -> Moments:
+    return geometry.form_moments if law.counts_form else (0.0, 0.0)
+
+
+def _open(terms: Sequence[_Term], law: GapLaw, lowest: float, highest: float) -> np.ndarray:
+    """Return which gaps follow their polynomials at both ends of a range of temperature [°C], and so all through it.
+
+    One does as long as it is open and, where it is not the same all around, leaks more than its mean clearance would.
+    """
     cold = np.array([term.geometry.radial_clearance for term in terms])
     rate = np.array([term.geometry.thermal_rate for term in terms])
+    m2, m3 = np.array([_form(term.geometry, law) for term in terms]).reshape(-1, 2).T
     rises = np.array([[lowest], [highest]]) - REFERENCE_TEMPERATURE
-    return (effective_clearance(cold, rate, rises) > 0.0).all(axis=0)
+    clearance = effective_clearance(cold, rate, rises)
+    return ((clearance > 0.0) & (3.0 * clearance * m2 + m3 >= 0.0)).all(axis=0)
 
 
-def _gear_sums(model: LeakageModel) -> dict[int, _GearSum]:
+def _gear_sums(model: LeakageModel, log: _Log) -> dict[int, _GearSum]:
     """Add up the gaps of each gear that count as drawn from the pump."""
     gaps = [geometry for geometry in model.geometries if geometry.drawn_from_pump and geometry.drop_coefficients]
-    if not model.law.linear:
-        return {gear: _GearSum((), tuple(g for g in gaps if gear in g.gap.gears)) for gear in model.controller.gears}
-    terms = [_Term.of(geometry, model.law) for geometry in gaps]
-    always_open = bool(_open(terms, *model.fluid.span(model.profile.viscosity)).all())
+    in_groups = _without_entry_loss(model, gaps, log)
+    terms = [_Term.of(geometry, model.law) for geometry, keep in zip(gaps, in_groups, strict=True) if keep]
+    alone = [geometry for geometry, keep in zip(gaps, in_groups, strict=True) if not keep]
+    always_open = bool(_open(terms, model.law, *model.fluid.span(model.profile.viscosity)).all())
     return {
-        gear: _GearSum(tuple(t for t in terms if gear in t.geometry.gap.gears), (), always_open)
+        gear: _GearSum(
+            model.law,
+            tuple(term for term in terms if gear in term.geometry.gap.gears),
+            tuple(geometry for geometry in alone if gear in geometry.gap.gears),
+            always_open,
+        )
         for gear in model.controller.gears
     }
+
+
+def _without_entry_loss(model: LeakageModel, gaps: Sequence[GapGeometry], log: _Log) -> list[bool]:
+    """Return which gaps are computed without entry loss over the whole log."""
+    if model.profile.entry_loss != "auto":
+        return [model.law.linear] * len(gaps)
+    kind = model.profile.viscosity
+    main, converter, temperature = (
+        np.array([np.fmin.reduce(channel), np.fmax.reduce(channel)])
+        for channel in (log.main_pressure, log.converter_pressure, log.temperature)
+    )
+    pressures = model.controller.section_pressures(main, converter)  # monotonous, so that the ends bound them
+    inside = np.clip(temperature, *model.fluid.span(kind))
+    viscosity = np.min(model.fluid.kinematic_viscosity(inside, kind))
+    density = np.min(model.fluid.density(inside, kind))
+
+    def small(gap: GapGeometry) -> bool:
+        drop = sum(np.max(coefficient * pressures[section]) for section, coefficient in gap.drop_coefficients)
+        mean = np.max(gap.effective_clearance(inside))
+        clearance = model.law.flow_clearance(mean, *gap.form_moments)
+        loss = model.law.entry_loss(drop, clearance, viscosity, density, gap.contact_length)
+        return bool(loss < ENTRY_LOSS_LEFT_OUT)
+
+    return [small(gap) for gap in gaps]
 
 
 # --- the samples
@@ -238,7 +285,10 @@ def _compute_chunk(
         if matrix is None:
             one_by_one.append((gaps, samples))
             lines[:, samples] = 0.0
-        elif isinstance(samples, slice):  # a view: nothing is copied
+            continue
+        if gaps.alone:
+            one_by_one.append((replace(gaps, terms=()), samples))
+        if isinstance(samples, slice):  # a view: nothing is copied
             np.matmul(matrix, powers[:, samples], out=lines[:, samples])
         else:
             lines[:, samples] = matrix @ powers[:, samples]
@@ -253,7 +303,7 @@ def _compute_chunk(
         flows, negative = _group_by_group(model, gaps, log.part(samples), viscosity[samples], powers[:, samples])
         whole: Any = sum(flows.values())
         missing = np.isnan(whole) if np.isnan(whole.sum()) else None
-        total[samples] = whole
+        total[samples] += whole
         for name, flow in sections.items():
             flow[samples] = flows[name] if missing is None else np.where(missing, np.nan, flows[name])
         for name, count in negative.items():
@@ -285,9 +335,10 @@ def _straight_lines(controller: Controller, log: _Log) -> tuple[np.ndarray, np.n
 def _matrix(gaps: _GearSum, straight: tuple[np.ndarray, np.ndarray] | None) -> np.ndarray | None:
     """Return M of ``μ q = (p_g, p_k, 1) · M · (1, τ, … τ⁴)``, shape (3, 5), from the straight lines of the pressures.
 
-    None where there are none, where a drop turns negative or a pressure is missing, and where gaps stand alone.
+    None where there are none, and where a drop turns negative or a pressure is missing. Gaps that stand alone are not
+    in it.
     """
-    if straight is None or gaps.alone or not gaps.groups:
+    if straight is None or not gaps.groups:
         return None
     pressures, corners = straight
     drops = gaps.drops @ pressures  # of every group, as sums of p_g, p_k and 1
@@ -299,7 +350,7 @@ def _matrix(gaps: _GearSum, straight: tuple[np.ndarray, np.ndarray] | None) -> n
 def _group_by_group(
     model: LeakageModel, gaps: _GearSum, log: _Log, viscosity: np.ndarray, powers: np.ndarray
 ) -> tuple[dict[str, np.ndarray], dict[str, int]]:
-    """Compute the flow of every section, and how many samples of each have a drop that is negative."""
+    """Compute the flow of every section, with the gaps that stand alone, and how many samples have a negative drop."""
     pressures = model.controller.section_pressures(log.main_pressure, log.converter_pressure)
     flows = {name: np.zeros(len(viscosity)) for name in SECTIONS}
     negative: dict[str, np.ndarray] = {}
@@ -315,13 +366,13 @@ def _group_by_group(
         flow *= above_zero(section, drop)
         flow /= viscosity
         flows[section] += flow
+    density = model.fluid.density(log.temperature, model.profile.viscosity) if gaps.alone else 1.0
     for single in gaps.alone:
-        clearance = single.effective_clearance(log.temperature)
-        density = model.fluid.density(log.temperature, model.profile.viscosity)
+        mean = single.effective_clearance(log.temperature)
         flows[single.gap.section] += model.law.flow(
             above_zero(single.gap.section, single.pressure_drop(pressures)),
-            model.law.diameter(single.spool_diameter, clearance),
-            clearance,
+            model.law.diameter(single.spool_diameter, mean),
+            model.law.flow_clearance(mean, *single.form_moments),
             viscosity / density,
             density,
             single.contact_length,

@@ -171,6 +171,7 @@ class Case:
     remember: bool = True  # whether to use what this computer remembers of such logs
     assumptions: Pairs = ()  # those that differ from the defaults
     guard_factor: float | None = None
+    complaint: str | None = None  # id of one of the controller's complaints
 
     @property
     def key(self) -> str:
@@ -264,6 +265,7 @@ class Case:
             instruments=Instruments(spool, sleeve).checked,
             assumptions=DEFAULTS.with_settings(dict(self.assumptions)),
             guard_factor=GUARD_FACTOR if self.guard_factor is None else self.guard_factor,
+            complaint=controller.complaint(self.complaint),
         )
 
 

@@ -152,6 +152,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         condition=Condition(**settings_of(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
         readings=_reading_choices(case) if sheet else ReadingChoices(),
+        complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else {},
         guard_factor=uncertainty.guard_factor if uncertainty else None,
@@ -277,6 +278,7 @@ class Choices(_Strict):
     options: dict[str, bool | float | str] = {}
     condition: Condition
     mileage: Annotated[float, Field(ge=0)] | None = None
+    complaint: str | None = None
     readings: ReadingChoices = ReadingChoices()
     road_test: _LogChoices = {}
     assumptions: dict[str, float] = {}
@@ -298,6 +300,7 @@ class Choices(_Strict):
             point=OperatingPoint(**self.condition.model_dump()),
             mileage=self.mileage,
             measuring_temperature=self.record.measuring_temperature_c,
+            complaint=self.complaint,
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),

@@ -15,12 +15,20 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
+from atleak.repair import RepairStep, plan_repairs
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.variants import VariantResult
+from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
+from atleak.views.measure_first import measure_first, reason
 from atleak.views.measuring import measuring_temperature
+from atleak.views.repair_words import no_help, plan_ends
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
+
+CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
+LARGEST = 5  # lands of the matrix where none is flagged
+MEASURE_FIRST = 6  # lands named for a complaint
 
 
 class TerminalConsole(Console):
@@ -50,21 +58,18 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         measured += f" in {readings.file}; temperature of measuring: {at}"
     console.print(Text(measured))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
-    for projection in diagnosis.reported:
-        console.print(Text(_total(diagnosis, projection)))
+    for line in _complaint(diagnosis):
+        console.print(Text(line))
+    for number, projection in enumerate(diagnosis.presented, start=1):
+        console.print(Text(f"{number}. {_total(diagnosis, projection)}"))
     if diagnosis.flagged:
         console.print(_flagged(diagnosis.flagged))
     else:
         console.print(Text("No measured land has reached a limit."))
-    for number, step in enumerate(diagnosis.repair_plan, start=1):
-        land = step.land.state.land
-        console.print(
-            Text(
-                f"{number}. {land.component}/{land.land} {controller.components[land.component]}: total share at "
-                f"{step.condition.label} "
-                f"{step.share_before * PERCENT:.1f} → {step.share_after * PERCENT:.1f} %"
-            )
-        )
+    for part in _matrix(diagnosis):
+        console.print(part)
+    for line in _repairs(diagnosis):
+        console.print(Text(line))
     if diagnosis.road is not None:
         console.print(Text(_road(diagnosis.road)))
     for message in diagnosis.messages:
@@ -169,18 +174,35 @@ def _verdict(diagnosis: Diagnosis) -> str:
     return f"{sentence}, decided by {component}/{land} {diagnosis.controller.components[component]}"
 
 
+def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
+    """Return the customer's complaint and the lands that it asks to measure first, one line each."""
+    if diagnosis.complaint is None:
+        return
+    shows = "; ".join(each.condition.label for each in diagnosis.complained)
+    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. Measure first:"
+    ranked = measure_first(diagnosis)
+    for each in ranked[:MEASURE_FIRST]:
+        component, land = each.land.key
+        yield f"  {component}/{land} {diagnosis.controller.components[component]}: {reason(each)}"
+    if len(ranked) > MEASURE_FIRST:
+        yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
+    if not ranked:
+        yield "  no land leaks there"
+
+
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
+    worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
     return (
         f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
         f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} % "
-        f"({diagnosis.band(projection)}); for this leakage alone the pump needs "
+        f"({diagnosis.band(projection)}){worst}; for this leakage alone the pump needs "
         f"{projection.minimum_speed * RPM:.0f} rpm"
     )
 
 
 def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
     table = Table()
-    for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %", "share %"):
+    for name in ("verdict", "pair", "c_r µm", "c_m µm", "wear %"):
         table.add_column(name, no_wrap=True)
     table.add_column("because")
     for land in lands:
@@ -192,7 +214,58 @@ def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
             f"{land.state.radial_clearance * UM:.1f}",
             "–".join(f"{end * UM:.1f}" for end in land.state.land.mounting_ends),
             "–" if land.wear is None else f"{land.wear * PERCENT:.0f}",
-            f"{land.share * PERCENT:.2f}",
             Text("" if rule is None else f"{rule.label} ({rule.origin})"),
         )
     return table
+
+
+def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
+    """Return the flagged lands, or where none is the largest leaks, at every condition by its number."""
+    rows = leaking_worst_first(diagnosis, diagnosis.presented)
+    shown = [row for row in rows if row.land.verdict.flagged] or rows[:LARGEST]
+    if not shown:
+        return
+    what = "flagged lands" if diagnosis.flagged else "lands that leak most"
+    yield Text(f"Share of the pump's flow [%] of the {what} at the conditions above, by their numbers:")
+    for first in range(0, len(diagnosis.presented), CONDITIONS_ABREAST):
+        table = Table("pair")
+        stretch = slice(first, first + CONDITIONS_ABREAST)
+        for number in range(len(diagnosis.presented))[stretch]:
+            table.add_column(f"{number + 1}.", justify="right", no_wrap=True)
+        for row in shown:
+            component, land = row.land.key
+            table.add_row(Text(f"{component}/{land}"), *(_share(cell) for cell in row.cells[stretch]))
+        yield table
+    for row in shown:
+        if row.elsewhere:
+            component, land = row.land.key
+            yield Text(f"{component}/{land} {row.elsewhere}")
+
+
+def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
+    """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
+    plan = plan_repairs(diagnosis)
+    if plan.steps:
+        yield "Order of repair, each land as new after those before it:"
+    for number, step in enumerate(plan.steps, start=1):
+        component, land = step.land.key
+        yield f"{number:3}. {component}/{land} {diagnosis.controller.components[component]}: {_helps(step)}"
+    yield from plan_ends(plan)
+
+
+def _helps(step: RepairStep) -> str:
+    if not step.helps:
+        return no_help(step)
+    at = step.at
+    shares = f"{at.before.share * PERCENT:.1f} → {at.after.share * PERCENT:.1f} %"
+    return f"total share at {at.condition.label} {shares} ({at.after.band})"
+
+
+def _share(cell: LandAtCondition) -> Text:
+    if cell.leakage == 0.0:
+        return Text("–")
+    share = f"{cell.share * PERCENT:.2f}"
+    if cell.verdict is None:
+        return Text(share)
+    look = look_of(cell.verdict)
+    return Text(f"{look.sign} {share}", style=look.style)

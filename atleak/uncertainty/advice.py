@@ -25,7 +25,10 @@ class Remedy:
     ``repeats`` is how many independent repeats of each place of ``repeat_parts`` decide it; None where none do.
     ``instruments`` lists the choices of shipped instruments that decide it, each choice a part and its instrument, or
     two where one is not enough. ``reading_part`` is the part of the judged value's variance that the clearance
-    carries; no instrument can take away the rest.
+    carries; no instrument can take away the rest. ``directions`` are the parts that decide it when they are measured
+    in four directions, ``form`` the part of the clearance's variance that comes of seeing their form in few. Where
+    ``measurable`` is false the limit is finer than the gauge, and all this is what would tell the limit from a new
+    pair.
     """
 
     first: Part | None
@@ -34,24 +37,34 @@ class Remedy:
     repeat_parts: tuple[Part, ...]
     instruments: tuple[tuple[tuple[Part, str], ...], ...]
     reading_part: float
+    directions: tuple[Part, ...]
+    form: float
+    measurable: bool
 
 
-def remedy(land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float) -> Remedy:
+def remedy(
+    land: LandSources,
+    rule: RuleDecision,
+    per_clearance: float,
+    guard_factor: float,
+    distance: float,
+    measurable: bool = True,
+) -> Remedy:
     """Work out how a conditional decision could be decided.
 
     Parameters
     ----------
     per_clearance
         change of the rule's value per change of the clearance [1/m]; 1 for the clearance itself.
+    distance
+        by which the value, or a new pair where the limit is not measurable, is apart from the limit.
     """
     measured = [part for part in PARTS if part in land.plans]
     first = max(measured, key=land.part_fraction, default=None)
     variance = rule.standard_uncertainty**2
     by_reading = (per_clearance * land.standard_uncertainty) ** 2
     reading_part = min(by_reading / variance, 1.0) if variance > 0.0 and math.isfinite(variance) else 0.0
-    needed = abs(rule.value - rule.limit) / guard_factor if guard_factor else math.inf
-    rest = max(variance - by_reading, 0.0) if math.isfinite(variance) else math.inf
-    allowed = (needed**2 - rest) / per_clearance**2 if per_clearance else -1.0  # variance of the clearance [m²]
+    allowed = _allowed_variance(land, rule, per_clearance, guard_factor, distance)
     repeats, parts = _repeats(land, measured, first, allowed)
     return Remedy(
         first=first,
@@ -60,7 +73,38 @@ def remedy(land: LandSources, rule: RuleDecision, per_clearance: float, guard_fa
         repeat_parts=parts,
         instruments=_better(land, measured, allowed) if allowed > 0.0 else (),
         reading_part=reading_part,
+        directions=_more_directions(land, measured, allowed),
+        form=math.fsum(fraction for source, fraction in land.budget if source.kind == "form"),
+        measurable=measurable,
     )
+
+
+def _allowed_variance(
+    land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float, distance: float
+) -> float:
+    """Return the variance [m²] that the clearance may have for a guard band as wide as the distance; −1 for none."""
+    variance = rule.standard_uncertainty**2
+    if not (per_clearance and math.isfinite(variance)):
+        return -1.0
+    needed = distance / guard_factor if guard_factor else math.inf
+    rest = max(variance - (per_clearance * land.standard_uncertainty) ** 2, 0.0)
+    return (needed**2 - rest) / per_clearance**2
+
+
+def gauges_that_do(
+    land: LandSources, rule: RuleDecision, per_clearance: float, guard_factor: float, distance: float
+) -> str:
+    """Say which gauges of the catalogue tell the limit from a new pair."""
+    measured = [part for part in PARTS if part in land.plans]
+    allowed = _allowed_variance(land, rule, per_clearance, guard_factor, distance)
+    choices = _better(land, measured, allowed) if allowed > 0.0 else ()
+    if not choices:
+        return "No gauge of the catalogue would do: set a limit of so many µm (at_least_um)."
+    return f"It would be measurable with {', or with '.join(_gauges(choice) for choice in choices)}."
+
+
+def _gauges(choice: Sequence[tuple[Part, str]]) -> str:
+    return " and ".join(f"{instrument} for {_SYMBOL[part]}" for part, instrument in choice)
 
 
 def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_text: str, guard_text: str) -> str:
@@ -75,6 +119,9 @@ def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_
     """
     side = "over" if rule.decision == "conditional_fail" else "under"
     tools = _tools(land)
+    if not way.measurable:
+        text = f"{name}: the {limit_text} is not measurable with {tools} ({guard_text})."
+        return f"{text} {_ways_to_decide(way)}"
     text = f"{name} is {side} the {limit_text}, but within what {tools} can tell ({guard_text})"
     if way.reading_part < 0.5:
         rest = "the mounting clearance" if rule.rule.kind is RuleKind.WEAR else "fluid, pressure and pump"
@@ -96,13 +143,18 @@ def _ways_to_decide(way: Remedy) -> str:
     if way.repeats is not None:
         which = " and ".join(_SYMBOL[part] for part in way.repeat_parts)
         ways.append(f"{way.repeats} independent repeats of {which} in every place")
-    ways += [
-        " with ".join(f"{instrument} for {_SYMBOL[part]}" for part, instrument in choice) for choice in way.instruments
-    ]
-    if not ways:
-        tried = "more repeats and the other instruments of the catalogue"
-        return f"The value is too near its limit for {tried}: decide by judgement."
-    return f"It would be settled by {', or by '.join(ways)}, if the value stays where it is."
+    if way.directions:
+        ways.append(f"{' and '.join(_SYMBOL[part] for part in way.directions)} in four directions (0, 45, 90 and 135°)")
+    ways += [_gauges(choice) for choice in way.instruments]
+    if ways:
+        return f"It would be decided by {', or by '.join(ways)}, if the value stays where it is."
+    if way.form > 0.5:
+        return (
+            f"The form of the parts carries {_percent(way.form)} of the uncertainty of the clearance: measure in four "
+            "directions (0, 45, 90 and 135°), which narrows it most, then decide."
+        )
+    tried = "more repeats, directions and the other instruments of the catalogue"
+    return f"The value is too near its limit for {tried}: decide by judgement."
 
 
 def _percent(fraction: float) -> str:
@@ -129,6 +181,16 @@ def _repeats(
             if land.variance_with(repeats=repeats) <= allowed:
                 return count, parts
     return None, ()
+
+
+def _more_directions(land: LandSources, measured: Sequence[Part], allowed: float) -> tuple[Part, ...]:
+    """Return the parts that decide it when they are measured in four directions: one of them, or else both."""
+    if allowed <= 0.0:
+        return ()
+    for parts in (*((part,) for part in measured), tuple(measured)):
+        if land.variance_with(four_directions=parts) <= allowed:
+            return parts
+    return ()
 
 
 def _better(land: LandSources, measured: Sequence[Part], allowed: float) -> tuple[tuple[tuple[Part, str], ...], ...]:

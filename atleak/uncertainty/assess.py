@@ -12,12 +12,12 @@ from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
-from atleak.equations.gap import FULLY_ECCENTRIC, axial_cube, circumferential_cube
+from atleak.equations.gap import FULLY_ECCENTRIC
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
-from atleak.uncertainty.advice import Remedy, advise, remedy
+from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
 from atleak.uncertainty.propagation import DRAWS, SEED, LandSpread, TotalSpread, propagate
@@ -33,10 +33,10 @@ Interval = tuple[float, float]
 class Shape:
     """The shape of a land's clearance, which its mean does not show.
 
-    ``effective_clearance`` [m] is the cube root of the effective c³: the mean of c³ around each plane, then the
-    harmonic mean along the planes. ``cube_factor`` is the effective c³ over the cube of the mean clearance, by which
-    the engine's flow would be multiplied; None where a direction closes the gap. ``lower_bound`` says that the sleeve
-    was measured in one direction only, so that wear to one side may not be in the clearance at all.
+    ``effective_clearance`` [m] is the cube root of the mean of c³ over the directions and planes measured, which is
+    what leaks. ``cube_factor`` is that mean over the cube of the mean clearance; None where a direction closes the
+    gap. ``lower_bound`` says that the sleeve was measured in one direction only, so that wear to one side may not be
+    in the clearance at all.
     """
 
     worst_direction: float | None  # [°]
@@ -120,11 +120,33 @@ class LandUncertainty:
         """Return the decision on one of the land's rules."""
         return next((decided for decided in self.rules if decided.rule == rule), None)
 
+    def measurable(self, rule: RuleDecision) -> bool:
+        """Return whether these gauges can tell a pair at the limit of wear or clearance from a new one."""
+        allowed = self._allowed_wear(rule)
+        return allowed is None or self.guard_factor * rule.standard_uncertainty < allowed
+
+    def _allowed_wear(self, rule: RuleDecision) -> float | None:
+        """Return how far the limit is above a new pair, in the rule's unit; None for a share, or below a new pair."""
+        if rule.rule.kind is RuleKind.WEAR:
+            return rule.limit
+        allowed = rule.limit - self.sources.state.land.mounting_high
+        return allowed if rule.rule.kind is RuleKind.CLEARANCE and allowed > 0.0 else None
+
+    def gauges_that_do(self, rule: RuleDecision) -> str:
+        """Say which gauges of the catalogue tell the limit from a new pair."""
+        allowed = self._allowed_wear(rule) or 0.0
+        return gauges_that_do(self.sources, rule, self._per_clearance(rule), self.guard_factor, allowed)
+
     def remedy(self, rule: RuleDecision) -> Remedy | None:
-        """Return what would decide a conditional rule; None where it is decided already."""
+        """Return what would decide a conditional rule; None where it is decided already.
+
+        Where the limit is finer than the gauge, this is what would tell a pair at the limit from a new one.
+        """
         if not rule.conditional:
             return None
-        return remedy(self.sources, rule, self._per_clearance(rule), self.guard_factor)
+        measurable = self.measurable(rule)
+        distance = abs(rule.value - rule.limit) if measurable else self._allowed_wear(rule)
+        return remedy(self.sources, rule, self._per_clearance(rule), self.guard_factor, distance or 0.0, measurable)
 
     def advice_on(self, rule: RuleDecision) -> str | None:
         """Say in plain words what would decide a conditional rule; None where it is decided already."""
@@ -308,7 +330,7 @@ def assess(
         guard_factor=guard_factor,
         draws=draws,
         seed=seed,
-        messages=tuple(_messages(sources, instruments, repeats)),
+        messages=(*_messages(sources, instruments, repeats), *_too_fine(lands)),
     )
 
 
@@ -419,20 +441,15 @@ def _fractions(variances: dict[str, float]) -> tuple[tuple[str, float], ...]:
 
 
 def _shape(state: LandClearance) -> Shape:
-    planes: dict[str, list[float]] = {}
-    for station in state.stations:
-        planes.setdefault(station.plane, []).append(station.radial_clearance)
-    clearances = list(planes.values()) or [[state.radial_clearance]]
-    effective = factor = None
-    if min(min(plane) for plane in clearances) > 0.0:
-        cube = float(axial_cube([float(circumferential_cube(plane)) ** (1.0 / 3.0) for plane in clearances]))
-        effective = cube ** (1.0 / 3.0)
-        factor = cube / state.radial_clearance**3
+    square, third = state.form_moments
+    mean = state.radial_clearance
+    cube = mean**3 + 3.0 * mean * square + third
+    open_ = min((station.radial_clearance for station in state.stations), default=mean) > 0.0
     return Shape(
         worst_direction=state.worst_direction,
         worst_clearance=state.max_clearance,
-        effective_clearance=effective,
-        cube_factor=factor,
+        effective_clearance=cube ** (1.0 / 3.0) if open_ else None,
+        cube_factor=cube / mean**3 if open_ else None,
         lower_bound=_lower_bound(state),
     )
 
@@ -500,6 +517,18 @@ def _messages(
         text = f"{missing} of {len(sources)} lands were not measured and are in the total at their mounting clearance."
         messages.append(Message("warning", "total_with_unmeasured", text))
     return messages
+
+
+def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
+    """Name the lands whose limits are finer than the gauges, with gauges that would do."""
+    fine = [(land, rule) for land in lands for rule in land.rules if not land.measurable(rule.at_first_level)]
+    if not fine:
+        return []
+    names = ", ".join(dict.fromkeys(f"{land.key[0]} land {land.key[1]}" for land, _ in fine))
+    land, rule = min(fine, key=lambda each: each[1].at_first_level.limit / each[1].at_first_level.standard_uncertainty)
+    text = f"Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {names}."
+    text = f"{text} {land.gauges_that_do(rule.at_first_level)}"
+    return [Message("info", "limit_finer_than_gauge", text)]
 
 
 def _in_words(decided: RuleDecision, land: LandUncertainty) -> tuple[str, str, str]:

@@ -24,6 +24,9 @@ class Assumptions:
     nominal_diameter: float = 3.0e-6  # [m] of a part that was not measured
     unseen_ovality: float = 4.0e-6  # [m] of a part measured in one direction, where no other land shows it
     form_residual: float = 0.1  # of ovality and taper: what two directions and a few planes do not average out
+    one_sided_wear: float = (
+        1.0  # most of a bore's wear that may lie to one side: none, half of this or this, alike likely
+    )
     viscosity: float = 0.05  # relative: batch, ageing, D341 between two points
     temperature: float = 1.0  # [K] of the fluid in the gaps
     main_pressure: float = 0.02  # relative
@@ -73,6 +76,7 @@ _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "nominal_diameter": ("um", 1e-6),
         "unseen_ovality": ("um", 1e-6),
         "form_residual": ("percent", 1e-2),
+        "one_sided_wear": ("percent", 1e-2),
         "viscosity": ("percent", 1e-2),
         "temperature": ("k", 1.0),
         "main_pressure": ("percent", 1e-2),

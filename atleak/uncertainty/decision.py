@@ -58,16 +58,24 @@ class RuleDecision:
     @property
     def at_next_level(self) -> RuleDecision | None:
         """Return the decision on the same value against the limit above; None where there is none."""
-        for level, u in zip(self.levels, self.level_uncertainties, strict=True):
-            if level.limit > self.limit:
-                return replace(
-                    self,
-                    limit=level.limit,
-                    standard_uncertainty=u,
-                    decision=level.decision,
-                    probability_over_limit=level.probability_over,
-                )
-        return None
+        above = (number for number, level in enumerate(self.levels) if level.limit > self.limit)
+        number = next(above, None)
+        return None if number is None else self._at(number)
+
+    @property
+    def at_first_level(self) -> RuleDecision:
+        """Return the decision on the same value against the lowest limit."""
+        return self._at(0)
+
+    def _at(self, number: int) -> RuleDecision:
+        level = self.levels[number]
+        return replace(
+            self,
+            limit=level.limit,
+            standard_uncertainty=self.level_uncertainties[number],
+            decision=level.decision,
+            probability_over_limit=level.probability_over,
+        )
 
     @property
     def severity(self) -> tuple[int, float]:

@@ -3,12 +3,18 @@
 This is the Monte Carlo method of JCGM 101. An error that lands share is drawn once per trial and used for all of them.
 What a share has grown by is judged against the same unit new in the same trial: with the same fluid, pressures, pump
 and contact lengths, and with mounting clearances drawn from what is known of them.
+
+A bore wears to one side, which two-point diameters cannot see: by how much is one fraction of all wear, drawn once per
+trial for the whole unit, with a phase of its own for each land. Where nobody knows how the spools lie, e/c is drawn for
+each component, the same for its lands now and new.
+
 No array of lands by draws is kept: a land's draws are made, used at every condition, added to the totals and discarded.
 """
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -23,6 +29,15 @@ from atleak.engine.projection import Projection
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.draws import (
+    Bore,
+    Positions,
+    measured_clearance,
+    new_bore,
+    rectangular_draws,
+    with_one_side,
+    worn_bore,
+)
 from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
 
 SEED = 7667
@@ -32,6 +47,7 @@ _SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction 
 _LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
 _SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
 
+ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the budgets
 FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
 
 
@@ -150,9 +166,10 @@ class _Drawn:
             self._drops[key] = sum(self.drop(gap) for gap in gaps) / self.viscosity
         return self._drops[key]
 
-    def leakage(self, land: LandSources, clearance: Any, length: Any) -> tuple[Any, Any]:
+    def leakage(self, land: LandSources, bore: Bore, length: Any, position: Any = None) -> tuple[Any, Any]:
         """Return the flow of one land through all its gaps, and the part of it drawn from the pump [m³/s].
 
+        ``position`` takes the place of the profile's factor for an eccentric spool.
         A clearance below zero cannot exist: it is taken as zero and leaks nothing.
         """
         state = land.state
@@ -161,14 +178,14 @@ class _Drawn:
             nothing = np.zeros_like(self.viscosity)
             return nothing, nothing
         law = self.condition.model.law
-        c = effective_clearance(clearance, land.thermal_rate, self.rise)
-        d = law.diameter(state.spool_diameter, c)
+        mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
+        c, d = law.flow_clearance(mean, bore.square, bore.cube), law.diameter(state.spool_diameter, mean)
         if not law.linear:
-            flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length) for gap, _ in gaps]
+            flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length, position) for gap, _ in gaps]
             flow = sum(flows)
             drawn_flows = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
             return flow, sum(drawn_flows) if drawn_flows else np.zeros_like(flow)
-        geometry = law.flow(1.0, d, c, 1.0, 1.0, length)  # for a pressure drop over viscosity of one
+        geometry = law.flow(1.0, d, c, 1.0, 1.0, length, position)  # for a pressure drop over viscosity of one
         flow = geometry * self.driving([gap for gap, _ in gaps])
         drawn_gaps = [gap for gap, counts in gaps if counts]
         if len(drawn_gaps) == len(gaps):
@@ -218,9 +235,13 @@ def propagate(
     deviates = {name: shared.standard_normal(draws) for name in FACTORS}
     names = sorted({group for land in sources for group in land.groups})
     common = {
-        name: _rectangular_draws(shared, draws) if name == MEASURING_TEMPERATURE else shared.standard_normal(draws)
+        name: rectangular_draws(shared, draws) if name == MEASURING_TEMPERATURE else shared.standard_normal(draws)
         for name in names
     }
+    # of all wear, how much lies to one side of the bores; the cube of the mean clearance knows no sides
+    most = assumptions.one_sided_wear if model.law.counts_form else 0.0
+    fraction = 0.5 * most * shared.integers(3, size=draws)
+    positions = Positions(model, draws, seed)
     conditions = [_Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
@@ -229,12 +250,16 @@ def propagate(
     probe_totals = [np.zeros(_PROBES) for _ in conditions]
     variances = [0.0 for _ in conditions]  # of each total, from errors that no land shares
     group_slopes = [dict.fromkeys(names, 0.0) for _ in conditions]
+    by_component: list[dict[str, float]] = [defaultdict(float) for _ in conditions]  # drawn, as measured
     lands: list[tuple[LandSpread, ...]] = []
     for number, land in enumerate(sources):
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
-        new = _new_clearance_draws(stream, land, draws)
+        new = new_bore(stream, land, draws)
         # what was not measured is as new: the same in every trial
-        clearance = _clearance_draws(stream, land, common, draws) if land.state.measured else new
+        bore = new
+        if land.state.measured:
+            measured = measured_clearance(stream, land, common, draws)
+            bore = worn_bore(stream, land, measured, new.clearance, fraction)
         nominal = land.state.land.contact_length
         length: float | np.ndarray = nominal
         if assumptions.contact_length:
@@ -244,11 +269,13 @@ def propagate(
             length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
         by_condition = []
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
-            flow, drawn_flow = now.leakage(land, clearance, length)
-            _, new_flow = now.leakage(land, new, length) if land.state.measured else (flow, drawn_flow)
+            position = positions.of(land)
+            flow, drawn_flow = now.leakage(land, bore, length, position)
+            new_flow = now.leakage(land, new, length, position)[1] if land.state.measured else drawn_flow
             totals[index] += drawn_flow
             new_totals[index] += new_flow
-            slopes = _probe(probe, land, assumptions)
+            slopes = _probe(probe, land, assumptions, positions.relative_spread)
+            by_component[index][land.key[0]] += float(slopes.counted_probe[-1])
             shares = _ratio(drawn_flow, now.capacity), _ratio(new_flow, now.capacity)
             by_condition.append(
                 LandSpread(
@@ -268,48 +295,26 @@ def propagate(
     return Propagated(
         lands,
         [
-            _total(now, probe, total, new_total, probe_total, variance, slopes, total_share, coverage)
-            for now, probe, total, new_total, probe_total, variance, slopes in zip(
-                drawn, probes, totals, new_totals, probe_totals, variances, group_slopes, strict=True
+            _total(
+                now,
+                probe,
+                total,
+                new_total,
+                probe_total,
+                variance,
+                positions.relative_spread * math.hypot(*components.values()),
+                slopes,
+                total_share,
+                coverage,
+            )
+            for now, probe, total, new_total, probe_total, variance, components, slopes in zip(
+                drawn, probes, totals, new_totals, probe_totals, variances, by_component, group_slopes, strict=True
             )
         ],
     )
 
 
-# --- draws
-
-
-def _clearance_draws(
-    stream: np.random.Generator, land: LandSources, common: dict[str, np.ndarray], draws: int
-) -> np.ndarray:
-    own = [source for source in land.sources if source.group is None]
-    normal = math.fsum(source.standard_uncertainty**2 for source in own if source.shape == "normal")
-    clearance = stream.standard_normal(draws)
-    clearance *= math.sqrt(normal)
-    clearance += land.state.radial_clearance
-    for source in own:
-        if source.shape == "rectangular" and source.standard_uncertainty:
-            clearance += _rectangular_draws(stream, draws) * source.standard_uncertainty
-    for name, u in land.groups.items():
-        if u:
-            clearance += u * common[name]
-    return clearance
-
-
-def _new_clearance_draws(stream: np.random.Generator, land: LandSources, draws: int) -> np.ndarray:
-    """Draw what the land's clearance may have been when new [m], from what is known of it."""
-    low, high = land.state.land.mounting_range
-    if low < high:
-        return low + (high - low) * stream.random(draws)
-    return low + land.u_mounting * stream.standard_normal(draws)
-
-
-def _rectangular_draws(stream: np.random.Generator, draws: int) -> np.ndarray:
-    """Draw from a rectangular distribution of unit standard deviation."""
-    deviates = stream.random(draws)
-    deviates -= 0.5
-    deviates *= math.sqrt(12.0)
-    return deviates
+# --- what the draws say
 
 
 def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
@@ -348,7 +353,8 @@ def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[
 
 # --- the linear budget: one factor is changed at a time, by central differences
 
-_PROBES = 2 * len(FACTORS) + 5  # two per factor, two of the clearance, two of the contact length, one as it is
+#: Two per factor, two of the wear to one side, two of the clearance, two of the contact length, one as it is.
+_PROBES = 2 * len(FACTORS) + 7
 
 
 def _probe_deviates() -> dict[str, np.ndarray]:
@@ -370,7 +376,7 @@ class _Slopes:
     counted_length_effect: float
 
 
-def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slopes:
+def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions, position: float) -> _Slopes:
     state = land.state
     step = _SMALL * (land.standard_uncertainty or 1e-7)
     clearance = np.full(_PROBES, state.radial_clearance)
@@ -379,12 +385,15 @@ def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slope
     clearance[-4] -= step
     length[-3] += _SMALL * assumptions.contact_length
     length[-2] -= _SMALL * assumptions.contact_length
-    flow, drawn_flow = probe.leakage(land, clearance, length)
+    bore = Bore(clearance, *_one_side_probes(probe.condition.model, land, assumptions))
+    flow, drawn_flow = probe.leakage(land, bore, length)
     share = _ratio(drawn_flow, probe.capacity)
 
     def effects(values: np.ndarray) -> dict[str, float]:
         by_factor = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
         by_factor["contact length"] = _difference(values, -3) / _SMALL
+        by_factor[ONE_SIDE] = _one_side_effect(values)
+        by_factor[POSITION] = position * float(values[-1])
         return by_factor
 
     counted_effects = effects(drawn_flow)
@@ -396,6 +405,23 @@ def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions) -> _Slope
         counted_per_clearance=_difference(drawn_flow, -5) / step,
         counted_length_effect=counted_effects["contact length"],
     )
+
+
+def _one_side_probes(model: LeakageModel, land: LandSources, assumptions: Assumptions) -> tuple[np.ndarray, np.ndarray]:
+    """Return the moments of each probe: as measured, and with half and all of the wear to one side."""
+    square, cube = land.state.form_moments
+    squares, cubes = np.full(_PROBES, square), np.full(_PROBES, cube)
+    if model.law.counts_form and "sleeve" in land.plans:
+        shown = max(land.state.radial_clearance - land.state.land.new_clearance, 0.0)
+        for place, part in ((-7, 0.5), (-6, 1.0)):
+            squares[place], cubes[place] = with_one_side(part * assumptions.one_sided_wear * shown, square, cube)
+    return squares, cubes
+
+
+def _one_side_effect(values: np.ndarray) -> float:
+    """Return the standard deviation over none, half and all of the wear to one side, all three alike likely."""
+    three = values[[-1, -7, -6]]
+    return float(three.std()) if np.isfinite(three).all() else math.nan
 
 
 def _difference(values: np.ndarray, index: int) -> float:
@@ -410,6 +436,7 @@ def _total(
     new_total: np.ndarray,
     probe_total: np.ndarray,
     own_variance: float,
+    position: float,
     group_slopes: dict[str, float],
     steps: Steps,
     coverage: float,
@@ -422,6 +449,8 @@ def _total(
     per_flow = 1.0 / capacity if capacity > 0.0 else math.nan
     effects = {name: _difference(probe_share, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
     effects["each land's own readings and contact length"] = math.sqrt(own_variance) * per_flow
+    effects[ONE_SIDE] = _one_side_effect(probe_share)
+    effects[POSITION] = position * per_flow
     effects |= {f"common to all lands: {name}": slope * per_flow for name, slope in group_slopes.items()}
     speed = now.pump.minimum_speed(total, now.pressures["p_g"], now.viscosity)
     return TotalSpread(

@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
+
+import numpy as np
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Instrument, Instruments, Part
@@ -94,6 +96,15 @@ class _MeasuringPlan:
     rounding_weight: float  # the same for the rounding error that repeats do not average out
     two_lobe: float  # 0 … 1: how much of a two-lobe form the directions leave in the mean
     repeats: int
+    residual: float  # of what two directions leave of other forms: 1 for two
+    angles: Mapping[float, float]  # [rad] of every direction, with its weight in the mean diameter; they add up to 1
+
+    def seen_of_one_side(self, phase: Any) -> Any:
+        """Return how much of the mean wear the two-point diameters show where a bore is worn to the side at ``phase``.
+
+        A diameter across wear w₀ max(cos θ, 0) grows by w₀ |cos θ|, and half of that is taken as clearance.
+        """
+        return 0.5 * math.pi * sum(weight * np.abs(np.cos(angle - phase)) for angle, weight in self.angles.items())
 
 
 @dataclass(frozen=True)
@@ -172,8 +183,13 @@ class LandSources:
         *,
         repeats: Mapping[Part, int] | None = None,
         instruments: Mapping[Part, Instrument] | None = None,
+        four_directions: Sequence[Part] = (),
     ) -> float:
-        """Return the variance of the clearance [m²] had it been measured with more repeats or other instruments."""
+        """Return the variance of the clearance [m²] had it been measured otherwise.
+
+        With more repeats of some parts, with other instruments, or in four directions, among which a two-lobe form
+        cancels and half as much of the rest is left.
+        """
         chosen = Instruments(**{part: (instruments or {}).get(part, self.instruments.of(part)) for part in PARTS})
         changed: list[UncertaintySource] = []
         for part in PARTS:
@@ -185,6 +201,8 @@ class LandSources:
                 s = instrument.repeatability if instrument.repeatability is not None else 0.0
                 spread = RepeatSpread(part, s, 0, instrument.resolution, 1, "instrument", spread.ovality)
             times = (repeats or {}).get(part, plan.repeats) / plan.repeats
+            if part in four_directions:
+                plan = replace(plan, two_lobe=0.0, residual=min(plan.residual, 0.5))
             changed += _part_sources(self.state, part, instrument, chosen, plan, spread, self.assumptions, times)
         changed += [source for source in self.sources if source.part is None]
         return LandSources(self.state, tuple(changed), {}, {}, chosen, self.assumptions).standard_uncertainty ** 2
@@ -319,7 +337,7 @@ def _form(
     """
     ovality = state.spool_ovality if part == "spool" else state.sleeve_ovality
     taper = state.spool_taper if part == "spool" else state.sleeve_taper
-    residual = assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
+    residual = plan.residual * assumptions.form_residual * math.hypot(ovality or 0.0, taper or 0.0)
     if ovality is None:
         ovality = spread.ovality if spread.ovality is not None else assumptions.unseen_ovality
     return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), residual)
@@ -330,13 +348,15 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
     for plane, direction in stations:
         planes[plane].append(direction)
     weights, repeats, means = [], [], []
+    angles: dict[float, float] = defaultdict(float)
     repeat_weight = 0.0
-    for (plane, _), group in stations.items():
+    for (plane, direction), group in stations.items():
         weight = 1.0 / (len(planes) * len(planes[plane]))
         counts = _multiplicities(group)
         # a copied or mirrored reading is the same error over again
         repeat_weight += weight * weight * sum(count * count for count in counts) / len(group) ** 2
         weights.append(weight)
+        angles[math.radians(direction or 0.0)] += weight  # of one direction that is not stated any will do
         repeats.append(len(counts))
         means.append(math.fsum(reading.diameter for reading in group) / len(group))
     # places with the same reading are rounded the same way; others are rounded independently
@@ -346,6 +366,8 @@ def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
         rounding_weight=math.fsum(weight * weight for weight in weights) if apart else 1.0,
         two_lobe=math.fsum(_two_lobe(directions) for directions in planes.values()) / len(planes),
         repeats=min(repeats),
+        residual=2.0 / max(2, min(len(directions) for directions in planes.values())),
+        angles=dict(angles),
     )
 
 

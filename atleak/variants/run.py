@@ -293,17 +293,17 @@ OPTION_STEPS: tuple[tuple[str, dict[str, object]], ...] = (
     ("ASTM D341 viscosity", {"viscosity": "d341"}),
     ("only what ends in the sump", {"pump_draw": "into_sump"}),
     ("pump slip instead of a constant efficiency", {"pump_efficiency": "wilson"}),
-    ("entry loss", {"entry_loss": True}),
+    ("entry loss", {"entry_loss": "on"}),
 )
 
 
 def compare_options(
     controller: Controller, road_test: RoadTest, *, mounted: Sequence[LandClearance] | None = None
 ) -> tuple[OptionRow, ...]:
-    """Compute W1-W8 with ``paper``, with one option at a time, with ``workshop``, and with that and entry loss."""
+    """Compute W1-W8 with ``paper``, with one option at a time, and with ``workshop`` without entry loss and with it."""
     profiles = [(label, PAPER.with_options(**options)) for label, options in OPTION_STEPS]
-    profiles.append(("workshop: the four above without entry loss", WORKSHOP))
-    profiles.append(("workshop with entry loss", WORKSHOP.with_options(entry_loss=True)))
+    profiles.append(("workshop: the four above without entry loss", WORKSHOP.with_options(entry_loss="off")))
+    profiles.append(("workshop with entry loss", WORKSHOP.with_options(entry_loss="on")))
     states = tuple(mounted) if mounted is not None else clearances(None, controller)
     log = _StudyLog.of(controller, states, road_test)
     rows = []

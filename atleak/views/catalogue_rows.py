@@ -23,8 +23,9 @@ def representative(entry: Controller | Fluid) -> str:
 
 
 def controller_tables(controller: Controller) -> Tables:
-    """Return the tables of lands, gaps, operating points, pressures and pump."""
-    return {
+    """Return the tables of operating points, lands, gaps, pump and complaints; those without a row are left out."""
+    labels = {point.name: point.label for point in controller.operating_points}
+    tables = {
         "Operating points": [
             {
                 "name": point.label,
@@ -74,7 +75,18 @@ def controller_tables(controller: Controller) -> Tables:
                 "representative": ", ".join(controller.pump.representative),
             }
         ],
+        "Complaints": [
+            {
+                "id": complaint.id,
+                "complaint": complaint.label,
+                "shows at": "; ".join(labels[name] for name in complaint.conditions),
+                "lands": ", ".join(f"{component}/{land}" for component, land in complaint.lands) or "every one",
+                "source": complaint.source,
+            }
+            for complaint in controller.complaints
+        ],
     }
+    return {title: rows for title, rows in tables.items() if rows}
 
 
 def fluid_tables(fluid: Fluid) -> Tables:

@@ -7,14 +7,18 @@ import math
 from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
-from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import Instant, RoadLeakage
 from atleak.errors import Message
+from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
+from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
+from atleak.views.measure_first import measure_first, reason
+from atleak.views.repair_words import plan_ends
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
@@ -28,7 +32,7 @@ def to_json(record: Any) -> str:
 def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
     readings, measured_at, idle = diagnosis.readings, diagnosis.measured_at, diagnosis.hot_idle
-    projection = diagnosis.projection
+    projection, plan = diagnosis.projection, plan_repairs(diagnosis)
     return {
         "format": FORMAT,
         "atleak": __version__,
@@ -60,24 +64,16 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "lands_total": len(diagnosis.lands),
         },
         "uncertainty": _uncertainty(diagnosis.uncertainty),
+        "complaint": _complaint(diagnosis),
         "verdict": diagnosis.verdict,
         "unit": _unit(diagnosis),
-        "lands": [_land(land) for land in diagnosis.lands],
+        "lands": [_land(row) for row in condition_matrix(diagnosis)],
         "gaps": [_gap(gap) for gap in projection.gaps],
         "projection": _projection(diagnosis, projection),
         "hot_idle": None if idle is None else _projection(diagnosis, idle),
         "conditions": [_projection(diagnosis, each) for each in diagnosis.projections],
-        "repair_plan": [
-            {
-                "component": step.land.state.land.component,
-                "land": step.land.state.land.land,
-                "verdict": step.land.verdict,
-                "at": step.condition.name,
-                "share_before_percent": _finite(step.share_before * PERCENT),
-                "share_after_percent": _finite(step.share_after * PERCENT),
-            }
-            for step in diagnosis.repair_plan
-        ],
+        "repair_plan": [_repair_step(step) for step in plan.steps],
+        "repair_plan_ends": _repair_ends(plan),
         "road_test": None if diagnosis.road is None else _road(diagnosis.road),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
@@ -103,6 +99,31 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
             "value": _finite(rule.value * rule.kind.factor) if rule else None,
             "limit": rule.limit * rule.kind.factor if rule else None,
         },
+    }
+
+
+def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the customer's complaint, the conditions at which it can show, and the lands to measure first."""
+    complaint = diagnosis.complaint
+    if complaint is None:
+        return None
+    return {
+        "id": complaint.id,
+        "label": complaint.label,
+        "source": complaint.source,
+        "conditions": list(complaint.conditions),
+        "measure_first": [
+            {
+                "component": component,
+                "land": land,
+                "doubt": each.doubt,
+                "condition": each.projection.condition.name,
+                "part_percent": each.part * PERCENT,
+                "reason": reason(each),
+            }
+            for each in measure_first(diagnosis)
+            for component, land in [each.land.key]
+        ],
     }
 
 
@@ -154,7 +175,8 @@ def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
-def _land(land: LandDiagnosis) -> dict[str, Any]:
+def _land(row: MatrixRow) -> dict[str, Any]:
+    land = row.land
     state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
     low, high = (uncertainty.leakage_interval if uncertainty else None) or (None, None)
     return {
@@ -184,8 +206,22 @@ def _land(land: LandDiagnosis) -> dict[str, Any]:
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": land.replace_mileage,
         "representative": list(nominal.representative),
+        "conditions": [_at_condition(cell) for cell in row.cells],
         "rules": [_rule(rule, uncertainty) for rule in land.rules],
         "messages": [message_record(message) for message in land.messages],
+    }
+
+
+def _at_condition(cell: LandAtCondition) -> dict[str, Any]:
+    condition = cell.projection.condition
+    return {
+        "name": condition.name,
+        "label": condition.label,
+        "leakage_dm3_min": cell.leakage * DM3_MIN,
+        "drawn_from_pump_dm3_min": cell.drawn_from_pump * DM3_MIN,
+        "share_percent": _finite(cell.share * PERCENT),
+        "verdict": cell.verdict,
+        "elsewhere": cell.elsewhere or None,
     }
 
 
@@ -198,6 +234,9 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
         "verdict": rule.verdict,
         "decision": decided.decision if decided else None,
         "probability_over_limit": decided.probability_over_limit if decided else None,
+        "measurable": uncertainty.measurable(decided) if uncertainty and decided else None,
+        "new": _scaled(rule.new, rule.kind.factor),
+        "growth_percent": _scaled(rule.growth, PERCENT),
         "origin": rule.origin,
     }
 
@@ -253,7 +292,60 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
         "decision": total.decision.decision if total else None,
         "probability_over_limit": total.decision.probability_over_limit if total else None,
         "minimum_engine_rpm": projection.minimum_speed * RPM,
+        "concentric_factor_low": projection.concentric_factor[0],
+        "concentric_factor_high": projection.concentric_factor[1],
         "source": at.source,
+    }
+
+
+def _repair_step(step: RepairStep) -> dict[str, Any]:
+    component, land = step.land.key
+    return {
+        "component": component,
+        "land": land,
+        "verdict": step.land.verdict,
+        "for_total": step.for_total,
+        "at": step.at.condition.name,
+        "share_before_percent": _finite(step.at.before.share * PERCENT),
+        "share_after_percent": _finite(step.at.after.share * PERCENT),
+        "conditions": [
+            {
+                "name": each.condition.name,
+                "label": each.condition.label,
+                "share_before_percent": _finite(each.before.share * PERCENT),
+                "share_after_percent": _finite(each.after.share * PERCENT),
+                "band_after": each.after.band,
+            }
+            for each in step.conditions
+        ],
+    }
+
+
+def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
+    """Return the totals that the plan ends at, and what else than lands those may be up to that are not green."""
+    return {
+        "reached": plan.reached,
+        "conditions": [_end(total) for total in plan.ends],
+        "remaining": [
+            {
+                **_end(left.total),
+                "new_share_percent": _finite(left.new_share * PERCENT),
+                "kinematic_viscosity_mm2_s": left.kinematic_viscosity * MM2_S,
+                "pump_loss_percent": left.pump_loss * PERCENT,
+            }
+            for left in plan.remaining
+        ],
+        "lands_not_measured": plan.unmeasured,
+        "text": " ".join(plan_ends(plan)),
+    }
+
+
+def _end(total: Total) -> dict[str, Any]:
+    return {
+        "name": total.condition.name,
+        "label": total.condition.label,
+        "share_percent": _finite(total.share * PERCENT),
+        "band": total.band,
     }
 
 

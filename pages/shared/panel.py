@@ -11,7 +11,7 @@ import streamlit as st
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.diagnosis import Diagnosis
-from atleak.engine.profile import PROFILES, Profile
+from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.errors import AtleakError
 from atleak.intake.units import unit
 from atleak.job.case import SLOTS, Slot, SourceFile
@@ -37,6 +37,8 @@ OPTIONS = {
     "viscosity": "Viscosity",
     "pump_draw": "Counted as drawn from the pump",
     "pump_efficiency": "Pump efficiency",
+    "entry_loss": "Loss at a gap's entry and exit",
+    "form": "Clearance that differs around the bore",
 }
 VALUES = {
     "mean": "mean of spool and sleeve",
@@ -48,6 +50,11 @@ VALUES = {
     "all_gaps": "flow of all gaps",
     "wilson": "Wilson slip",
     "constant": "constant",
+    "auto": "subtracted where it matters",
+    "on": "subtracted everywhere",
+    "off": "left out",
+    "mean_of_cubes": "mean of the cubes",
+    "cube_of_mean": "cube of the mean",
 }
 
 
@@ -72,6 +79,7 @@ def draw() -> None:
             for choice in SLOTS.values():
                 if choice.part is not None:
                     _choice(choice)
+        _complaint()
         _condition()
         _profile()
     result = current_diagnosis()
@@ -171,10 +179,34 @@ def _choice(slot: Slot) -> None:
         choose(**{slot.name: SourceFile(own.name, own.getvalue())})
 
 
+def _start() -> PageCase:
+    """Return the first values of what belongs to the controller: none for one that was chosen since."""
+    now = session()
+    return now.start if now.start.controller == now.case.controller else PageCase()
+
+
+def _complaint() -> None:
+    controller, first = _controller(), _start().complaint
+    labels = {complaint.id: complaint.label for complaint in controller.complaints}
+    options = [None, *labels]
+    picked = st.selectbox(
+        "Complaint",
+        options,
+        index=options.index(first if first in labels else None),
+        key=f"{_key('complaint')}-{controller.sha256}",
+        format_func=lambda name: "none chosen" if name is None else labels[name],
+        disabled=not labels,
+        help="What the customer says. Its conditions lead the result, and it says which lands to measure first."
+        if labels
+        else "The file of this valve body maps no complaint to its operating points.",
+    )
+    choose(complaint=picked)
+
+
 def _condition() -> None:
     now = session()
     controller = _controller()
-    start = now.start if now.start.controller == now.case.controller else PageCase()
+    start = _start()
     point = start.point or controller.operating_points[0]
     with st.expander("Stated condition and mileage"):
         owner = f"{_key('at')}-{controller.sha256}"
@@ -219,12 +251,21 @@ def _profile() -> None:
             key = f"{_key(option)}-{name}"
             tip = "; ".join(f"{VALUES.get(value, value)}: `{option}={value}`" for value in values)
             options[option] = st.selectbox(label, values, values.index(first[option]), _value_name, key=key, help=tip)
-        options["entry_loss"] = st.toggle("Subtract entry loss", first["entry_loss"], key=f"{_key('entry')}-{name}")
-        options["eccentricity"] = st.slider(
-            "Eccentricity e/c", 0.0, 1.0, first["eccentricity"], 0.05, key=f"{_key('ecc')}-{name}"
-        )
+        options["eccentricity"] = _eccentricity(name, first["eccentricity"])
         st.caption("`workshop` is the better physics; `paper` computes as the source study printed.")
     choose(profile=name, options=tuple((key, value) for key, value in options.items() if value != base[key]))
+
+
+def _eccentricity(profile: str, first: float | str) -> float | str:
+    unknown = st.toggle(
+        "Where the spools lie is unknown",
+        first == UNKNOWN,
+        key=f"{_key('position')}-{profile}",
+        help="Every flow is the mean over all positions, 1.5 times that of concentric spools.",
+    )
+    fixed = 0.0 if isinstance(first, str) else first
+    ratio = st.slider("Eccentricity e/c", 0.0, 1.0, fixed, 0.05, key=f"{_key('ecc')}-{profile}", disabled=unknown)
+    return UNKNOWN if unknown else ratio
 
 
 def _value_name(value: str) -> str:

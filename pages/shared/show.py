@@ -14,7 +14,6 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
-from atleak.engine.projection import Projection
 from atleak.errors import AtleakError, Message
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
@@ -32,20 +31,25 @@ HELP = {
     "u [µm]": "standard uncertainty of the radial clearance: about two times as much to each side is its 95 % interval",
     "Mounting [µm]": "radial clearance when new",
     "Wear [%]": "growth of the clearance over the mounting clearance",
-    "Share [%]": "leakage as a share of the pump's flow at the stated condition",
+    "Share [%]": "what it draws as a share of the pump's flow at the stated condition",
+    "Largest share [%]": "the same at the condition at which the share is judged worst; of several, the largest",
+    "Largest at": "the condition of the largest share",
     "Decided by": "the rule that gave the verdict, its value and the limit it reached",
     "Limit is": "published, choice of this project, or set by the workshop",
     "Decision": "how sure it is: a conditional one lies within what the instruments can tell",
     "Over it [%]": "probability that the true value is over that limit",
     "from": "95 % interval of the leakage",
     "to": "95 % interval of the leakage",
-    "Before [%]": "total share before the step",
-    "After [%]": "total share after the step",
+    "Before [%]": "total share before the step, at the condition that it helps most",
+    "After [%]": "total share after the step, at the condition that it helps most",
+    "Then": "the band of the total after the step, at that condition",
+    "Helps most at": "the condition at which the step saves most, measured by the limit of that condition",
     "Limit at [km]": "mileage at which the wear limit for replacing is reached, if wear goes on as so far",
 }
 WIDTHS = {
-    "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "u [µm]": 56, "Over it [%]": 76, "from": 60,
-    "to": 60, "Before [%]": 80, "After [%]": 72, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
+    "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,
+    "u [µm]": 56, "Over it [%]": 76, "from": 60, "to": 60, "Before [%]": 80, "After [%]": 72, "Then": 92,
+    "Helps most at": 150, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
 }  # fmt: skip
 HAIR_SPACE = "\u200a"
 
@@ -103,7 +107,7 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     frame = pd.DataFrame(rows).round(digits)
     names = [Verdict(name) for name in frame["Verdict"]]
     frame["Verdict"] = [HAIR_SPACE * verdict.rank + signed(verdict) for verdict in names]
-    style = frame.style.apply(lambda column: [_colours(name) for name in names], subset=["Verdict"]).format(
+    style = frame.style.apply(lambda column: [colours(name) for name in names], subset=["Verdict"]).format(
         {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
     )
     config = {
@@ -129,7 +133,8 @@ def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{
     st.dataframe(style, hide_index=True, width="stretch", **options)
 
 
-def _colours(verdict: Verdict) -> str:
+def colours(verdict: Verdict) -> str:
+    """Return the ground and the ink of a verdict's cell as CSS; an empty text where it stays plain."""
     look = look_of(verdict)
     return f"background-color: {look.screen}; color: {look.on_screen}" if look.on_screen else ""
 
@@ -178,61 +183,6 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     ]
     with st.expander("What this rests on"):
         st.markdown("\n".join([*lines, f"- profile: **{plain(diagnosis.profile.label)}**"]))
-
-
-def points(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projection, dict[str, Any]]]:
-    """Return the projections that are reported, the stated condition first; each with its record."""
-    every = zip(diagnosis.projections, record["conditions"], strict=True)
-    return [(at, row) for at, row in every if any(at is shown for shown in diagnosis.reported)]
-
-
-def conditions(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show the conditions of the totals, and the speed below which the pump no longer holds the pressure."""
-    for point, row in points(diagnosis, record):
-        st.caption(
-            f"**{plain(point.condition.label)}**: {row['leakage_dm3_min']:.2f} of {row['pump_capacity_dm3_min']:.2f} "
-            f"dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; for this leakage alone "
-            f"the pump needs **{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
-        )
-
-
-def repair_plan(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show flagged lands in order of repair, with the total share before and after each."""
-    steps = record["repair_plan"]
-    if not steps:
-        nothing = "No land has reached a limit of its own: what decides is the total of many that leak a little."
-        st.write(nothing if diagnosis.decided_by is not None else "Nothing to repair.")
-        return
-    rows = [
-        {
-            "No.": number,
-            "Pair": f"{step['component']} · {step['land']} {diagnosis.controller.components[step['component']]}",
-            "Before [%]": step["share_before_percent"],
-            "After [%]": step["share_after_percent"],
-            "Verdict": step["verdict"],
-        }
-        for number, step in enumerate(steps, start=1)
-    ]
-    verdict_table(rows, dict.fromkeys(("Before [%]", "After [%]"), 1))
-    said = (
-        f"Total share at {plain(diagnosis.repair_plan[0].condition.label)} when each land is brought back to its "
-        "mounting clearance, one after another."
-    )
-    idle = [str(row["No."]) for row in rows if _unmoved(row["Before [%]"], row["After [%]"])]
-    if idle:
-        said += (
-            f" Step{'s' * (len(idle) > 1)} {_listed(idle)} change{'s' * (len(idle) == 1)} this total by less than "
-            "0.1 percentage points: on the list for the land's own verdict, not for this total."
-        )
-    st.caption(said)
-
-
-def _listed(names: list[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-
-
-def _unmoved(before: float | None, after: float | None) -> bool:
-    return before is not None and after is not None and round(before, 1) == round(after, 1)
 
 
 def dark() -> bool:

@@ -79,7 +79,7 @@ def choose(**changes: Any) -> None:
     """Change choices; another controller than the sample's drops the sample's files, which fit only that."""
     now = session()
     if changes.get("controller", now.case.controller) != now.case.controller:
-        changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None}
+        changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None, "complaint": None}
         now.away.clear()
         if now.case.sample:
             changes |= {"readings": None, "road_test": None, "sample": False}

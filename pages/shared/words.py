@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.projection import Projection
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
+from atleak.views.condition_matrix import LandAtCondition, MatrixRow
 from atleak.wording import signed
 from atleak.workshop_units import PERCENT
-from pages.shared import show
 from pages.shared.show import plain
 
 PARTLY = ("spool_only", "sleeve_only")
@@ -22,6 +23,7 @@ DIGITS = {
     "Mounting [µm]": 1,
     "Wear [%]": 1,
     "Share [%]": 2,
+    "Largest share [%]": 2,
     "Over it [%]": 1,
     **dict.fromkeys(("Leakage [dm³/min]", "from", "to"), 3),
     "Spool [mm]": 4,
@@ -62,21 +64,36 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
     if open_ones:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
-    points = show.points(diagnosis, record)
-    totals = [_total(row, point.condition.label) for point, row in points]
-    last, row = points[-1]
+    several = len(diagnosis.projections) > 1
+    totals = [_total(row, worst=several and at is diagnosis.worst) for at, row in reported(diagnosis, record)]
+    worst = next(row for at, row in reported(diagnosis, record) if at is diagnosis.worst)
     holds = (
-        f"For this leakage alone the pump needs **{row['minimum_engine_rpm']:.0f} rpm** at "
-        f"{plain(last.condition.label)}."
+        f"For this leakage alone the pump needs **{worst['minimum_engine_rpm']:.0f} rpm** at {plain(worst['label'])}."
     )
-    return f"{head} The unit leaks {' and '.join(totals)}. {holds}"
+    return f"{head} The unit leaks {listed(totals)}. {holds}"
 
 
-def _total(point: dict[str, Any], label: str) -> str:
-    share, band = point["share_percent"], Band(point["band"])
+def _total(point: dict[str, Any], *, worst: bool) -> str:
+    share, band, label = point["share_percent"], Band(point["band"]), plain(point["label"])
+    mark = ", the worst condition" if worst else ""
     if share is None:
-        return f"more than the pump delivers at {plain(label)} ({signed(Band.CRITICAL)})"
-    return f"**{share:.1f} %** of the pump's flow at {plain(label)} ({signed(band)})"
+        return f"more than the pump delivers at {label} ({signed(Band.CRITICAL)}{mark})"
+    return f"**{share:.1f} %** of the pump's flow at {label} ({signed(band)}{mark})"
+
+
+def reported(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projection, dict[str, Any]]]:
+    """Return the projections that must be shown, those of the complaint first; each with its record."""
+    rows = {row["name"]: row for row in record["conditions"]}
+    return [(at, rows[at.condition.name]) for at in diagnosis.reported]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Join names as a sentence does.
+
+    >>> listed(["5", "6", "7"])
+    '5, 6 and 7'
+    """
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
 def land_rows(
@@ -84,16 +101,20 @@ def land_rows(
 ) -> list[dict[str, Any]]:
     """Return the rows of a table of lands, fewer columns if brief; columns without any value are left out."""
     records = {(land["component"], land["land"]): land for land in record["lands"]}
+    several = len(diagnosis.projections) > 1
     rows = []
     for diagnosed in lands:
         land = records[diagnosed.key]
+        worst = MatrixRow.of(diagnosed, diagnosis.projections).worst
         rule = None if diagnosed.verdict == Verdict.NOT_MEASURED else diagnosed.deciding
         rows.append(
             {
                 "Verdict": land["verdict"],
-                "Pair": pair(diagnosis.controller, land),
+                "Pair": pair(diagnosis.controller, *diagnosed.key),
                 "Wear [%]": land["wear_percent"],
                 "Share [%]": land["share_percent"],
+                "Largest share [%]": _share(worst) if several else None,
+                "Largest at": worst.projection.condition.label if several and worst.share > 0.0 else None,
                 "Decided by": _decided_by(diagnosed, rule),
                 "Clearance [µm]": land["radial_clearance_um"],
                 "u [µm]": land["uncertainty_um"],
@@ -113,9 +134,9 @@ def land_rows(
     return [{name: row[name] for name in filled} for row in rows]
 
 
-def pair(controller: Controller, land: dict[str, Any]) -> str:
+def pair(controller: Controller, component: str, land: int) -> str:
     """Return component, land and name, so that a narrow column cuts the name only: ``25 · 1 main pressure valve``."""
-    return f"{land['component']} · {land['land']} {controller.components[land['component']]}"
+    return f"{component} · {land} {controller.components[component]}"
 
 
 def _decided_by(land: LandDiagnosis, rule: Rule | None) -> str | None:
@@ -138,6 +159,10 @@ def advice(diagnosis: Diagnosis) -> list[str]:
         for land in diagnosis.ranked
         if land.uncertainty is not None and land.uncertainty.advice
     ]
+
+
+def _share(at: LandAtCondition) -> float | None:
+    return at.share * PERCENT if math.isfinite(at.share) else None
 
 
 def _percent(fraction: float | None) -> float | None:
@@ -177,7 +202,7 @@ def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[
     return [
         {
             "Verdict": row["verdict"],
-            "Pair": pair(controller, row),
+            "Pair": pair(controller, row["component"], row["land"]),
             **{heading: row[name] for name, heading in names.items()},
         }
         for row in rows

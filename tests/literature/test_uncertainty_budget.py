@@ -29,6 +29,7 @@ ASSUMED = Assumptions(
     main_pressure=0.01,
     slip_coefficient=0.1,
     form_residual=0.0,
+    one_sided_wear=0.0,
 )
 
 
@@ -106,7 +107,8 @@ def _referee(controller: Controller, hipol: Fluid) -> tuple[dict[str, object], d
     w = w_1 - slope * (GTC.log10(t + 273.15) - math.log10(t_1 + 273.15))
     nu = (10 ** (10**w) - 0.7) * 1e-6 * elementary["viscosity"]
     at, density = hipol.density_at
-    mu = nu * (density + hipol.density_slope * (t - at))
+    rho = density + hipol.density_slope * (t - at)
+    mu = nu * rho
     capacity = pump.displacement * (point.engine_speed - elementary["slip"] * elementary["main"] / (2 * math.pi * mu))
     cold, share = {}, {}
     repeat = math.sqrt((0.4 * UM) ** 2 + (1e-9) ** 2 / 12)
@@ -128,7 +130,9 @@ def _referee(controller: Controller, hipol: Fluid) -> tuple[dict[str, object], d
         cold[name] = 0.5 * (sleeve - spool) + (rate - gauges) * elementary["room"]
         hot = cold[name] + rate * (t - 20.0)
         length = GTC.ureal(land.contact_length, ASSUMED.contact_length, label="contact length")
-        flow = math.pi * (d_0 + hot) * hot**3 * 0.9 * elementary["main"] / (12 * mu * length)
+        drop, viscous = 0.9 * elementary["main"], 12 * mu * length
+        with_loss = GTC.sqrt(viscous**2 + 2 * 1.5 * rho * drop * hot**4)
+        flow = 2 * math.pi * (d_0 + hot) * hot**3 * drop / (viscous + with_loss)
         share[name] = flow / capacity
         elementary |= {f"{name} {part} own": u for part, u in own.items()}
         elementary |= {f"{name} {part} repeats": u for part, u in repeats.items()}

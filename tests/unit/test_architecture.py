@@ -44,6 +44,7 @@ FLOORS = (
     ("uncertainty", "variants"),
     ("sheet_checks",),
     ("diagnosis",),
+    ("repair",),
     ("views", "intake"),
     ("figures", "job.record", "job.case", "report.printed_charts", "report.terminal", "report.measuring_sheet"),
     ("job.file", "report.pdf", "report.xlsx"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -19,6 +18,7 @@ from atleak.engine.profile import PAPER, PROFILES, Profile
 from atleak.engine.projection import project, repaired, stated_condition
 from atleak.errors import DomainError
 from atleak.readings import Readings
+from atleak.repair import plan_repairs
 from atleak.rules import Rule
 from atleak.verdicts import Verdict
 from atleak.views.diagnosis_record import diagnosis_record
@@ -187,7 +187,7 @@ def test_without_readings_nothing_is_judged(minimal: Controller, hipol: Fluid, l
     diagnosis = diagnose(minimal, hipol, limits)
     assert diagnosis.verdict == "not_measured"
     assert diagnosis.measured == 0
-    assert diagnosis.flagged == diagnosis.repair_plan == ()
+    assert diagnosis.flagged == plan_repairs(diagnosis).steps == ()
     assert diagnosis.uncertainty is None
     assert diagnosis.projection.leakage > 0.0
     assert "no_readings" in codes(diagnosis)
@@ -250,29 +250,14 @@ def test_a_leak_into_another_section_costs_the_pump_nothing_twice(
     assert all(land.excess_share > 0.0 for land in paper.flagged)
 
 
-def test_repair_plan_telescopes_to_the_unit_with_those_lands_repaired(sample: Diagnosis) -> None:
-    plan = sample.repair_plan
-    assert [step.land.key for step in plan] == [land.key for land in sample.flagged]
-    assert sample.hot_idle is not None
-    assert plan[0].share_before == pytest.approx(sample.hot_idle.share, rel=1e-12, abs=0.0)
-    for step, following in pairwise(plan):
-        assert step.share_after == following.share_before
-    states = [land.state for land in sample.lands]
-    for count in range(1, len(plan) + 1):
-        mended = repaired(states, [step.land.key for step in plan[:count]])
-        model = LeakageModel(sample.controller, mended, sample.fluid, sample.profile)
-        share = project(model, plan[0].condition).share
-        assert plan[count - 1].share_after == pytest.approx(share, rel=1e-9, abs=0.0)
-
-
-def test_without_hot_idle_the_plan_is_at_the_stated_condition(
+def test_without_hot_idle_the_stated_condition_alone_is_reported(
     minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     only = replace(minimal, operating_points=minimal.operating_points[:1])
     diagnosis = diagnose(only, hipol, limits, readings=readings_of(only, at_wear(only, accumulator=0.7)))
     assert diagnosis.hot_idle is None
     assert diagnosis.reported == (diagnosis.projection,)
-    assert {step.condition.name for step in diagnosis.repair_plan} == {"driving_second"}
+    assert {step.at.condition.name for step in plan_repairs(diagnosis).steps} == {"driving_second"}
     assert "no_hot_idle" in codes(diagnosis)
 
 

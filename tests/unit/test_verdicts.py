@@ -33,6 +33,7 @@ from streamlit.testing.v1 import AppTest
 
 import atleak
 from atleak.figures import diagnosis_figures as figures
+from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.report.terminal import print_diagnosis
@@ -50,7 +51,7 @@ soon = [land for land in found.lands if land.verdict == "soon"]
 assert soon, "no land has the new level"
 keys = {land.key for land in soon}
 assert keys <= {land.key for land in found.flagged}
-assert keys <= {step.land.key for step in found.repair_plan}
+assert keys <= {step.land.key for step in plan_repairs(found).steps}
 record = diagnosis_record(found)
 assert "soon" in {land["verdict"] for land in record["lands"]}
 out = sys.stdout

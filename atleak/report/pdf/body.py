@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
-from atleak.diagnosis import LandDiagnosis
+from atleak.engine.profile import UNKNOWN
 from atleak.errors import unknown
 from atleak.job.record import RepairDecision
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
@@ -21,6 +22,7 @@ from atleak.workshop_units import G_CM3, MM, MM2_S, UM
 SECTIONS = (
     "picture",
     "flagged",
+    "matrix",
     "repair_order",
     "all",
     "shares",
@@ -67,6 +69,7 @@ class Body:
     def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
         self.names, self.series, self.pictures = names, series, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
+        self.conditions = Conditions(names)
 
     # --- sections
 
@@ -103,7 +106,6 @@ class Body:
         if not flagged:
             yield text(say("texts.none_flagged"))
             return
-        idle = names.idle
         decided = any(land.decision for land in flagged)
         columns = [
             PrintedColumn(names.column("pair"), names.pair, width=4),
@@ -112,10 +114,8 @@ class Body:
             PrintedColumn(names.column("clearance"), names.clearance, "µm", side="r"),
             PrintedColumn(names.column("mounting"), names.mounting, "µm", side="r"),
             PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
-            PrintedColumn(names.column("share"), names.share, "%", side="r"),
+            PrintedColumn(names.column("share_largest"), names.share_largest, "%", width=3, side="r"),
         ]
-        if idle is not None:
-            columns.append(PrintedColumn(names.column("share_hot_idle"), names.share_hot_idle, "%", side="r"))
         if decided:
             columns.append(PrintedColumn(names.column("decision"), names.decision, width=3))
         columns.append(PrintedColumn(names.column("reason"), names.reason, width=7))
@@ -126,25 +126,10 @@ class Body:
         yield text(" ".join(notes), small=True)
 
     def _repair_order(self, charts: dict[str, str]) -> Iterable[Block]:
-        say, plan = self.say, self.diagnosis.repair_plan
-        if not plan:
-            return
-        yield text(say("texts.repair_order", condition=self.names.condition(plan[0].condition)))
-        columns = [
-            PrintedColumn("", lambda step: str(1 + plan.index(step)), side="r"),
-            PrintedColumn(say("columns.pair"), lambda step: self.names.land_name(step.land), width=5),
-            PrintedColumn(say("columns.verdict"), lambda step: self.names.verdict(step.land)),
-            PrintedColumn(say("columns.before"), lambda step: say.percent(step.share_before), width=2, side="r"),
-            PrintedColumn(say("columns.after"), lambda step: say.percent(step.share_after), width=2, side="r"),
-            PrintedColumn(say("columns.replace_at"), lambda step: self._replace_at(step.land), width=2, side="r"),
-        ]
-        yield table(columns, plan, empty=False)
-        if any(_worth_saying(step.land.replace_mileage) for step in plan):
-            yield text(f"{say('columns.replace_at')}: {say('texts.replace_at')}.", small=True)
+        yield from self.conditions.repair_order()
 
-    def _replace_at(self, land: LandDiagnosis) -> str:
-        at, say = land.replace_mileage, self.say
-        return say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–"
+    def _matrix(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.conditions.matrix()
 
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
@@ -440,9 +425,13 @@ class Body:
         say, profile, diagnosis = self.say, self.diagnosis.profile, self.diagnosis
         names = [f"method_{profile.diameter}", f"method_{profile.viscosity}", f"method_{profile.pump_draw}"]
         sentences = [say("texts.method"), *(say(f"texts.{name}") for name in names)]
-        if profile.entry_loss:
+        if profile.form == "mean_of_cubes":
+            sentences.append(say("texts.method_form"))
+        if profile.entry_loss != "off":
             sentences.append(say("texts.method_entry_loss"))
-        if profile.eccentricity:
+        if profile.eccentricity == UNKNOWN:
+            sentences.append(say("texts.method_eccentricity_unknown"))
+        elif profile.eccentricity:
             sentences.append(say("texts.method_eccentricity", value=say.plain(profile.eccentricity)))
         yield text(" ".join((*sentences, say("texts.method_limits"))))
         sources = [
@@ -481,10 +470,6 @@ class Body:
 
 _SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
-
-
-def _worth_saying(mileage: float | None) -> bool:
-    return mileage is not None and mileage < 1e7
 
 
 def _option(value: Any) -> str:

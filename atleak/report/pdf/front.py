@@ -6,6 +6,7 @@ from typing import Any
 
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
+from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -64,9 +65,7 @@ class Front:
         diagnosis, say = self.diagnosis, self.say
         decided_by = diagnosis.decided_by
         by_total = isinstance(decided_by, Rule)
-        at = diagnosis.hot_idle or diagnosis.projection
-        if isinstance(decided_by, Rule) and decided_by.condition is not None:
-            at = diagnosis.at(decided_by.condition)
+        at = diagnosis.worst
         condition = self.names.condition(at.condition)
         if at.pump_capacity > 0.0:
             band = say.level(diagnosis.band(at))
@@ -95,6 +94,7 @@ class Front:
             "word": say.level(diagnosis.verdict),
             "sentence": sentence,
             "more": " ".join(more),
+            "complaint": Conditions(self.names).complaint(),
             "totals": self._totals(),
         }
 
@@ -131,7 +131,9 @@ class Front:
 
     def _band(self, at: Projection) -> dict[str, str]:
         band = self.diagnosis.band(at)
-        return {"sign": band.verdict, "text": self.say.level(band)}
+        word = self.say.level(band)
+        worst = at is self.diagnosis.worst and len(self.diagnosis.projections) > 1
+        return {"sign": band.verdict, "text": self.say("texts.worst", band=word) if worst else word}
 
 
 def _percent(fraction: float | None) -> float | None:

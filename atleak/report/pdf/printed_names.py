@@ -6,9 +6,9 @@ from typing import Any
 
 from atleak.catalogue.controller import STATED, OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.engine.projection import Projection
 from atleak.job.record import Job
 from atleak.rules import Rule
+from atleak.views.condition_matrix import MatrixRow
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
@@ -51,12 +51,6 @@ class PrintedNames:
         """Return the heading of a column."""
         return self.say(f"columns.{name}")
 
-    @property
-    def idle(self) -> Projection | None:
-        """Return hot idle where it is not the stated condition itself."""
-        idle = self.diagnosis.hot_idle
-        return None if idle is None or idle is self.diagnosis.projection else idle
-
     def clearance(self, land: LandDiagnosis) -> str:
         """Return the radial clearance [µm] with half its interval where the uncertainty is known."""
         value = self.say.number(land.state.radial_clearance * UM, 1)
@@ -86,11 +80,12 @@ class PrintedNames:
         """Return the share of the pump's flow at the stated condition [%]."""
         return self.say.number(land.share * PERCENT, 2)
 
-    def share_hot_idle(self, land: LandDiagnosis) -> str:
-        """Return the share of the pump's flow at hot idle [%]; a dash where hot idle is no separate condition."""
-        idle = self.idle
-        share = None if idle is None else idle.share_of(idle.leakage_of(land.key)) * PERCENT
-        return self.say.number(share, 2)
+    def share_largest(self, land: LandDiagnosis) -> str:
+        """Return the share where it is judged worst, of several where it is largest, and the condition [%]."""
+        worst = MatrixRow.of(land, self.diagnosis.projections).worst
+        if worst.drawn_from_pump == 0.0:
+            return "–"
+        return f"{self.say.number(worst.share * PERCENT, 2)}\n{self.condition(worst.projection.condition)}"
 
     def leakage(self, land: LandDiagnosis) -> str:
         """Return the leakage [dm³/min] with its interval where the uncertainty is known and the land leaks at all."""

@@ -62,6 +62,7 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     rest = Sheets(book, diagnosis, record, job, live)
     summary = book.sheet("Summary")
     lands = book.sheet("Lands", frozen=(1, 3))
+    matrix = book.sheet("Land by condition", frozen=(1, 3))
     gaps = [(book.sheet(at.sheet, frozen=(1, 2)), at) for at in live.conditions]
     rules = book.sheet("Rules", frozen=(1, 2))
     readings = book.sheet("Readings", frozen=(1, 2)) if diagnosis.readings else None
@@ -79,6 +80,7 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     for sheet, at in gaps:
         live.write_gaps(sheet, at)
     live.write_rules(rules)
+    rest.write_matrix(matrix)
     if road is not None:
         rest.write_road(road)
     rest.write_messages(messages)

@@ -11,7 +11,7 @@ from typing import Any
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.instruments import Instruments, Part
-from atleak.diagnosis import LandDiagnosis
+from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
 from atleak.look import INPUT
@@ -24,7 +24,8 @@ from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
 CHANGEABLE = {"font_color": INPUT}  # numbers that an auditor may change
 RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
 _PER_KELVIN = 1e6  # expansions are shown in 1e-6/K
-_GAP_FLOW = 11  # column of a gap's flow in its sheet
+_GAP_FLOW, _GAP_DRAWN = 11, 12  # columns of a gap's flow in its sheet, and of whether it is drawn from the pump
+_SHEET_NAME = 31  # characters that Excel allows in a sheet's name
 
 ColumnKey = str | tuple[str, str]  # a name, or a name and the prefix of a condition
 
@@ -41,6 +42,30 @@ class SheetCondition:
     def __call__(self, name: str) -> str:
         """Return the workbook's name for one of the condition's quantities."""
         return f"{self.prefix}_{name}"
+
+
+def sheet_conditions(diagnosis: Diagnosis) -> list[SheetCondition]:
+    """Return every condition of a diagnosis with names that Excel takes, in the order in which people read them."""
+    made: list[SheetCondition] = []
+    for at in diagnosis.presented:
+        if at is diagnosis.projection:
+            made.append(SheetCondition(at, "stated", "Gaps", "stated condition"))
+            continue
+        name = at.condition.name
+        prefix = f"_{name}" if name[0].isdigit() else name
+        made.append(SheetCondition(at, prefix, _free_name(f"Gaps {name.replace('_', ' ')}", made), at.condition.label))
+    return made
+
+
+def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
+    """Return the name of a new sheet of gaps: the one wanted, cut and numbered where it is too long or taken."""
+    taken = {each.sheet for each in made}
+    name, number = wanted[:_SHEET_NAME], 1
+    while name in taken:
+        number += 1
+        ending = f" {number}"
+        name = wanted[: _SHEET_NAME - len(ending)] + ending
+    return name
 
 
 @dataclass(frozen=True)
@@ -152,6 +177,10 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     yield LandColumn("beta_k", "expansion of body β_k [1e-6/K]", 12, body)
     spool = changeable("plain", lambda land: land.state.land.spool_expansion * _PER_KELVIN)
     yield LandColumn("beta_s", "expansion of spool β_s [1e-6/K]", 12, spool)
+    square = changeable("plain", lambda land: land.state.form_moments[0] * UM**2)
+    yield LandColumn("m2", "form: mean of (c − c_r)² as measured [µm²]", 12, square)
+    cube = changeable("plain", lambda land: land.state.form_moments[1] * UM**3)
+    yield LandColumn("m3", "form: mean of (c − c_r)³ as measured [µm³]", 12, cube)
 
 
 def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandColumn]:
@@ -161,9 +190,7 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
         opening = f"{row.here('beta_k')}*{row.here('sleeve')}-{row.here('beta_s')}*{row.here('spool')}"
         rise = f"({condition('T')}-{exact(REFERENCE_TEMPERATURE)})"
         formula = f"MAX({row.here('c_r')}+({opening})/2*{rise}*0.001,0)"
-        gaps = projection.gaps_of(row.land.key)
-        warm = row.land.state.effective_clearance(projection.condition.temperature)
-        return Cell("um", (gaps[0].effective_clearance if gaps else warm) * UM, formula)
+        return Cell("um", row.land.state.effective_clearance(projection.condition.temperature) * UM, formula)
 
     def leakage(row: LandRow) -> Cell:
         rows = [number for number, gap in enumerate(sheet.gaps[prefix], start=1) if gap.gap.key == row.land.key]
@@ -172,13 +199,22 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
         formula = f"SUM({span(rows[0], rows[-1], _GAP_FLOW, condition.sheet)})*6E-5"
         return Cell("flow", projection.leakage_of(row.land.key) * DM3_MIN, formula)
 
+    def drawn(row: LandRow) -> Cell:
+        rows = [number for number, gap in enumerate(sheet.gaps[prefix], start=1) if gap.gap.key == row.land.key]
+        if not rows:
+            return Cell("flow", 0.0)
+        counted = span(rows[0], rows[-1], _GAP_DRAWN, condition.sheet)
+        formula = f'SUMIF({counted},"yes",{span(rows[0], rows[-1], _GAP_FLOW, condition.sheet)})*6E-5'
+        return Cell("flow", projection.drawn_by(row.land.key) * DM3_MIN, formula)
+
     def share(row: LandRow) -> Cell:
-        formula = share_of(row.here(("q", prefix)), condition("capacity"))
+        formula = share_of(row.here(("drawn", prefix)), condition("capacity"))
         return Cell("percent", projection.share_drawn_by(row.land.key) * PERCENT, formula)
 
     at = f", {condition.title}"
     yield LandColumn(("c_re", prefix), f"effective clearance c_re [µm]{at}", 14, effective_clearance)
     yield LandColumn(("q", prefix), f"leakage q [dm³/min]{at}", 14, leakage)
+    yield LandColumn(("drawn", prefix), f"of it drawn from the pump [dm³/min]{at}", 14, drawn)
     yield LandColumn(("share", prefix), f"share of pump capacity [%]{at}", 14, share)
 
 

@@ -17,8 +17,9 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.leakage import GapLeakage
+from atleak.engine.profile import UNKNOWN
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
-from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS
+from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, MEAN_ECCENTRIC
 from atleak.look import DATA_BAR
 from atleak.readings import Reading
 from atleak.report.xlsx.book import Book, cell, exact, formula, put, span
@@ -33,6 +34,7 @@ from atleak.report.xlsx.land_columns import (
     address,
     land_columns,
     share_of,
+    sheet_conditions,
     verdict_of_rank,
 )
 from atleak.rules import LandKey, Rule
@@ -51,11 +53,7 @@ class LiveSheets:
         self.book, self.diagnosis, self.record = book, diagnosis, record
         self.lands = diagnosis.lands
         self.row_of = {land.key: row for row, land in enumerate(self.lands, start=1)}
-        self.conditions = [SheetCondition(diagnosis.projection, "stated", "Gaps", "stated condition")]
-        for projection in diagnosis.reported[1:]:
-            name = projection.condition.name
-            title = name.replace("_", " ")
-            self.conditions.append(SheetCondition(projection, name, f"Gaps {title}"[:31], title))
+        self.conditions = sheet_conditions(diagnosis)
         self.gaps = {at.prefix: self._by_land(at.projection.gaps) for at in self.conditions}
         self.rule_rows = self._rule_rows()
         self.limit_cells: dict[tuple[RuleKind, Level], str] = {}  # their addresses in the sheet of limits
@@ -251,7 +249,7 @@ class LiveSheets:
             "pressure drop Δp [kPa]",
             "diameter [mm]",
             "contact length l [mm]",
-            "effective clearance c_re [µm]",
+            "clearance of equal flow [µm]",
             "kinematic viscosity ν [mm²/s]",
             "density ρ [g/cm³]",
             "leakage q [mm³/s]",
@@ -267,10 +265,9 @@ class LiveSheets:
                 put(sheet, row, column, value)
             drop = leak.pressure_drop * KPA
             formula(sheet, row, 5, _drop(gap.high, gap.low, at), drop, book.form("kpa"))
-            formula(sheet, row, 6, self._diameter(row, leak), leak.diameter * MM, book.form("mm"))
+            formula(sheet, row, 6, self._diameter(leak, at), leak.diameter * MM, book.form("mm"))
             put(sheet, row, 7, leak.contact_length * MM, book.form("mm", **CHANGEABLE))
-            clearance = cell(self.row_of[gap.key], self.column_of["c_re", at.prefix], "Lands")
-            formula(sheet, row, 8, clearance, leak.effective_clearance * UM, book.form("um"))
+            formula(sheet, row, 8, self._flow_clearance(leak, at), leak.effective_clearance * UM, book.form("um"))
             formula(sheet, row, 9, at("nu"), leak.kinematic_viscosity * MM2_S, book.form("nu"))
             formula(sheet, row, 10, at("rho"), leak.density * G_CM3, book.form("rho"))
             formula(sheet, row, 11, self._flow(row), leak.leakage * MM3_S, book.form("mm3"))
@@ -281,21 +278,35 @@ class LiveSheets:
         sheet.set_column(0, 14, 13)
         sheet.autofilter(0, 0, max(len(self.gaps[at.prefix]), 1), len(names) - 1)
 
-    def _diameter(self, row: int, leak: GapLeakage) -> str:
-        spool = cell(self.row_of[leak.gap.key], self.column_of["spool"], "Lands")
-        return f"{spool}+I{row + 1}*0.001" if self.diagnosis.profile.diameter == "mean" else spool
+    def _of_land(self, leak: GapLeakage, key: ColumnKey) -> str:
+        """Return the cell with one of the quantities of a gap's land."""
+        return cell(self.row_of[leak.gap.key], self.column_of[key], "Lands")
+
+    def _diameter(self, leak: GapLeakage, at: SheetCondition) -> str:
+        spool = self._of_land(leak, "spool")
+        mean = self.diagnosis.profile.diameter == "mean"
+        return f"{spool}+{self._of_land(leak, ('c_re', at.prefix))}*0.001" if mean else spool
+
+    def _flow_clearance(self, leak: GapLeakage, at: SheetCondition) -> str:
+        c = self._of_land(leak, ("c_re", at.prefix))
+        if not self.diagnosis.model.law.counts_form:
+            return c
+        return f"({c}^3+MAX(3*{c}*{self._of_land(leak, 'm2')}+{self._of_land(leak, 'm3')},0))^(1/3)"
 
     def _flow(self, row: int) -> str:
         """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
         profile, r = self.diagnosis.profile, row + 1
-        eccentric = f"(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2)*" if profile.eccentricity else ""
-        if profile.entry_loss:
-            viscous = f"(12*J{r}*K{r}*H{r})"
+        viscous = f"(12*J{r}*K{r}*H{r})"
+        if profile.eccentricity == UNKNOWN:
+            viscous = f"({viscous}/{exact(MEAN_ECCENTRIC)})"
+        elif profile.eccentricity:
+            viscous = f"({viscous}/(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2))"
+        if profile.entry_loss == "off":
+            law = f"PI()*G{r}*I{r}^3*F{r}*0.001/{viscous}"
+        else:
             root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*K{r}*F{r}*I{r}^4*1E-6)"
             law = f"2*PI()*G{r}*I{r}^3*F{r}*0.001/({viscous}+{root})"
-        else:
-            law = f"PI()*G{r}*I{r}^3*F{r}*0.001/(12*J{r}*K{r}*H{r})"
-        return f"IF(F{r}>0,{eccentric}{law},0)"
+        return f"IF(F{r}>0,{law},0)"
 
     # --- rules
 
@@ -320,11 +331,7 @@ class LiveSheets:
         kind, factor = rule.kind.suffix, rule.kind.factor
         for column, value in enumerate((land.component, land.land, rule.label, rule.kind.unit)):
             put(sheet, row, column, value)
-        source = self._rule_source(judged, rule)
-        if source is None:
-            put(sheet, row, 4, rule.value * factor, book.form(kind))
-        else:
-            formula(sheet, row, 4, source, rule.value * factor, book.form(kind))
+        formula(sheet, row, 4, self._rule_source(judged, rule), rule.value * factor, book.form(kind))
         text = "1"
         of_the_set = self.diagnosis.limits.rules.get(rule.kind)
         for level, limit in rule.steps.levels:
@@ -339,17 +346,19 @@ class LiveSheets:
         put(sheet, row, _VERDICT + 2, rule.origin)
         put(sheet, row, _VERDICT + 3, rule.source)
 
-    def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str | None:
-        """Return the cell with the rule's value on the sheet of lands; None where the workbook lacks the condition."""
+    def rule_verdict(self, judged: LandDiagnosis, rule: Rule) -> str:
+        """Return the cell with the verdict of one of a land's rules."""
+        return cell(self.rule_rows[judged.key][0] + judged.rules.index(rule), _VERDICT, "Rules")
+
+    def _rule_source(self, judged: LandDiagnosis, rule: Rule) -> str:
+        """Return the cell with the rule's value on the sheet of lands."""
         row, at = self.row_of[judged.key], self.column_of
         if rule.kind is RuleKind.WEAR:
             return cell(row, at["wear"], "Lands")
         if rule.kind is RuleKind.CLEARANCE:
             return cell(row, at["c_r"], "Lands")
-        for condition in self.conditions:
-            if rule.condition == condition.projection.condition:
-                return cell(row, at["share", condition.prefix], "Lands")
-        return None
+        at_condition = next(each for each in self.conditions if each.projection.condition == rule.condition)
+        return cell(row, at["share", at_condition.prefix], "Lands")
 
 
 def write_readings(book: Book, sheet: Worksheet, live: LiveSheets) -> None:

@@ -11,17 +11,22 @@ from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job, Record
 from atleak.look import CHART_GRID, INPUT, PAPER
+from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.land_columns import ColumnKey
 from atleak.report.xlsx.live import LiveSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.views.condition_matrix import condition_matrix
+from atleak.views.measure_first import measure_first, reason
 from atleak.views.measuring import measuring_temperature
+from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_series import road_series
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM
 
 ROAD_ROWS = 2000  # rows of the thinned road test
+MEASURE_FIRST = 6  # lands named for a complaint
 _KINDS = {  # of numbers, by their unit
     "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
 }  # fmt: skip
@@ -68,6 +73,7 @@ class Sheets:
             ("measured at", None if measured_at is None else measuring_temperature(measured_at, wording("en"))),
             ("road test", record["road_test"]["file"] if record["road_test"] else None),
             ("representative", record["controller"]["representative_note"]),
+            *self._complaint(),
         ]
         row = book.pairs(sheet, 3, rows) + 1
         row = self._totals(sheet, row) + 1
@@ -76,12 +82,20 @@ class Sheets:
         put(sheet, row, 0, "Blue numbers may be changed: everything in black follows from them.", book.form())
         put(sheet, row + 1, 0, "What is marked “as issued” is atleak's result and does not follow.", book.form())
 
+    def _complaint(self) -> list[tuple[str, Any]]:
+        """Return the customer's complaint, where it shows and which lands to measure first."""
+        diagnosis = self.diagnosis
+        if diagnosis.complaint is None:
+            return []
+        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each)}" for each in measure_first(diagnosis)]
+        first = [("measure first" if number == 0 else f"then {number + 1}.", text) for number, text in enumerate(lands)]
+        shows = "; ".join(each.condition.label for each in diagnosis.complained)
+        return [("complaint", diagnosis.complaint.label), ("shows at", shows), *first[:MEASURE_FIRST]]
+
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
         decided_by = diagnosis.decided_by
-        worst = diagnosis.hot_idle or diagnosis.projection
-        if isinstance(decided_by, Rule) and decided_by.condition is not None:
-            worst = diagnosis.at(decided_by.condition)
+        worst = diagnosis.worst
         share = (
             f"{worst.share * PERCENT:.1f} % of the pump's flow" if worst.pump_capacity > 0 else "all the pump delivers"
         )
@@ -104,7 +118,8 @@ class Sheets:
         first = row + 1
         for row, at in enumerate(live.conditions, start=first):
             projection, band = at.projection, self.diagnosis.band(at.projection)
-            put(sheet, row, 0, projection.condition.label)
+            worst = projection is self.diagnosis.worst and len(live.conditions) > 1
+            put(sheet, row, 0, projection.condition.label + " (the worst, as issued)" * worst)
             cells: list[tuple[str, Any, str]] = [
                 ("T", projection.condition.temperature, "temperature"),
                 ("n", projection.condition.engine_speed * RPM, "rpm"),
@@ -126,7 +141,8 @@ class Sheets:
         if not flagged:
             put(sheet, row, 1, "none")
             return row + 1
-        keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in live.conditions)]
+        shown = [at for at in live.conditions if any(at.projection is each for each in self.diagnosis.reported)]
+        keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in shown)]
         headings = [live.columns[live.column_of[key]].heading for key in keys]
         book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *headings])
         because = max(4 + len(keys), 9)
@@ -152,22 +168,66 @@ class Sheets:
         return row + 1
 
     def _repair(self, sheet: Worksheet, row: int) -> int:
-        plan = self.record["repair_plan"]
-        if not plan:
-            return row
-        put(sheet, row, 0, "Order of repair as issued: total share when each comes back to its mounting clearance")
-        names = ["component", "name", "verdict", "land", "share before [%]", "share after [%]", "at"]
-        self.book.headings(sheet, row + 1, names)
-        first = row + 2
-        for row, step in enumerate(plan, start=first):
-            name = self.diagnosis.controller.components[step["component"]]
-            values = (step["component"], name, signed(step["verdict"]), step["land"])
-            for column, value in enumerate(values):
-                put(sheet, row, column, value, self.book.form(align="left"))
-            for column, key in enumerate(("share_before_percent", "share_after_percent"), start=4):
-                put(sheet, row, column, step[key], self.book.form("percent", align="left"))
-            put(sheet, row, 6, step["at"])
-        return row + 1
+        plan, book = plan_repairs(self.diagnosis), self.book
+        put(sheet, row, 0, "Order of repair as issued: each land is made as new after those before it", book.bold)
+        row += 1
+        if plan.steps:
+            names = ["component", "name", "verdict", "land", "total before [%]", "total after [%]", "band after"]
+            names += ["helps most at", *(f"total after [%], {total.condition.label}" for total in plan.ends)]
+            book.headings(sheet, row, names, lines=3)
+            first = row + 1
+            for row, step in enumerate(plan.steps, start=first):
+                self._step(sheet, row, step)
+            book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
+            book.colour_words(sheet, (first, 6), (row, 6), BANDS)
+            row += 1
+        for sentence in plan_ends(plan):
+            put(sheet, row, 0, sentence)
+            row += 1
+        return row
+
+    def _step(self, sheet: Worksheet, row: int, step: RepairStep) -> None:
+        book, (component, land) = self.book, step.land.key
+        words = (component, self.diagnosis.controller.components[component], signed(step.land.verdict), land)
+        for column, value in enumerate(words):
+            put(sheet, row, column, value, book.form(align="left"))
+        if step.helps:
+            for column, total in enumerate((step.at.before, step.at.after), start=4):
+                put(sheet, row, column, total.share * PERCENT, book.form("percent", align="left"))
+            put(sheet, row, 6, step.at.after.band)
+        put(sheet, row, 7, step.at.condition.label if step.helps else no_help(step))
+        for column, each in enumerate(step.conditions, start=8):
+            put(sheet, row, column, each.after.share * PERCENT, book.form("percent", align="left"))
+
+    # --- matrix
+
+    def write_matrix(self, sheet: Worksheet) -> None:
+        """Write every land at every condition: its share of the pump's flow and the verdict of that share."""
+        book, live = self.book, self.live
+        names = ["component", "name", "land"]
+        for at in live.conditions:
+            label = at.projection.condition.label
+            names += [f"share of pump capacity [%], {label}", f"verdict of the share, {label}"]
+        book.headings(sheet, 0, [*names, "elsewhere, as issued"], lines=4)
+        rows = condition_matrix(self.diagnosis, [at.projection for at in live.conditions])
+        for row, each in enumerate(rows, start=1):
+            (component, number), place = each.land.key, live.row_of[each.land.key]
+            for column, value in enumerate((component, self.diagnosis.controller.components[component], number)):
+                put(sheet, row, column, value, book.form(align="left"))
+            for column, (at, judged) in enumerate(zip(live.conditions, each.cells, strict=True)):
+                share = cell(place, live.column_of["share", at.prefix], "Lands")
+                formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("percent"))
+                if judged.rule is not None:
+                    source = live.rule_verdict(each.land, judged.rule)
+                    formula(sheet, row, 4 + 2 * column, source, signed(judged.rule.verdict))
+            put(sheet, row, len(names), each.elsewhere or None)
+        book.colour_words(sheet, (1, 4), (len(rows), len(names) - 1), VERDICTS)
+        sheet.set_column(0, 0, 12)
+        sheet.set_column(1, 1, 28)
+        sheet.set_column(2, 2, 7)
+        sheet.set_column(3, len(names) - 1, 16)
+        sheet.set_column(len(names), len(names), 44)
+        sheet.autofilter(0, 0, len(rows), len(names))
 
     # --- road test
 

@@ -178,7 +178,10 @@ def test_a_sheet_of_another_controller_says_so(run: Run, sample_readings: Path) 
         (["--limits", "own.toml"], ("'own.toml'", "no such file")),
         (["--set", "entry_los=on"], ("'entry_los'", "did you mean 'entry_loss'?")),
         (["--set", "viscosity=water"], ("'water'", "d341")),
-        (["--set", "eccentricity=2"], ("'2'", "a number 0 to 1")),
+        (["--set", "eccentricity=2"], ("'2'", "a number 0 to 1, or unknown")),
+        (["--assume", "eccentricity=nobody knows"], ("'nobody knows'", "a number 0 to 1, or unknown")),
+        (["--assume", "eccentricity=unknown", "--set", "eccentricity=0"], ("twice", "--set or --assume, not both")),
+        (["--set", "entry_loss=maybe"], ("'maybe'", "auto, on, off")),
         (["--set", "entry_loss"], ("--set", "'entry_loss'", "NAME=VALUE")),
         (["--set", "=on"], ("--set", "NAME=VALUE")),
         (["--gear", "9"], ("9", "one of 1, 2, 3, 4")),
@@ -290,11 +293,33 @@ def test_a_stated_condition_reaches_the_projection_and_leaves_hot_idle(
     assert plain["projection"]["name"] == "driving_second"
 
 
+def test_where_the_spools_lie_is_one_option_whichever_way_it_is_said(
+    sample_readings: Path, record_of: RecordOf
+) -> None:
+    plain = record_of(sample_readings)
+    unknown = record_of(sample_readings, "--assume", "eccentricity=unknown")
+    assert unknown == record_of(sample_readings, "--set", "eccentricity=unknown")
+    assert unknown["profile"]["eccentricity"] == "unknown"
+    assert "eccentricity" not in "".join(unknown["uncertainty"]["assumptions"])
+    for name in ("projection", "hot_idle"):
+        # entry loss takes a little off the factor of wide gaps
+        ratio = unknown[name]["leakage_dm3_min"] / plain[name]["leakage_dm3_min"]
+        assert ratio == pytest.approx(1.5, rel=0.02, abs=0.0)
+        assert (unknown[name]["concentric_factor_low"], unknown[name]["concentric_factor_high"]) == (1.0, 2.5)
+        assert (plain[name]["concentric_factor_low"], plain[name]["concentric_factor_high"]) == (1.0, 2.5)
+    fixed = record_of(sample_readings, "--assume", "eccentricity=0,8", "--assume", "viscosity_percent=3")
+    assert fixed["profile"]["eccentricity"] == 0.8
+    assert fixed["uncertainty"]["assumptions"]["viscosity_percent"] == pytest.approx(3.0, rel=1e-12, abs=0.0)
+    for condition in fixed["conditions"]:
+        factors = condition["concentric_factor_low"], condition["concentric_factor_high"]
+        assert factors == pytest.approx((1.96, 1.96), rel=1e-12, abs=0.0)
+
+
 def test_profile_and_set_reach_the_engine(sample_readings: Path, record_of: RecordOf) -> None:
     paper = record_of(sample_readings, "--profile", "paper")
     assert all(gap["drawn_from_pump"] for gap in paper["gaps"])
     changed = record_of(sample_readings, "--profile", "paper", "--set", "diameter=mean", "--set", "entry_loss=on")
-    assert (changed["profile"]["diameter"], changed["profile"]["entry_loss"]) == ("mean", True)
+    assert (changed["profile"]["diameter"], changed["profile"]["entry_loss"]) == ("mean", "on")
     assert changed["gaps"][0]["diameter_mm"] > paper["gaps"][0]["diameter_mm"]
 
 

@@ -15,16 +15,18 @@ def test_workshop_comes_first_and_paper_is_as_printed() -> None:
         "viscosity": "tabulated",
         "pump_draw": "all_gaps",
         "pump_efficiency": "constant",
-        "entry_loss": False,
+        "entry_loss": "off",
         "eccentricity": 0.0,
+        "form": "cube_of_mean",
     }
     assert WORKSHOP.options == {
         "diameter": "mean",
         "viscosity": "d341",
         "pump_draw": "into_sump",
         "pump_efficiency": "wilson",
-        "entry_loss": False,
+        "entry_loss": "auto",
         "eccentricity": 0.0,
+        "form": "mean_of_cubes",
     }
 
 
@@ -35,11 +37,14 @@ def test_workshop_comes_first_and_paper_is_as_printed() -> None:
         ("viscosity", "regression", "regression"),
         ("pump_draw", "all_gaps", "all_gaps"),
         ("pump_efficiency", "constant", "constant"),
-        ("entry_loss", "on", True),
-        ("entry_loss", "True", True),
-        ("entry_loss", "0", False),
+        ("entry_loss", "On", "on"),
+        ("entry_loss", "off", "off"),
+        ("entry_loss", "True", "on"),
+        ("entry_loss", "0", "off"),
         ("eccentricity", "0,5", 0.5),
         ("eccentricity", "1", 1.0),
+        ("eccentricity", "Unknown", "unknown"),
+        ("form", "cube_of_mean", "cube_of_mean"),
     ],
 )
 def test_every_option_is_set_from_text_and_changes_nothing_else(name: str, text: str, value: object) -> None:
@@ -70,12 +75,14 @@ def test_a_profile_is_named_with_what_was_changed() -> None:
         ("workshop", {"name": "mine"}, "name", "one of diameter", "diameter"),
         ("workshop", {"diameter": "men"}, "men", "one of mean, spool", "mean"),
         ("workshop", {"viscosity": "d314"}, "d314", "one of d341", "d341"),
-        ("workshop", {"entry_loss": "maybe"}, "maybe", "on or off", None),
-        ("workshop", {"eccentricity": "1.01"}, "1.01", "a number 0 to 1", None),
-        ("workshop", {"eccentricity": "-0.1"}, "-0.1", "a number 0 to 1", None),
-        ("workshop", {"eccentricity": "nan"}, "nan", "a number 0 to 1", None),
-        ("workshop", {"eccentricity": "half"}, "half", "a number 0 to 1", None),
-        ("workshop", {"eccentricity": ""}, "", "a number 0 to 1", None),
+        ("workshop", {"entry_loss": "maybe"}, "maybe", "one of auto, on, off", None),
+        ("workshop", {"entry_loss": "outo"}, "outo", "one of auto, on, off", "auto"),
+        ("workshop", {"form": "mean_of_cube"}, "mean_of_cube", "one of mean_of_cubes", "mean_of_cubes"),
+        ("workshop", {"eccentricity": "1.01"}, "1.01", "a number 0 to 1, or unknown", None),
+        ("workshop", {"eccentricity": "-0.1"}, "-0.1", "a number 0 to 1, or unknown", None),
+        ("workshop", {"eccentricity": "nan"}, "nan", "a number 0 to 1, or unknown", None),
+        ("workshop", {"eccentricity": "half"}, "half", "a number 0 to 1, or unknown", None),
+        ("workshop", {"eccentricity": ""}, "", "a number 0 to 1, or unknown", None),
     ],
 )
 def test_what_is_no_profile_option_or_value_is_named(

@@ -88,6 +88,28 @@ def test_a_pump_that_delivers_nothing_has_no_share_to_give(four_speed: Controlle
     assert projection.share_of(0.0) == 0.0
 
 
+def test_a_share_over_100_percent_is_called_a_demand(four_speed: Controller, hipol: Fluid) -> None:
+    states = clearances(None, four_speed)
+    for wear, told in ((0.0, []), (2.0, ["demand_over_pump"])):
+        projection = project(
+            LeakageModel(four_speed, with_wear(states, wear), hipol, WORKSHOP), four_speed.operating_points[1]
+        )
+        demands = [message for message in projection.messages if message.code == "demand_over_pump"]
+        assert [message.code for message in demands] == told
+        assert (projection.share > 1.0) == bool(told)
+    (demand,) = demands
+    assert demand.level == "warning"
+    for words in (projection.condition.label, f"{100.0 * projection.share:.0f} %", "cannot meet", "pressure will fall"):
+        assert words in demand.text
+
+
+def test_a_projection_says_how_far_from_concentric_it_may_be(four_speed: Controller, hipol: Fluid) -> None:
+    for eccentricity, expected in ((0.0, (1.0, 2.5)), ("unknown", (1.0, 2.5)), (1.0, (2.5, 2.5))):
+        profile = WORKSHOP.with_options(eccentricity=eccentricity)
+        model = LeakageModel(four_speed, clearances(None, four_speed), hipol, profile)
+        assert project(model, four_speed.operating_points[0]).concentric_factor == expected
+
+
 def test_outside_the_fluid_there_is_no_projection(four_speed: Controller, hipol: Fluid) -> None:
     model = LeakageModel(four_speed, clearances(None, four_speed), hipol, PAPER)
     with pytest.raises(DomainError, match="101 °C"):
@@ -119,6 +141,13 @@ def test_control_pressure_above_main_pressure_is_said(
 
 
 # --- other wear
+
+
+def test_wear_leaves_the_form_of_a_gap(sample: Diagnosis) -> None:
+    states = [land.state for land in sample.lands]
+    moments = [state.form_moments for state in states]
+    assert any(m2 > 0.0 for m2, _ in moments)
+    assert [state.form_moments for state in with_wear(states, 0.5)] == moments
 
 
 @given(increment=st.floats(0.0, 2.0))
@@ -156,6 +185,7 @@ def test_repaired_lands_are_new_and_the_others_as_they_were(sample: Diagnosis) -
         if old.land.key == chosen:
             assert new.radial_clearance == old.land.mounting_clearance != old.radial_clearance
             assert new.spool_diameter == old.spool_diameter
+            assert new.form_moments == (0.0, 0.0) != old.form_moments
         else:
             assert new is old
 

@@ -24,7 +24,8 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (referees.annular_flow_compressible, (8e5, 0.010, 30e-6, 8.5e-3, 0.008, 784.0, 783.0)),
     (gap.eccentricity_factor, (10e-6, 30e-6)),
     (referees.exact_annulus_flow, (8e5, 0.010, 0.01006, 8.5e-3, 0.008)),
-    (gap.entry_loss_flow, (*GAP, 1.5)),
+    (gap.entry_loss_flow, (*GAP, 1.5, 1.2)),
+    (gap.flow_equal_clearance, (30e-6, 50e-12, 100e-18)),
     (gap.reynolds_number, (8e-7, 0.010, 1e-5)),
     (referees.taper_cube, (20e-6, 40e-6)),
     (referees.oval_cube, (30e-6, 10e-6)),
@@ -57,8 +58,9 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
 ]
 # These give a pair, words, truth values or reduce an axis; the tests of their own rooms cover them.
 OTHERS = {
-    gap.circumferential_cube,
-    gap.axial_cube,
+    clearance.one_sided_moments,
+    referees.circumferential_cube,
+    referees.axial_cube,
     gap.obliteration,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,

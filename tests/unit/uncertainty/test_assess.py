@@ -29,7 +29,7 @@ from .conftest import a_sheet, new_at, two_instruments
 
 UM = 1e-6
 # eq. (4) with the spool's diameter is a pure cube; the paper profile's viscosity, pump and draw do not matter here
-CUBE = WORKSHOP.with_options(diameter="spool")
+CUBE = WORKSHOP.with_options(diameter="spool", entry_loss="off")
 
 
 @pytest.mark.parametrize(("common_part", "percent"), [(0.0, 1.90), (0.5, 6.16), (1.0, 8.50)])
@@ -80,7 +80,7 @@ def test_draws_agree_with_the_closed_form_within_three_standard_errors(
         assert abs(drawn_end - end) < 3.0 * math.sqrt(p * (1 - p) / draws) / density
 
 
-@pytest.mark.parametrize("profile", [WORKSHOP, PAPER, WORKSHOP.with_options(entry_loss=True, eccentricity=0.5)])
+@pytest.mark.parametrize("profile", [WORKSHOP, PAPER, WORKSHOP.with_options(entry_loss="on", eccentricity=0.5)])
 def test_values_as_measured_are_the_engines_own(judge: Callable, four_speed: Controller, profile: object) -> None:
     case = judge(a_sheet(four_speed), profile=profile, assumptions=DEFAULTS, draws=500)
     for projection, total in zip(case.projections, case.unit.totals, strict=True):

@@ -183,13 +183,14 @@ def test_options_one_at_a_time_and_all_together(four_speed: Controller, road_tes
         {name for name, value in row.profile.options.items() if value != PAPER.options[name]} for row in rows[1:6]
     ]
     assert changed == [{"diameter"}, {"viscosity"}, {"pump_draw"}, {"pump_efficiency"}, {"entry_loss"}]
-    assert rows[6].profile.options == WORKSHOP.options
-    base, mean, d341, sump, slip, entry, workshop, both = (row.max_leakage for row in rows)
+    assert rows[6].profile.options == WORKSHOP.options | {"entry_loss": "off"}
+    assert rows[7].profile.options == WORKSHOP.options | {"entry_loss": "on"}
+    base, mean, d341, sump, slip, entry, lossless, workshop = (row.max_leakage for row in rows)
     assert mean["W4"] > base["W4"] > entry["W4"] > sump["W4"]
     assert slip["W4"] == base["W4"]
     assert rows[4].max_share["W8"] > rows[0].max_share["W8"]
     assert (d341["W5"], workshop["W5"]) == (None, None)
-    assert both["W4"] < workshop["W4"]
+    assert workshop["W4"] < lossless["W4"]
 
 
 def test_temperature_curves_pass_through_the_variants(four_speed: Controller, road_test: RoadTest, results) -> None:

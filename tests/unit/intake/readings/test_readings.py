@@ -96,6 +96,41 @@ def test_worst_direction_and_the_range_over_directions(controller):
     assert [(station.direction, station.plane) for station in state.stations] == [(0.0, "1"), (90.0, "1")]
 
 
+def test_form_moments_average_directions_then_planes(controller):
+    state = clearances(
+        readings(
+            *one("8", "spool", "1", None, 9.990),
+            *one("8", "spool", "2", None, 9.990),
+            *one("8", "sleeve", "1", 0.0, 10.020),  # clearances of 15, 15 and 30 µm: mean 20
+            *one("8", "sleeve", "1", 60.0, 10.020),
+            *one("8", "sleeve", "1", 120.0, 10.050),
+            *one("8", "sleeve", "2", 0.0, 10.060, 10.062, 10.058),  # 35 and 45 µm: mean 40, repeats do not weigh
+            *one("8", "sleeve", "2", 90.0, 10.080),
+        ),
+        controller,
+    )[2]
+    assert state.radial_clearance == pytest.approx(30 * UM, rel=1e-9, abs=0.0)
+    m2, m3 = state.form_moments
+    assert m2 == pytest.approx(((2 * 15**2 + 0) / 3 + (5**2 + 15**2) / 2) / 2 * UM**2, rel=1e-9, abs=0.0)
+    assert m3 == pytest.approx(((-2 * 15**3 + 0) / 3 + (5**3 + 15**3) / 2) / 2 * UM**3, rel=1e-9, abs=0.0)
+    cubes = ((2 * 15**3 + 30**3) / 3 + (35**3 + 45**3) / 2) / 2
+    c = state.radial_clearance / UM
+    assert c**3 + 3 * c * m2 / UM**2 + m3 / UM**3 == pytest.approx(cubes, rel=1e-9, abs=0.0)
+
+
+def test_no_form_is_known_of_one_direction_of_a_part_that_was_not_measured_or_of_none(controller):
+    one_direction = readings(
+        *one("8", "spool", "1", 0.0, 9.990),
+        *one("8", "sleeve", "1", 0.0, 10.020),
+        *one("8", "sleeve", "2", 0.0, 10.060),
+        *one("6", "sleeve", "1", 0.0, 10.000),
+        *one("6", "sleeve", "1", 90.0, 10.020),
+    )
+    sleeve_only, missing, single, *_ = clearances(one_direction, controller)
+    assert single.form_moments == missing.form_moments == (0.0, 0.0)
+    assert sleeve_only.form_moments == pytest.approx((25 * UM**2, 0.0), rel=1e-9, abs=1e-30)
+
+
 def test_a_spool_without_directions_meets_each_direction_of_the_sleeve(controller):
     state = clearances(
         readings(

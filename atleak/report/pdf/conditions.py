@@ -1,0 +1,151 @@
+"""Build what depends on the condition: the complaint, the matrix of lands, the repairs and what they bring."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from atleak.diagnosis import LandDiagnosis
+from atleak.repair import RepairStep, Total, plan_repairs
+from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
+from atleak.report.pdf.printed_names import PrintedNames
+from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
+from atleak.views.measure_first import measure_first, reason
+from atleak.views.repair_words import no_help, plan_ends
+from atleak.workshop_units import PERCENT
+
+ABREAST = 5  # conditions beside one another in a table
+MEASURE_FIRST = 6  # lands named for a complaint
+
+
+class Conditions:
+    """What a report says about each condition."""
+
+    def __init__(self, names: PrintedNames) -> None:
+        self.names, self.diagnosis, self.say = names, names.diagnosis, names.say
+
+    # --- complaint
+
+    def complaint(self) -> dict[str, Any] | None:
+        """Return the customer's complaint and the lands to measure first; None without one."""
+        say, diagnosis = self.say, self.diagnosis
+        if diagnosis.complaint is None:
+            return None
+        at = joined((self.names.condition(each.condition) for each in diagnosis.complained), "; ")
+        ranked = measure_first(diagnosis)
+        key = "complaint.head" if ranked else "complaint.nothing"
+        items = [
+            f"{self.names.land_name(each.land)}: {reason(each, say, self.names.condition)}"
+            for each in ranked[:MEASURE_FIRST]
+        ]
+        if len(ranked) > MEASURE_FIRST:
+            items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
+        return {"sentence": say(key, label=diagnosis.complaint.label, conditions=at), "items": items}
+
+    # --- matrix
+
+    def matrix(self) -> Iterable[Block]:
+        """Return the share of every land that leaks, at every condition."""
+        names, rows = self.names, leaking_worst_first(self.diagnosis, self.diagnosis.presented)
+        if not rows:
+            return
+        for first in range(0, len(self.diagnosis.presented), ABREAST):
+            numbers = range(len(self.diagnosis.presented))[first : first + ABREAST]
+            columns = [
+                PrintedColumn(names.column("pair"), lambda row: names.pair(row.land), width=3),
+                PrintedColumn(names.column("land"), lambda row: names.land(row.land), side="c"),
+            ]
+            for number in numbers:
+                title = names.condition(self.diagnosis.presented[number].condition)
+                columns.append(PrintedColumn(title, self._cell(number), "%", width=2))
+            yield table(columns, rows)
+        yield text(" ".join([self.say("texts.matrix"), *self._elsewhere(rows)]), small=True)
+
+    def _cell(self, number: int) -> Any:
+        return lambda row: self._share(row.cells[number])
+
+    def _share(self, cell: LandAtCondition) -> str | dict[str, str]:
+        if cell.leakage == 0.0:
+            return "–"
+        share = self.say.number(cell.share * PERCENT, 2)
+        return share if cell.verdict is None else {"sign": cell.verdict, "text": share}
+
+    def _elsewhere(self, rows: Iterable[MatrixRow]) -> Iterable[str]:
+        """Return one sentence for the lands that leak into the same circuits without drawing from the pump."""
+        say = self.say
+        lands: dict[tuple[str | None, ...], list[LandDiagnosis]] = {}
+        for row in rows:
+            if row.circuits:
+                lands.setdefault(row.circuits, []).append(row.land)
+        for circuits, leaking in lands.items():
+            into = joined(
+                say("texts.another_circuit") if circuit is None else say(f"pressures.{circuit}") for circuit in circuits
+            )
+            yield say("texts.elsewhere", lands=joined(map(self.names.land_number, leaking)), circuits=into)
+
+    # --- repairs
+
+    def repair_order(self) -> Iterable[Block]:
+        """Return the repairs in their order, with what each brings at every condition, and where they end."""
+        say, plan = self.say, plan_repairs(self.diagnosis)
+        steps = list(enumerate(plan.steps, start=1))
+        if steps:
+            yield text(say("texts.repair_order"))
+            yield table(
+                [
+                    PrintedColumn("", lambda step: str(step[0]), side="r"),
+                    PrintedColumn(say("columns.pair"), lambda step: self.names.land_name(step[1].land), width=5),
+                    PrintedColumn(say("columns.verdict"), lambda step: self.names.verdict(step[1].land)),
+                    PrintedColumn(say("columns.helps_at"), lambda step: self._helps(step[1]), width=4),
+                    PrintedColumn(say("columns.before"), lambda step: self._at(step[1].at.before), side="r"),
+                    PrintedColumn(say("columns.after"), lambda step: self._at(step[1].at.after), side="r"),
+                    PrintedColumn(
+                        say("columns.replace_at"), lambda step: self._replace_at(step[1].land), width=2, side="r"
+                    ),
+                ],
+                steps,
+                empty=False,
+            )
+            if any(_worth_saying(step.land.replace_mileage) for step in plan.steps):
+                yield text(f"{say('columns.replace_at')}: {say('texts.replace_at')}.", small=True)
+            if len(self.diagnosis.projections) > 1:
+                yield from self._totals_after(plan.steps)
+        for sentence in plan_ends(plan, say, self.names.condition):
+            yield text(sentence)
+
+    def _helps(self, step: RepairStep) -> str:
+        if step.helps:
+            return self.names.condition(step.at.condition)
+        return no_help(step, self.say)
+
+    def _at(self, total: Total) -> str:
+        return self.say.percent(total.share)
+
+    def _totals_after(self, steps: Sequence[RepairStep]) -> Iterable[Block]:
+        """Return the total after every step at every condition."""
+        say = self.say
+        yield text(say("texts.totals_after"))
+        rows = [("–", [each.before for each in steps[0].conditions])]
+        rows += [(str(number), [each.after for each in step.conditions]) for number, step in enumerate(steps, start=1)]
+        for first in range(0, len(self.diagnosis.projections), ABREAST):
+            columns = [PrintedColumn("", lambda row: row[0], side="r")]
+            for number in range(len(self.diagnosis.projections))[first : first + ABREAST]:
+                title = self.names.condition(self.diagnosis.projections[number].condition)
+                columns.append(PrintedColumn(title, self._total(number), "%", width=1))
+            yield table(columns, rows)
+
+    def _total(self, number: int) -> Any:
+        def cell(row: tuple[str, list[Total]]) -> dict[str, str]:
+            total = row[1][number]
+            words = f"{self.say.number(total.share * PERCENT, 1)} {self.say.level(total.band)}"
+            return {"sign": total.band.verdict, "text": words}
+
+        return cell
+
+    def _replace_at(self, land: LandDiagnosis) -> str:
+        at, say = land.replace_mileage, self.say
+        return say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–"
+
+
+def _worth_saying(mileage: float | None) -> bool:
+    return mileage is not None and mileage < 1e7

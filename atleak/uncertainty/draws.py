@@ -1,0 +1,122 @@
+"""Draw what is not known of a land: its clearance, how its bore is worn, what it was when new, how its spool lies."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import UNKNOWN
+from atleak.equations.clearance import one_sided_moments
+from atleak.equations.gap import ECCENTRIC_GAIN, eccentricity_factor
+from atleak.uncertainty.sources import LandSources
+
+#: Part of the wear that the directions of a sheet show at least: one direction alone could hide any wear at all. Choice
+#: of this project.
+LEAST_SEEN = 0.1
+
+
+@dataclass(frozen=True)
+class Bore:
+    """The clearance of a land as drawn: its mean around the circumference, and how it spreads there."""
+
+    clearance: Any  # [m] radial, cold
+    square: Any = 0.0  # [m²] second central moment over the circumference
+    cube: Any = 0.0  # [m³] third
+
+
+def measured_clearance(
+    stream: np.random.Generator, land: LandSources, common: dict[str, np.ndarray], draws: int
+) -> np.ndarray:
+    """Draw what the mean clearance may be that the diameters show [m]; ``common`` are the errors that lands share."""
+    own = [source for source in land.sources if source.group is None]
+    normal = math.fsum(source.standard_uncertainty**2 for source in own if source.shape == "normal")
+    clearance = stream.standard_normal(draws)
+    clearance *= math.sqrt(normal)
+    clearance += land.state.radial_clearance
+    for source in own:
+        if source.shape == "rectangular" and source.standard_uncertainty:
+            clearance += rectangular_draws(stream, draws) * source.standard_uncertainty
+    for name, u in land.groups.items():
+        if u:
+            clearance += u * common[name]
+    return clearance
+
+
+def rectangular_draws(stream: np.random.Generator, draws: int) -> np.ndarray:
+    """Draw from a rectangular distribution of unit standard deviation."""
+    deviates = stream.random(draws)
+    deviates -= 0.5
+    deviates *= math.sqrt(12.0)
+    return deviates
+
+
+def new_bore(stream: np.random.Generator, land: LandSources, draws: int) -> Bore:
+    """Draw what the land's clearance may have been when new, from what is known of it."""
+    low, high = land.state.land.mounting_range
+    if low < high:
+        return Bore(low + (high - low) * stream.random(draws))
+    return Bore(low + land.u_mounting * stream.standard_normal(draws))
+
+
+def worn_bore(
+    stream: np.random.Generator, land: LandSources, clearance: np.ndarray, new: np.ndarray, fraction: np.ndarray
+) -> Bore:
+    """Draw the true mean clearance and its spread around the circumference, where part of the wear is to one side.
+
+    Parameters
+    ----------
+    clearance, new
+        the mean clearance that the diameters show, and that of the pair when new [m]; shape (draws,).
+    fraction
+        of the wear that lies to one side, shape (draws,).
+
+    Notes
+    -----
+    According to where its directions lie, a sheet shows more or less than the mean of wear to one side. The spread is
+    never less than what the directions themselves show.
+    """
+    square, cube = land.state.form_moments
+    plan = land.plans.get("sleeve")
+    if plan is None or not fraction.any():  # of a bore that was not measured no wear is known
+        return Bore(clearance, square, cube)
+    shown = np.maximum(clearance - new, 0.0)
+    seen = plan.seen_of_one_side(math.pi * stream.random(clearance.size))
+    wear = shown / np.maximum(1.0 - fraction + fraction * seen, LEAST_SEEN)
+    return Bore(clearance + (wear - shown), *with_one_side(fraction * wear, square, cube))
+
+
+def with_one_side(mean_wear: Any, square: float, cube: float) -> tuple[Any, Any]:
+    """Return the moments of wear to one side of that mean [m], or those measured where these are larger."""
+    one_sided, third = one_sided_moments(mean_wear)
+    larger = one_sided > square
+    return np.where(larger, one_sided, square), np.where(larger, third, cube)
+
+
+class Positions:
+    """Where the spool of each component lies, drawn once for all its lands, now and new."""
+
+    def __init__(self, model: LeakageModel, draws: int, seed: int) -> None:
+        self._unknown = model.profile.eccentricity == UNKNOWN
+        self._mean, self._draws, self._seed = model.law.eccentricity_factor, draws, seed
+        self._numbers = {number: place for place, number in enumerate(model.controller.components)}
+        self._drawn: dict[str, np.ndarray] = {}
+
+    def of(self, land: LandSources) -> np.ndarray | None:
+        """Return the factor of a land's spool over a concentric one, shape (draws,); None where the profile sets it."""
+        if not self._unknown:
+            return None
+        component = land.key[0]
+        if component not in self._drawn:
+            number = (self._seed, 2, self._numbers[component])
+            stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence(number)))
+            self._drawn[component] = eccentricity_factor(stream.random(self._draws), 1.0)
+        return self._drawn[component]
+
+    @property
+    def relative_spread(self) -> float:
+        """Return the standard deviation of the factor 1 + 1.5 e², e/c uniform, over its mean; 0 where it is set."""
+        return ECCENTRIC_GAIN * math.sqrt(1.0 / 5.0 - 1.0 / 9.0) / self._mean if self._unknown else 0.0

@@ -1,0 +1,58 @@
+"""Say in a reader's language what a repair brings and where the plan ends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from atleak.catalogue.controller import OperatingPoint
+from atleak.repair import Remainder, RepairPlan, RepairStep
+from atleak.wording import Wording, wording
+from atleak.workshop_units import MM2_S
+
+Named = Callable[[OperatingPoint], str]
+
+
+def label_of(condition: OperatingPoint) -> str:
+    """Name a condition as the controller's file labels it."""
+    return condition.label
+
+
+def no_help(step: RepairStep, say: Wording | None = None) -> str:
+    """Say why a land that lowers no total is on the list."""
+    say = say or wording("en")
+    return say("plan.draws_no_more" if step.leaks else "plan.never_leaks")
+
+
+def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label_of) -> Iterator[str]:
+    """Say where the plan ends: green everywhere, or what remains and what that may be up to.
+
+    Parameters
+    ----------
+    say
+        the words of a language; English unless given.
+    named
+        names a condition in that language.
+    """
+    say = say or wording("en")
+    if plan.for_total:
+        yield say("plan.for_total", count=plan.for_total)
+    if plan.reached:
+        yield say("plan.green" if plan.steps else "plan.green_already")
+    for left in plan.remaining:
+        yield _remains(left, say, named)
+    if plan.unmeasured:
+        yield say("plan.unmeasured", count=plan.unmeasured)
+
+
+def _remains(left: Remainder, say: Wording, named: Named) -> str:
+    total = left.total
+    condition = named(total.condition)
+    if not math.isfinite(total.share):
+        return say("plan.no_delivery", condition=condition)
+    stays = say("plan.stays", condition=condition, share=say.percent(total.share), band=say.level(total.band))
+    if not left.new_is_past:
+        return f"{stays} {say('plan.by_lands')}"
+    viscosity, loss = say.number(left.kinematic_viscosity * MM2_S, 2), say.percent(left.pump_loss, 0)
+    new = say("plan.as_new", share=say.percent(left.new_share))
+    return f"{stays} {new} {say('plan.not_lands', viscosity=viscosity, loss=loss)}"
