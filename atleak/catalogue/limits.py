@@ -71,7 +71,8 @@ class RuleKind(StrEnum):
 class Steps:
     """Rising limits of one quantity, each with the name of the level that begins there.
 
-    Of wear a level may ask for a least growth of the clearance, ``at_least`` [m], besides its fraction. Of a share a
+    Of wear a level may ask for a least growth of the clearance, ``at_least`` [m], besides its fraction: over the widest
+    that a new pair of the type commonly has, where only the type's clearance and its tolerance are known. Of a share a
     level may ask for growth over the same land or unit new: by the fraction ``growth``, and by ``added``, a fraction
     of the pump's flow. A level with no limit of its own is reached by growth alone.
     """
@@ -101,14 +102,15 @@ class Steps:
         grown = np.maximum(np.maximum((1.0 + fraction) * new, new + added), limit)
         return float(grown) if np.ndim(grown) == 0 else grown
 
-    def of_wear(self, mounting_clearance: float) -> tuple[tuple[Level, float], ...]:
-        """Return the limits of the wear of a land with that mounting clearance [m], a fraction of it.
+    def of_wear(self, mounting_clearance: float, tolerance: float = 0.0) -> tuple[tuple[Level, float], ...]:
+        """Return the limits of the wear of a land with that mounting clearance and tolerance [m], a fraction of it.
 
         A level that begins above another one never has the lower limit of the two.
         """
         limits: list[tuple[Level, float]] = []
         for level, limit in self.levels:
-            limit = max(limit, self.at_least.get(level, 0.0) / mounting_clearance)
+            if level in self.at_least:
+                limit = max(limit, (self.at_least[level] + tolerance) / mounting_clearance)
             limits.append((level, max(limit, limits[-1][1]) if limits else limit))
         return tuple(limits)
 

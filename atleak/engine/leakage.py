@@ -143,7 +143,7 @@ class GapLaw:
         """Return between which factors the flow may lie of that with every spool concentric [-].
 
         As long as a spool is only taken as concentric, or nobody knows where it lies, from 1 to 2.5; where the profile
-        sets an eccentricity, twice its factor. The entry loss takes something off the factors of wide gaps.
+        sets an eccentricity, both are its factor. The entry loss takes something off the factors of wide gaps.
         """
         if self.profile.eccentricity in (UNKNOWN, 0.0):
             return 1.0, gap_equations.FULLY_ECCENTRIC
@@ -388,12 +388,17 @@ def narrow_gap_messages(gaps: Iterable[GapLeakage]) -> list[Message]:
 
 def _entry_loss_messages(law: GapLaw, gaps: Sequence[GapLeakage], at: str) -> list[Message]:
     """Report how much of the flow by friction alone the entry loss takes, or would take, where that is much."""
+    if not gaps:
+        return []
+    drop, clearance, length = np.array(
+        [(gap.pressure_drop, gap.effective_clearance, gap.contact_length) for gap in gaps]
+    ).T
+    losses = law.entry_loss(drop, clearance, gaps[0].kinematic_viscosity, gaps[0].density, length)
     taken: dict[str, float] = {}
-    for gap in gaps:
-        of_fluid = (gap.kinematic_viscosity, gap.density)
-        loss = float(law.entry_loss(gap.pressure_drop, gap.effective_clearance, *of_fluid, gap.contact_length))
+    for gap, loss in zip(gaps, losses.tolist(), strict=True):
         if loss > ENTRY_LOSS_WORTH_SAYING:
-            taken[_lands([gap])] = max(loss, taken.get(_lands([gap]), 0.0))
+            land = _lands([gap])
+            taken[land] = max(loss, taken.get(land, 0.0))
     if not taken:
         return []
     largest_first = sorted(taken.items(), key=lambda item: -item[1])

@@ -104,8 +104,8 @@ def _checked(name: str, value: Any) -> Any:
     if name not in known:
         raise unknown("no such option", name, known)
     if name in _CHOICES:
-        choice = str(value).lower() if name == "entry_loss" else value
-        choice = _SWITCH.get(choice, choice) if name == "entry_loss" else choice
+        written = str(value).lower()
+        choice = _SWITCH.get(written, written) if name == "entry_loss" else value
         if choice not in _CHOICES[name]:
             raise unknown(f"option {name} does not take this value", value, _CHOICES[name])
         return choice

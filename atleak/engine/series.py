@@ -48,7 +48,7 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, SECTIONS, Controller
-from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel, Moments
+from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel
 from atleak.equations.clearance import effective_clearance
 
 _CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
@@ -124,7 +124,8 @@ class _Term:
     @classmethod
     def of(cls, geometry: GapGeometry, law: GapLaw) -> _Term:
         """Expand π D c³/12l in powers of τ."""
-        c, a, (m2, m3) = geometry.radial_clearance, geometry.thermal_rate, _form(geometry, law)
+        c, a = geometry.radial_clearance, geometry.thermal_rate
+        m2, m3 = geometry.form_moments if law.counts_form else (0.0, 0.0)
         even = (c**3, 3.0 * c**2 * a, 3.0 * c * a**2, a**3, 0.0)  # cube of c + a τ
         uneven = (3.0 * c * m2 + m3, 3.0 * a * m2, 0.0, 0.0, 0.0)  # what the form of the gap adds to it
         cube = tuple(one + other for one, other in zip(even, uneven, strict=True))
@@ -171,7 +172,7 @@ class _GearSum:
         """Return these gaps with those set apart that close somewhere between the given temperatures [°C]."""
         if self.always_open or not self.terms:
             return self
-        open_ = _open(self.terms, self.law, *_span(temperature))
+        open_ = _open([term.geometry for term in self.terms], self.law, *_span(temperature))
         if open_.all():
             return self
         return _GearSum(
@@ -181,21 +182,29 @@ class _GearSum:
         )
 
 
-def _form(geometry: GapGeometry, law: GapLaw) -> Moments:
-    return geometry.form_moments if law.counts_form else (0.0, 0.0)
+def _clearances(gaps: Sequence[GapGeometry], lowest: float, highest: float) -> np.ndarray:
+    """Return the mean clearance [m] of each gap at both ends of a range of temperature [°C], shape (2, gaps)."""
+    cold = np.array([gap.radial_clearance for gap in gaps])
+    rate = np.array([gap.thermal_rate for gap in gaps])
+    return effective_clearance(cold, rate, np.array([[lowest], [highest]]) - REFERENCE_TEMPERATURE)
 
 
-def _open(terms: Sequence[_Term], law: GapLaw, lowest: float, highest: float) -> np.ndarray:
+def _moments(gaps: Sequence[GapGeometry]) -> np.ndarray:
+    """Return the second [m²] and third [m³] moment of each gap, shape (2, gaps)."""
+    return np.array([gap.form_moments for gap in gaps]).reshape(-1, 2).T
+
+
+def _open(gaps: Sequence[GapGeometry], law: GapLaw, lowest: float, highest: float) -> np.ndarray:
     """Return which gaps follow their polynomials at both ends of a range of temperature [°C], and so all through it.
 
     One does as long as it is open and, where it is not the same all around, leaks more than its mean clearance would.
     """
-    cold = np.array([term.geometry.radial_clearance for term in terms])
-    rate = np.array([term.geometry.thermal_rate for term in terms])
-    m2, m3 = np.array([_form(term.geometry, law) for term in terms]).reshape(-1, 2).T
-    rises = np.array([[lowest], [highest]]) - REFERENCE_TEMPERATURE
-    clearance = effective_clearance(cold, rate, rises)
-    return ((clearance > 0.0) & (3.0 * clearance * m2 + m3 >= 0.0)).all(axis=0)
+    clearance = _clearances(gaps, lowest, highest)
+    follows: Any = clearance > 0.0
+    if law.counts_form:
+        m2, m3 = _moments(gaps)
+        follows &= 3.0 * clearance * m2 + m3 >= 0.0
+    return follows.all(axis=0)
 
 
 def _gear_sums(model: LeakageModel, log: _Log) -> dict[int, _GearSum]:
@@ -204,7 +213,9 @@ def _gear_sums(model: LeakageModel, log: _Log) -> dict[int, _GearSum]:
     in_groups = _without_entry_loss(model, gaps, log)
     terms = [_Term.of(geometry, model.law) for geometry, keep in zip(gaps, in_groups, strict=True) if keep]
     alone = [geometry for geometry, keep in zip(gaps, in_groups, strict=True) if not keep]
-    always_open = bool(_open(terms, model.law, *model.fluid.span(model.profile.viscosity)).all())
+    always_open = bool(
+        _open([term.geometry for term in terms], model.law, *model.fluid.span(model.profile.viscosity)).all()
+    )
     return {
         gear: _GearSum(
             model.law,
@@ -230,14 +241,13 @@ def _without_entry_loss(model: LeakageModel, gaps: Sequence[GapGeometry], log: _
     viscosity = np.min(model.fluid.kinematic_viscosity(inside, kind))
     density = np.min(model.fluid.density(inside, kind))
 
-    def small(gap: GapGeometry) -> bool:
-        drop = sum(np.max(coefficient * pressures[section]) for section, coefficient in gap.drop_coefficients)
-        mean = np.max(gap.effective_clearance(inside))
-        clearance = model.law.flow_clearance(mean, *gap.form_moments)
-        loss = model.law.entry_loss(drop, clearance, viscosity, density, gap.contact_length)
-        return bool(loss < ENTRY_LOSS_LEFT_OUT)
-
-    return [small(gap) for gap in gaps]
+    drops = [[dict(gap.drop_coefficients).get(section, 0.0) for section in SECTIONS] for gap in gaps]
+    ends = np.array([pressures[section] for section in SECTIONS])
+    largest = np.max(np.array(drops).reshape(-1, len(SECTIONS), 1) * ends, axis=2).sum(axis=1)
+    widest = model.law.flow_clearance(np.max(_clearances(gaps, *inside), axis=0), *_moments(gaps))
+    lengths = np.array([gap.contact_length for gap in gaps])
+    loss = model.law.entry_loss(largest, widest, viscosity, density, lengths)
+    return (loss < ENTRY_LOSS_LEFT_OUT).tolist()
 
 
 # --- the samples

@@ -192,7 +192,7 @@ def entry_loss_flow(
 
     An eccentric gap gains on friction only: where all pressure goes into velocity it leaks as much as a concentric one
     of the same area. The exact loss is not the mean velocity's, as the wide side is quicker: integrated around the
-    circumference, the flow of a spool that touches its sleeve is up to 10 % lower than this one.
+    circumference, the flow of an eccentric gap is up to 12 % lower than this one.
 
     References
     ----------
@@ -294,7 +294,7 @@ def flow_equal_clearance(clearance: ArrayLike, second_moment: ArrayLike, third_m
 
     Examples
     --------
-    Half of the circumference at 20 µm and half at 40 µm, as in `circumferential_cube`:
+    Half of the circumference at 20 µm and half at 40 µm, as in `atleak.equations.referees.circumferential_cube`:
 
     >>> round(flow_equal_clearance(30e-6, 100e-12, 0.0) * 1e6, 3)
     33.019

@@ -22,6 +22,7 @@ from atleak.variants import VariantResult
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.measuring import measuring_temperature
+from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
@@ -192,11 +193,13 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
     worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
+    rule = diagnosis.total_rule(projection)
+    grown = "" if rule.growth is None else f" (new {(rule.new or 0.0) * PERCENT:.1f} %, grown by {rule.growth:.0%})"
     return (
         f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
-        f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} % "
-        f"({diagnosis.band(projection)}){worst}; for this leakage alone the pump needs "
-        f"{projection.minimum_speed * RPM:.0f} rpm"
+        f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} %{grown}, "
+        f"{diagnosis.band(projection)}{worst}; {positions(diagnosis, projection)}; for this leakage alone the "
+        f"pump needs {projection.minimum_speed * RPM:.0f} rpm"
     )
 
 

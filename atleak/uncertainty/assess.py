@@ -405,9 +405,8 @@ def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:
     steps = limits.wear
     assert steps is not None
     stated = dict(steps.levels)
-    factors = (
-        1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in steps.of_wear(pair.mounting_high)
-    )
+    applied = steps.of_wear(pair.mounting_high, pair.mounting_tolerance or 0.0)
+    factors = (1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in applied)
     return tuple(math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high for factor in factors)
 
 

@@ -14,9 +14,10 @@ from atleak.equations.clearance import one_sided_moments
 from atleak.equations.gap import ECCENTRIC_GAIN, eccentricity_factor
 from atleak.uncertainty.sources import LandSources
 
-#: Part of the wear that the directions of a sheet show at least: one direction alone could hide any wear at all. Choice
-#: of this project.
-LEAST_SEEN = 0.1
+#: Part of the wear to one side that the directions of a sheet show at least. Two directions at a right angle never show
+#: less than π/4. One alone, laid across the worn side, shows nothing of it, which no interval can bound: the clearance
+#: is then called a lower bound, and up to twice the wear that shows is reckoned with. Choice of this project.
+LEAST_SEEN = 0.5
 
 
 @dataclass(frozen=True)

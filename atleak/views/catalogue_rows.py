@@ -25,7 +25,7 @@ def representative(entry: Controller | Fluid) -> str:
 def controller_tables(controller: Controller) -> Tables:
     """Return the tables of operating points, lands, gaps, pump and complaints; those without a row are left out."""
     labels = {point.name: point.label for point in controller.operating_points}
-    tables = {
+    tables: Tables = {
         "Operating points": [
             {
                 "name": point.label,

@@ -97,7 +97,7 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
             "land": land,
             "rule": rule.id if rule else None,
             "value": _finite(rule.value * rule.kind.factor) if rule else None,
-            "limit": rule.limit * rule.kind.factor if rule else None,
+            "limit": _finite(rule.limit * rule.kind.factor) if rule else None,
         },
     }
 
@@ -230,7 +230,7 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
     return {
         "rule": rule.id,
         "value": _finite(rule.value * rule.kind.factor),
-        "limit": rule.limit * rule.kind.factor,
+        "limit": _finite(rule.limit * rule.kind.factor),
         "verdict": rule.verdict,
         "decision": decided.decision if decided else None,
         "probability_over_limit": decided.probability_over_limit if decided else None,

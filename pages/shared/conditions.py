@@ -16,6 +16,7 @@ from atleak.repair import RepairPlan, Total, plan_repairs
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import measure_first, reason
+from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.wording import signed
 from atleak.workshop_units import PERCENT
@@ -52,7 +53,8 @@ def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         worst = " (the worst condition)" if point is diagnosis.worst and len(rows) > 1 else ""
         st.caption(
             f"**{plain(point.condition.label)}**{worst}: {row['leakage_dm3_min']:.2f} of "
-            f"{row['pump_capacity_dm3_min']:.2f} dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm; "
+            f"{row['pump_capacity_dm3_min']:.2f} dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm, "
+            f"{row['leakage_new_dm3_min']:.2f} when new; {positions(diagnosis, point)}; "
             f"for this leakage alone the pump needs **{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
         )
 

@@ -78,7 +78,8 @@ def _total(point: dict[str, Any], *, worst: bool) -> str:
     mark = ", the worst condition" if worst else ""
     if share is None:
         return f"more than the pump delivers at {label} ({signed(Band.CRITICAL)}{mark})"
-    return f"**{share:.1f} %** of the pump's flow at {label} ({signed(band)}{mark})"
+    new = "" if point["share_new_percent"] is None else f", {point['share_new_percent']:.1f} % when new"
+    return f"**{share:.1f} %** of the pump's flow at {label} ({signed(band)}{mark}{new})"
 
 
 def reported(diagnosis: Diagnosis, record: dict[str, Any]) -> list[tuple[Projection, dict[str, Any]]]:

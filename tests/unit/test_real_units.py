@@ -128,6 +128,19 @@ def test_the_tolerance_of_a_type_makes_wear_less_sure(
     assert pair.probability_over_limit > kind.probability_over_limit
 
 
+def test_wear_of_a_type_is_judged_over_the_widest_that_its_new_pairs_commonly_have(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    unit = with_new(minimal, 13 * UM, 2 * UM)
+    for clearance, verdict in ((18.9, "ok"), (19.1, "watch"), (19.6, "replace")):
+        land = diagnose(unit, hipol, limits, readings=one_land(unit, clearance, readings_of)).lands[0]
+        assert (land.state.radial_clearance / UM, land.verdict) == (pytest.approx(clearance, abs=1e-6), verdict)
+        assert land.wear == pytest.approx(clearance / 13.0 - 1.0, abs=1e-6)
+    # a new pair at the wide end of its type, 15 µm, is no doubtful one
+    land = diagnose(unit, hipol, limits, readings=one_land(unit, 15.0, readings_of)).lands[0]
+    assert (land.verdict, land.decision) == ("ok", "pass")
+
+
 def test_unmeasured_lands_of_a_range_leak_its_mean_cube_with_all_of_it_in_the_interval(
     minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:

@@ -349,7 +349,7 @@ def test_lands_bring_back_what_they_can_where_one_condition_stays_past_its_limit
     edited: Edited, four_speed: Controller, hipol: Fluid, readings_of: Build
 ) -> None:
     own = load_limits(edited("limits", "project_default", BANDS_OF_SHARE_ALONE))
-    readings = readings_of(four_speed, worn(four_speed, alike(four_speed, 0.11)))
+    readings = readings_of(four_speed, worn(four_speed, alike(four_speed, 0.12)))
     diagnosis = diagnose(four_speed, hipol, own, readings=readings)
     assert [diagnosis.band(each) for each in diagnosis.projections] == [Band.AMBER, Band.RED]
     plan = plan_repairs(diagnosis)

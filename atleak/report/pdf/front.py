@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
+from atleak.views.positions import position_band
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
@@ -86,6 +88,7 @@ class Front:
             more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
         if at.pump_capacity > 0.0:
             more.append(say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0)))
+            more += self._positions(at)
         missing = len(diagnosis.lands) - diagnosis.measured
         if missing and diagnosis.judged:
             more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))
@@ -115,10 +118,23 @@ class Front:
                 say("columns.capacity"), lambda at: say.number(at.pump_capacity * DM3_MIN, 2), "dm³/min", side="r"
             ),
             PrintedColumn(say("columns.share"), self._share, "%", side="r"),
+            PrintedColumn(say("columns.share_new"), self._share_new, "%", side="r"),
             PrintedColumn(say("columns.band"), self._band),
             PrintedColumn(say("columns.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
         return table(columns, diagnosis.reported)
+
+    def _share_new(self, at: Projection) -> str:
+        return self.say.number(self.diagnosis.new_at(at).share * PERCENT, 1)
+
+    def _positions(self, at: Projection) -> list[str]:
+        """Return what the total may be as the spools lie; nothing where the profile sets their position."""
+        band, unknown = position_band(self.diagnosis, at), self.diagnosis.profile.eccentricity == UNKNOWN
+        if band is None:
+            return []
+        low, high = (self.say.percent(end) for end in band)
+        sentence = f"sentences.{'anywhere' if unknown else 'concentric'}"
+        return [self.say(sentence, condition=self.names.condition(at.condition), low=low, high=high)]
 
     def _pressure(self, at: Projection) -> str:
         return self.say.number(at.condition.main_pressure * KPA, 0)

@@ -83,14 +83,22 @@ def test_limits_of_growth_follow_every_draw(limits: Limits) -> None:
 
 
 @pytest.mark.parametrize(
-    ("mounting_um", "watch_um", "replace_um"),
-    [(35.0, 4.0, 17.5), (50.0, 5.0, 25.0), (13.0, 4.0, 6.5), (6.4, 4.0, 4.0)],
+    ("mounting_um", "tolerance_um", "watch_um", "replace_um"),
+    [
+        (35.0, 0.0, 4.0, 17.5),
+        (50.0, 0.0, 5.0, 25.0),
+        (13.0, 0.0, 4.0, 6.5),
+        (6.4, 0.0, 4.0, 4.0),
+        (13.0, 2.0, 6.0, 6.5),
+        (13.0, 3.0, 7.0, 7.0),
+        (80.0, 3.0, 8.0, 40.0),
+    ],
 )
-def test_wear_has_limits_that_a_gauge_can_tell_and_that_rise(
-    limits: Limits, mounting_um: float, watch_um: float, replace_um: float
+def test_wear_has_limits_that_a_gauge_can_tell_from_any_new_pair_and_that_rise(
+    limits: Limits, mounting_um: float, tolerance_um: float, watch_um: float, replace_um: float
 ) -> None:
     assert limits.wear is not None
-    levels = dict(limits.wear.of_wear(mounting_um * 1e-6))
+    levels = dict(limits.wear.of_wear(mounting_um * 1e-6, tolerance_um * 1e-6))
     assert levels[Verdict.WATCH] * mounting_um == pytest.approx(watch_um, rel=1e-9, abs=0.0)
     assert levels[Verdict.REPLACE] * mounting_um == pytest.approx(replace_um, rel=1e-9, abs=0.0)
 
@@ -132,7 +140,7 @@ def test_a_file_of_fixed_limits_judges_as_it_did(tmp_path: Path) -> None:
     ]  # fmt: skip
     assert old.wear is not None
     assert old.pair_share is not None
-    assert old.wear.of_wear(13e-6) == old.wear.levels
+    assert old.wear.of_wear(13e-6, 3e-6) == old.wear.levels
     assert old.pair_share.over(0.05) == old.pair_share.levels
     assert old.fixed_bands == old.total_share.levels
 

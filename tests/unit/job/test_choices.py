@@ -51,7 +51,9 @@ def test_a_file_at_hand_as_bytes_keeps_its_name() -> None:
     content = catalogue_files("limits")["project_default"].read_bytes()
     assert load_source(load_limits, SourceFile("our limits: 2026.toml", content)).origin.file == "our limits: 2026.toml"
     with pytest.raises(CatalogueError, match=r"^our limits: 2026\.toml, ") as caught:
-        load_source(load_limits, SourceFile("our limits: 2026.toml", content.replace(b"watch = 10.0", b"watch = 'x'")))
+        load_source(
+            load_limits, SourceFile("our limits: 2026.toml", content.replace(b"replace = 50.0", b"replace = 'x'"))
+        )
     assert caught.value.place.file == "our limits: 2026.toml"
 
 

@@ -20,7 +20,7 @@ from PIL import Image
 import atleak.wording
 from atleak.catalogue.controller import load_controller
 from atleak.diagnosis import diagnose
-from atleak.engine.profile import PAPER
+from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError
 from atleak.job.record import Job
 from atleak.look import look_of
@@ -185,6 +185,23 @@ def test_every_language_is_archival_and_says_its_words(worn, job, language):
     assert say("verdicts.replace") in text
     assert say.number(worn.flagged[0].state.radial_clearance * 1e6, 1) in text
     assert say("job_decisions.declined") in text
+
+
+@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize(
+    ("profile", "said"),
+    [
+        (WORKSHOP, {"form", "entry_loss"}),
+        (WORKSHOP.with_options(eccentricity="unknown"), {"form", "entry_loss", "eccentricity_unknown"}),
+        (PAPER, set()),
+    ],
+    ids=lambda value: getattr(value, "label", ""),
+)
+def test_the_method_says_what_the_profile_counts(worn, language, profile, said):
+    diagnosis = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, profile=profile)
+    say, text = wording(language), squeezed(text_of(write_pdf(diagnosis, language=language, sections=["method"])))
+    every = ("form", "entry_loss", "eccentricity_unknown")
+    assert {name for name in every if squeezed(say(f"texts.method_{name}")) in text} == said
 
 
 def test_languages_have_the_same_keys_and_places():

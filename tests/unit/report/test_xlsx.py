@@ -14,7 +14,7 @@ import pytest
 from python_calamine import CalamineWorkbook
 
 from atleak.catalogue.controller import load_controller
-from atleak.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError
 from atleak.job.record import Job
@@ -22,7 +22,10 @@ from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
 from atleak.wording import signed, wording
 
-SHEETS = ["Summary", "Lands", "Gaps", "Gaps hot idle", "Rules", "Readings", "Road test", "Conditions", "Limits"]
+SHEETS = [
+    "Summary", "Lands", "Land by condition", "Gaps", "Gaps hot idle", "Rules", "Readings", "Road test", "Conditions",
+    "Limits",
+]  # fmt: skip
 
 
 def column_of(book: openpyxl.Workbook, sheet: str, heading: str) -> str:
@@ -274,7 +277,8 @@ def test_same_job_same_bytes(worn):
 
 
 def test_unit_without_hot_idle(worn):
-    other: Diagnosis = replace(worn, projections=worn.projections[:1], road=None)
+    only = replace(worn.controller, operating_points=worn.controller.operating_points[:1])
+    other = diagnose(only, worn.fluid, worn.limits, readings=worn.readings)
     sheets = pd.read_excel(io.BytesIO(write_workbook(other)), sheet_name=None, engine="calamine")
     assert "Gaps hot idle" not in sheets
 

@@ -187,7 +187,7 @@ def test_numbers_of_a_land_follow_from_one_another(record: dict[str, Any]) -> No
         assert land["radial_clearance_um"] == pytest.approx(clearance, rel=1e-9, abs=0.0)
         wear = 100.0 * (land["radial_clearance_um"] / land["mounting_clearance_um"] - 1.0)
         assert land["wear_percent"] == pytest.approx(wear, rel=1e-9, abs=1e-9)
-        share = 100.0 * land["leakage_dm3_min"] / record["projection"]["pump_capacity_dm3_min"]
+        share = 100.0 * land["drawn_from_pump_dm3_min"] / record["projection"]["pump_capacity_dm3_min"]
         assert land["share_percent"] == pytest.approx(share, rel=1e-9, abs=0.0)
         assert land["leakage_low_dm3_min"] <= land["leakage_dm3_min"] <= land["leakage_high_dm3_min"]
         order = ["ok", "watch", "replace", "critical"]
@@ -199,7 +199,9 @@ def test_shares_and_bands_of_the_conditions(record: dict[str, Any]) -> None:
         projection = record[name]
         share = 100.0 * projection["leakage_dm3_min"] / projection["pump_capacity_dm3_min"]
         assert projection["share_percent"] == pytest.approx(share, rel=1e-12, abs=0.0)
-        bands = [(50.0, "critical"), (20.0, "red"), (10.0, "amber"), (0.0, "green")]
+        new = 100.0 * projection["leakage_new_dm3_min"] / projection["pump_capacity_dm3_min"]
+        red, amber = max(1.5 * new, new + 4.0), max(1.25 * new, new + 2.0)
+        bands = [(50.0, "critical"), (red, "red"), (amber, "amber"), (0.0, "green")]
         assert projection["band"] == next(band for limit, band in bands if share >= limit)
         assert 0.0 < projection["minimum_engine_rpm"] < projection["engine_rpm"]
 
@@ -230,7 +232,8 @@ def test_what_is_infinite_is_null(four_speed: Controller, hipol: Fluid, limits: 
     record = json.loads(to_json(diagnosis_record(diagnosis)))
     assert record["projection"]["share_percent"] is None
     assert record["projection"]["band"] == "critical"
-    rule = next(rule for rule in record["lands"][0]["rules"] if rule["rule"] == "share_stated_percent")
+    drawing = next(land for land in record["lands"] if land["drawn_from_pump_dm3_min"] > 0.0)
+    rule = next(rule for rule in drawing["rules"] if rule["rule"] == "share_stated_percent")
     assert (rule["value"], rule["verdict"]) == (None, "critical")
 
 
@@ -266,7 +269,7 @@ def test_limits_state_unit_and_origin(edited: Callable[..., Path], minimal: Cont
     path = edited(
         "limits",
         "project_default",
-        ("# Total leakage", '[clearance_um]\nreplace = 60.0\norigin = "set by the workshop"\nsource = "own"\n# Total'),
+        ("# What all", '[clearance_um]\nreplace = 60.0\norigin = "set by the workshop"\nsource = "own"\n# What all'),
     )
     rules = diagnosis_record(diagnose(minimal, hipol, load_limits(path)))["limits"]["rules"]
     assert rules["radial_clearance"]["replace_um"] == pytest.approx(60.0, rel=1e-12, abs=0.0)
@@ -281,7 +284,7 @@ def test_a_rule_of_clearance_is_in_micrometres(
     path = edited(
         "limits",
         "project_default",
-        ("# Total leakage", '[clearance_um]\nreplace = 15.0\norigin = "set by the workshop"\nsource = "own"\n# Total'),
+        ("# What all", '[clearance_um]\nreplace = 15.0\norigin = "set by the workshop"\nsource = "own"\n# What all'),
     )
     readings = readings_of(minimal, {("tcc_regulator", 1): (11e-3, 11.04e-3)})
     record = diagnosis_record(diagnose(minimal, hipol, load_limits(path), readings=readings))

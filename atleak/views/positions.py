@@ -1,0 +1,34 @@
+"""Say where the spools are taken to lie, and between which shares the total may lie with them."""
+
+from __future__ import annotations
+
+from atleak.diagnosis import Diagnosis
+from atleak.engine.profile import UNKNOWN
+from atleak.engine.projection import Projection
+from atleak.workshop_units import PERCENT
+
+
+def positions(diagnosis: Diagnosis, projection: Projection) -> str:
+    """Say in English for which position of the spools flows are given, and the total share as they may lie."""
+    band = position_band(diagnosis, projection)
+    lie = "" if band is None else f", {band[0] * PERCENT:.0f} to {band[1] * PERCENT:.0f} % as they may lie"
+    return f"{_taken(diagnosis)}{lie}"
+
+
+def _taken(diagnosis: Diagnosis) -> str:
+    eccentricity = diagnosis.profile.eccentricity
+    if eccentricity == UNKNOWN:
+        return "mean over all positions of the spools"
+    return f"spools at e/c = {eccentricity:g}" if eccentricity else "spools concentric"
+
+
+def position_band(diagnosis: Diagnosis, projection: Projection) -> tuple[float, float] | None:
+    """Return the total share with every spool concentric and with every one touching its bore, as fractions.
+
+    None where the profile sets the position. The entry loss takes something off the upper end where gaps are wide.
+    """
+    low, high = projection.concentric_factor
+    if low == high:
+        return None
+    concentric = projection.share / diagnosis.model.law.eccentricity_factor
+    return low * concentric, high * concentric
