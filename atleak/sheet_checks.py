@@ -19,8 +19,8 @@ from atleak.uncertainty.sources import LandSources
 from atleak.workshop_units import UM
 
 # All choices of this project; benchmarks/common_shift.py says how often they are right.
-FEWEST_PAIRS = 5  # that show a common shift
-MOST = 0.8  # of the pairs agree with a common shift, within twice their own uncertainty
+FEWEST_PAIRS = 5  # that show a common shift; all of them must agree with it, within twice their own uncertainty
+OTHERS = 0.2  # of the pairs beyond those may be worn besides
 FAR = 3.0  # standard uncertainties from zero: of the instruments' common error, and of the estimate itself
 RESOLVED = 2.5  # times its own uncertainty by which a pair must have opened, so that wear would show by its spread
 DAYS_OLDER = 30  # than the road test, from where on a sheet may be of another state
@@ -96,7 +96,8 @@ def common_shift(lands: Sequence[LandSources]) -> CommonShift | None:
     shift, u_shift = _agreed(opened, own)
     agreeing = sum(abs(each - shift) <= 2.0 * u for each, u in zip(opened, own, strict=True))
     found = CommonShift(shift, u_shift, _common_error(pairs), len(pairs), agreeing)
-    if agreeing < MOST * len(pairs) or abs(shift) <= FAR * math.hypot(found.common_error, u_shift):
+    others = len(pairs) - agreeing
+    if others > OTHERS * (len(pairs) - FEWEST_PAIRS) or abs(shift) <= FAR * math.hypot(found.common_error, u_shift):
         return None
     new = [land.state.land.new_clearance for land in pairs]
     if shift > 0.0 and (shift < RESOLVED * median(own) or _is_growth(opened, own, new, shift)):
