@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from atleak.catalogue.complaints import Complaint
-from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
-from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, NewOrigin, OperatingPoint
+from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel, narrow_gap_messages
@@ -34,6 +35,25 @@ from atleak.uncertainty import (
 )
 from atleak.verdicts import Band, Verdict, worst
 
+FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
+
+
+@dataclass(frozen=True)
+class ReplaceMileage:
+    """The mileage [km] at which the wear limit for replacing is reached, wear ∝ mileage, with its 95 % interval.
+
+    The vehicle has not come there yet, so the interval begins at its mileage at the earliest.
+    """
+
+    value: float | None  # None where it cannot be told whether the land wears at all
+    low: float  # infinite where the land does not wear
+    high: float  # infinite where the limit may never be reached
+
+    @property
+    def foreseeable(self) -> bool:
+        """Return whether the interval ends within what a vehicle runs."""
+        return self.high <= FARTHEST
+
 
 @dataclass(frozen=True)
 class LandDiagnosis:
@@ -48,8 +68,7 @@ class LandDiagnosis:
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[Rule, ...]
-    #: [km] at which the wear limit for replacing is reached, wear ∝ mileage; None where in doubt or already passed
-    replace_mileage: float | None
+    replace_mileage: ReplaceMileage | None  # None without mileage or measured wear, and where it has been passed
     uncertainty: LandUncertainty | None  # None where nothing was measured
     messages: tuple[Message, ...]
 
@@ -94,7 +113,8 @@ class Diagnosis:
     readings: Readings | None
     measured_at: MeasuringTemperature | None  # of gauge and parts; None without readings
     controller: Controller
-    fluid: Fluid
+    fluid: Fluid  # in its state
+    fluid_state_assumed: bool  # nobody said whether it is fresh or used, and fresh is taken
     limits: Limits
     profile: Profile
     mileage: float | None  # [km]
@@ -244,6 +264,7 @@ def diagnose(
     fluid: Fluid,
     limits: Limits,
     *,
+    fluid_state: FluidState | None = None,
     readings: Readings | None = None,
     road_test: RoadTest | None = None,
     profile: Profile = WORKSHOP,
@@ -261,6 +282,8 @@ def diagnose(
     ----------
     controller, fluid, limits
         from the catalogue or the workshop's own files.
+    fluid_state
+        whether the fluid in the transmission is fresh or used; as its data are unless given, and a message says so.
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
@@ -282,12 +305,16 @@ def diagnose(
     ------
     DomainError
         a condition's temperature outside the fluid's data.
+    InputError
+        a fluid that its data describe as used, taken as fresh.
     RoadTestError
         a road test without usable main pressure.
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
     condition = condition or controller.operating_points[0]
+    fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
+    fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
     measured_at = None if readings is None else readings.measured_at(measuring_temperature)
     temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
     states = clearances(readings, controller, temperature=temperature, instruments=instruments)
@@ -307,6 +334,7 @@ def diagnose(
             projections,
             rules,
             readings=readings,
+            instants={at: project(model, road.condition_at(at)) for at in road.instants} if road else {},
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,
@@ -314,6 +342,8 @@ def diagnose(
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if fluid_state_assumed:
+        messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
         messages = list(dict.fromkeys([*messages, *of_sheet, *uncertainty.messages]))
     return Diagnosis(
@@ -321,6 +351,7 @@ def diagnose(
         measured_at=measured_at,
         controller=controller,
         fluid=fluid,
+        fluid_state_assumed=fluid_state_assumed,
         limits=limits,
         profile=profile,
         mileage=mileage,
@@ -369,7 +400,7 @@ def _land(
         excess_share=excess,
         verdict=_verdict(state, own_rules),
         rules=own_rules,
-        replace_mileage=_replace_mileage(state, own_rules, mileage, own_uncertainty),
+        replace_mileage=_replace_mileage(own_rules, mileage, own_uncertainty),
         uncertainty=own_uncertainty,
         messages=state.messages,
     )
@@ -385,21 +416,38 @@ def _verdict(state: LandClearance, rules: Iterable[Rule]) -> Verdict:
 
 
 def _replace_mileage(
-    state: LandClearance, rules: Iterable[Rule], mileage: float | None, uncertainty: LandUncertainty | None
-) -> float | None:
-    """Return the mileage [km] at which the wear limit for replacing is reached.
-
-    None where the vehicle has passed it, or where wear is less than two standard uncertainties of the readings.
-    """
+    rules: Iterable[Rule], mileage: float | None, uncertainty: LandUncertainty | None
+) -> ReplaceMileage | None:
     rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
-    if rule is None or mileage is None:
+    if rule is None or mileage is None or uncertainty is None or uncertainty.wear_interval is None:
         return None
-    doubt = uncertainty.u_clearance if uncertainty is not None and uncertainty.u_clearance is not None else 0.0
-    if state.radial_clearance - state.land.mounting_high <= 2.0 * doubt:
+    limit = rule.steps.limit_of(Verdict.REPLACE) or rule.steps.levels[-1][1]
+
+    def reached_with(wear: float) -> float:
+        reached = mileage_at_wear(mileage, wear, limit)
+        return math.inf if reached is None else reached
+
+    least, most = uncertainty.wear_interval
+    if reached_with(rule.value) <= mileage:
         return None
-    limit = rule.steps.limit_of(Verdict.REPLACE)
-    reached = mileage_at_wear(mileage, rule.value, rule.steps.levels[-1][1] if limit is None else limit)
-    return reached if reached is not None and reached > mileage else None
+    low, high = max(reached_with(most), mileage), reached_with(least)
+    return ReplaceMileage(reached_with(rule.value) if math.isfinite(high) else None, low, high)
+
+
+_NEW_WAS = {
+    NewOrigin.USED_UNIT: "was measured on a used unit and is taken as new: wear counts from there",
+    NewOrigin.TYPE: "is a value of the unit's type: how far single pairs differ from it counts in their wear",
+    NewOrigin.RANGE: "is known as a range only: wear counts from its upper end, flows when new from its mean cube",
+}
+
+
+def _what_new_was(controller: Controller) -> Iterable[Message]:
+    """Say what the mounting clearances are, where they are not those of these very pairs when new."""
+    for origin, text in _NEW_WAS.items():
+        count = sum(land.new_origin is origin for land in controller.lands)
+        if count:
+            text = f"The mounting clearance of {count} of {len(controller.lands)} lands {text}."
+            yield Message("info", f"mounting_clearance_{origin}", text)
 
 
 def _messages(
@@ -422,6 +470,7 @@ def _messages(
     if silent:
         text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
         messages.append(Message("warning", "land_without_gap", text))
+    messages += _what_new_was(controller)
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
         messages.append(Message("warning", "no_readings", text))

@@ -17,7 +17,9 @@ import pandas as pd
 from atleak.errors import Message
 from atleak.road_test import Channel, ChannelSource, RoadTest
 
-EventKind = Literal["minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving"]
+EventKind = Literal[
+    "minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving", "engine_start"
+]
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,9 @@ class Thresholds:
     steady_vehicle: float = 3 / 3.6
     steady_engine: float = 100 / 60
     ratio_tolerance: float = 0.06
+    engine_standing: float = 50 / 60
+    engine_standing_seconds: float = 0.5
+    start_seconds: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -72,6 +77,7 @@ def events(road_test: RoadTest, thresholds: Thresholds | None = None) -> tuple[E
         *lock_ups(road_test, limits),
         *steady_driving(road_test, limits),
         *minimum_acceleration(road_test, limits),
+        *engine_starts(road_test, limits),
     ]
     return tuple(sorted(all_events, key=lambda event: (event.start, event.kind)))
 
@@ -301,6 +307,35 @@ def _by_ratio(
     return replace(
         event, start=float(start), stop=float(stop), note=f"the logged gear lags by {lag:.2f} s" if lag > 0 else ""
     )
+
+
+def engine_starts(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """Return the first moments after each start of the engine, in which pressure builds up.
+
+    A start begins with the first sample at which a standing engine turns, in the same stretch of the log, and ends
+    three seconds after the engine first runs by itself. One sample without speed between others is a fault of the
+    logger, not a standstill. A log that begins with the engine running has no start there.
+    """
+    limits = limits or Thresholds()
+    engine = road_test.values("engine_speed")
+    if engine is None:
+        return []
+    time, starts = road_test.time, []
+    begins = {part.start for part in _segments(road_test)}
+    stands = list(_runs(road_test, engine < limits.engine_standing, 0.0))
+    # the engine turns until it stands again or the stretch ends
+    ends = np.unique([*(part.stop for part in _segments(road_test)), *(low for low, _ in stands)])
+    for low, high in stands:
+        first = high + 1
+        end = int(ends[np.searchsorted(ends, high, side="right")])
+        if first == end or not (low in begins or time[first] - time[low] >= limits.engine_standing_seconds):
+            continue
+        runs = np.flatnonzero(engine[first:end] >= limits.idle_low)
+        last = float(time[end - 1])
+        if len(runs):
+            last = min(last, float(time[first + int(runs[0])]) + limits.start_seconds)
+        starts.append(Event("engine_start", float(time[first]), last))
+    return starts
 
 
 # --- gear from the speed ratio ------------------------------------------------------------------------------

@@ -245,7 +245,7 @@ def fewest(gains: Sequence[Sequence[float]], needs: Sequence[float]) -> list[int
 
     Examples
     --------
-    >>> fewest([[1.0, 0.0], [0.0, 1.0], [0.6, 0.6], [0.5, 0.5]], [1.0, 1.0])
+    >>> fewest([[1.0, 0.0], [0.0, 1.0], [0.6, 0.6], [0.3, 0.3]], [1.0, 1.0])
     [0, 1]
     """
     if not needs:

@@ -130,6 +130,8 @@ class RoadTest:
     channel on that base by holding its last own sample, never across a segment's end, never for longer than
     three of the channel's usual intervals; before the first sample there is NaN. Nothing is interpolated.
 
+    ``refused`` says of a quantity that the log lacks why the column that bears its name was not taken.
+
     ``rows`` counts the data rows of the file, ``duration`` [s] is from the first stamp to the last, each
     stretch between backward jumps for itself.
     """
@@ -146,6 +148,7 @@ class RoadTest:
     encoding: str | None = None
     delimiter: str | None = None
     decimal: str | None = None
+    refused: Mapping[str, str] = field(default_factory=dict)
     date: dt.date | None = None  # of the first sample, where the log states it beyond doubt
     _held: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
 

@@ -27,7 +27,7 @@ from typing import Any
 
 from simulated.counted import QUANTITIES, count_population, count_world, population_rates, world_rates
 from simulated.population import Known
-from simulated.worlds import AS_DECLARED, TRUE, WORLDS
+from simulated.worlds import AS_ASSUMED, AS_DECLARED, WORLDS
 from timing import options
 
 OPTIONS = options(__doc__)
@@ -53,7 +53,7 @@ def main(arguments: argparse.Namespace) -> int:
     worlds, population = [], []
     with ProcessPoolExecutor(arguments.workers) as pool:
         for world in WORLDS if arguments.part != "population" else ():
-            parts = _portions(arguments.units if world in TRUE else arguments.other_units)
+            parts = _portions(arguments.units if world in AS_ASSUMED else arguments.other_units)
             counts = pool.map(count_world, [world] * len(parts), parts, [arguments.draws] * len(parts))
             worlds.append(world_rates(world, sum(counts, Counter())))
             failures += world_failures(worlds[-1], spare)
@@ -84,7 +84,7 @@ def _portions(units: int) -> list[range]:
 def world_failures(rates: dict[str, Any], spare: float) -> list[str]:
     """Say which of the stated rates a world does not meet; of a world that is wrongly assumed none is stated."""
     name, coverage = rates["world"], rates["coverage"]
-    if name not in {world.name for world in TRUE}:
+    if name not in {world.name for world in AS_ASSUMED}:
         return []
     failures = [
         f"{name}: coverage of {quantity} is {coverage[quantity]:.2f} %, less than {HELD:g} %"

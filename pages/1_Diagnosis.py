@@ -40,6 +40,7 @@ with st.expander("Where they are: the valve body's picture"):
 if diagnosis.road is not None:
     st.subheader("Over the road test")
     show.chart(figures.road_leakage(diagnosis.road, diagnosis.limits), "road")
+    show.extremes(diagnosis.road, diagnosis.uncertainty)
     show.log_messages(diagnosis)
 
 st.subheader("Lands by leakage")

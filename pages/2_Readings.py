@@ -5,7 +5,7 @@ import streamlit as st
 from atleak.figures import diagnosis_figures as figures
 from atleak.report.measuring_sheet import write_template
 from atleak.views.clearances import clearance_rows
-from atleak.views.measuring import measuring_temperature
+from atleak.views.sentences import measuring_temperature
 from atleak.wording import wording
 from pages.shared import panel, sheet_form, show, words
 

@@ -61,6 +61,7 @@ if file == case.road_test and diagnosis.road is not None:
         road = diagnosis.road if ends is None else diagnosis.over(part)
         st.subheader("Leakage over it")
         show.chart(figures.road_leakage(road, diagnosis.limits), "road")
+        show.extremes(road, diagnosis.uncertainty)
         show.messages(road.messages, "leakage over this log")
     except AtleakError as error:
         st.warning(show.plain(error))

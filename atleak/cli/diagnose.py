@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from atleak.cli.shared import (
     add_columns,
@@ -54,6 +54,12 @@ def add_parser(commands: Any) -> None:
     add_columns(parser)
     add_controller(parser)
     parser.add_argument("--fluid", metavar="ID|FILE")
+    parser.add_argument(
+        "--fluid-state",
+        metavar="fresh|used",
+        type=_fluid_state,
+        help="of the fluid in the transmission; taken as fresh unless given",
+    )
     parser.add_argument("--limits", metavar="ID|FILE")
     parser.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
     parser.add_argument(
@@ -109,6 +115,14 @@ def _profile(text: str) -> str:
     return text
 
 
+def _fluid_state(text: str) -> str:
+    from atleak.catalogue.fluid import FluidState
+
+    if text not in get_args(FluidState):
+        raise argparse.ArgumentTypeError(str(unknown("no such state of a fluid", text, get_args(FluidState))))
+    return text
+
+
 def run(options: argparse.Namespace) -> int:
     """Diagnose the job, write the reports that were asked for and show the verdict."""
     from atleak.job.case import SLOTS
@@ -150,6 +164,7 @@ def _case(options: argparse.Namespace) -> Case:
         readings=SourceFile.at(options.readings),
         road_test=None if options.road_test is None else SourceFile.at(options.road_test),
         **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
+        fluid_state=options.fluid_state,
         options=_profile_options(options),
         temperature=options.temperature,
         engine_speed=None if options.rpm is None else options.rpm / 60.0,

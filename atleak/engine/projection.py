@@ -23,7 +23,7 @@ class Projection:
     gaps: tuple[GapLeakage, ...]
     leakage: float  # [m³/s] drawn from the pump, as the profile counts it
     pump_capacity: float  # [m³/s]
-    minimum_speed: float  # [1/s] below which the pump cannot hold the pressure
+    minimum_speed: float  # [1/s] from which the pump covers this leakage and its own slip; consumers are not in it
     #: between which factors the leakage may lie of that with every spool concentric, see `GapLaw.concentric_factor`
     concentric_factor: tuple[float, float]
     messages: tuple[Message, ...]

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from atleak.catalogue.controller import SECTIONS, OperatingPoint
+from atleak.engine.extremes import Extremes, Instant, share_of, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series
 from atleak.errors import Message, Place, RoadTestError
+from atleak.events import Event, Thresholds, engine_starts
 from atleak.road_test import RoadTest
+from atleak.workshop_units import KPA
 
-
-@dataclass(frozen=True)
-class Instant:
-    """One sample of a log that is worth knowing."""
-
-    time: float  # [s]
-    leakage: float  # [m³/s]
-    pump_capacity: float | None  # [m³/s], None where no engine speed was logged
-    share: float | None
+_FIELDS = {"atf_temperature": "temperature"}  # a log's quantity → the field of a condition, where they differ
 
 
 @dataclass(frozen=True)
@@ -28,21 +23,54 @@ class RoadLeakage:
     """Leakage over a road test; arrays have shape (samples,) and are NaN where a channel was not usable."""
 
     road_test: RoadTest
+    assumed: OperatingPoint  # from which comes what the log does not hold
     time: np.ndarray  # [s]
     leakage: np.ndarray  # [m³/s]
     sections: dict[str, np.ndarray]  # [m³/s]
     pump_capacity: np.ndarray | None  # [m³/s]
     gears: tuple[int, ...]
     section_shares: dict[str, float | None]  # of the volume leaked
-    max_leakage: Instant
-    min_leakage: Instant
-    max_share: Instant | None  # None where no sample has a share
+    extremes: Extremes  # without the moments after a start of the engine
+    start: Extremes | None  # of those moments; None where the log has none
+    lower_bound: bool  # whether hotter samples were left out, so that the true largest leakage may be larger
     messages: tuple[Message, ...]
 
     @property
     def share(self) -> np.ndarray | None:
         """Return leakage / pump capacity of every sample; NaN where the pump stands."""
-        return None if self.pump_capacity is None else _share(self.leakage, self.pump_capacity)
+        return None if self.pump_capacity is None else share_of(self.leakage, self.pump_capacity)
+
+    @property
+    def instants(self) -> tuple[Instant, ...]:
+        """Return every extreme there is, also of the moments after a start."""
+        return (*self.extremes.instants, *(self.start.instants if self.start else ()))
+
+    def condition_at(self, instant: Instant) -> OperatingPoint:
+        """Return the pressures, temperature, gear and speed of an instant's sample."""
+        logged: dict[str, float] = {}
+        for quantity in ("main_pressure", "converter_pressure", "atf_temperature", "engine_speed", "gear"):
+            values = self.road_test.values(quantity)
+            if values is not None and np.isfinite(values[instant.sample]):
+                logged[_FIELDS.get(quantity, quantity)] = float(values[instant.sample])
+        label = f"{instant.time:.2f} s of {self.road_test.file}"
+        gear = int(logged.pop("gear", self.assumed.gear))
+        source = f"sample {instant.sample + 1} of the log"
+        return replace(self.assumed, name=f"sample_{instant.sample}", label=label, gear=gear, source=source, **logged)
+
+    @property
+    def max_leakage(self) -> Instant:
+        """Return the sample with the largest leakage, the moments after a start apart."""
+        return self.extremes.max_leakage
+
+    @property
+    def min_leakage(self) -> Instant:
+        """Return the sample with the smallest leakage, the moments after a start apart."""
+        return self.extremes.min_leakage
+
+    @property
+    def max_share(self) -> Instant | None:
+        """Return the sample with the largest share, the moments after a start apart; None where no sample has one."""
+        return self.extremes.max_share
 
 
 def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadLeakage:
@@ -59,16 +87,9 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     Raises
     ------
     RoadTestError
-        where the log has no main pressure or no usable sample of it.
+        where the log has no main pressure, no usable column or sample of it, or only negative ones: it says which.
     """
-    main = road_test.values("main_pressure")
-    if main is None or not np.isfinite(main).any():
-        missing = "no main pressure" if main is None else "no usable sample of main pressure"
-        raise RoadTestError(
-            f"the log has {missing}, without which leakage cannot be computed",
-            place=Place(file=road_test.file),
-            expected="a column p_g [kPa] (or bar, psi)",
-        )
+    main = _main_pressure(road_test)
     messages: list[Message] = []
 
     def channel(quantity: str, value: float, value_text: str) -> np.ndarray:
@@ -105,12 +126,24 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         capacity = np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
         idle = int(np.count_nonzero((capacity <= 0.0) & (series.total > 0.0)))
         if idle:
-            text = (
-                f"In {idle} of {len(road_test.time)} samples the pump delivers nothing while pressure stands: no share "
-                "can be given there, and the largest share is that of the other samples."
+            with_share = (share_of(series.total, capacity) >= 0.0).any()
+            no_share = (
+                "no share can be given there, and the largest share is that of the other samples"
+                if with_share
+                else "no sample of this log has a share"
             )
+            text = f"In {idle} of {len(road_test.time)} samples the pump delivers nothing while pressure stands: "
+            text += f"{no_share}."
             messages.append(Message("warning", "pump_delivers_nothing", text))
     messages += _series_messages(series, len(road_test.time), model)
+    hottest = model.fluid.span(model.profile.viscosity)[1]
+    hotter = int(np.count_nonzero((temperature > hottest) & (main > 0.0)))
+    if hotter:
+        text = (
+            f"{hotter} of the samples left out are hotter than {hottest:g} °C: the largest leakage and share of this "
+            "log are lower bounds."
+        )
+        messages.append(Message("warning", "lower_bound", text))
     for section, above in model.controller.above_main(main).items():
         if above.any():
             text = (
@@ -119,36 +152,76 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
             )
             messages.append(Message("warning", "pressure_relation", text))
     known_gears = gear[np.isfinite(series.total)]
-    share = None if capacity is None else _share(series.total, capacity)
-
-    def instant(index: int) -> Instant:
-        return _instant(road_test.time, series.total, capacity, index)
-
+    extremes, start = _extremes(road_test, series.total, capacity, messages)
     return RoadLeakage(
         road_test=road_test,
+        assumed=assumed,
         time=road_test.time,
         leakage=series.total,
         sections=series.sections,
         pump_capacity=capacity,
         gears=tuple(int(number) for number in np.unique(known_gears)),
         section_shares=_section_shares(series.sections, road_test.time),
-        max_leakage=instant(int(np.nanargmax(series.total))),
-        min_leakage=instant(int(np.nanargmin(series.total))),
-        max_share=None if share is None or not np.isfinite(share).any() else instant(int(np.nanargmax(share))),
+        extremes=extremes,
+        start=start,
+        lower_bound=hotter > 0,
         messages=tuple(messages),
     )
 
 
-def _share(leakage: np.ndarray, capacity: np.ndarray) -> np.ndarray:
-    return leakage / np.where(capacity > 0.0, capacity, np.nan)
+def _main_pressure(road_test: RoadTest) -> np.ndarray:
+    main, why = road_test.values("main_pressure"), road_test.refused.get("main_pressure")
+    if main is None:
+        missing = "the log has no main pressure"
+        if why is not None:
+            missing = f"the log's column of main pressure is not usable: {why}"
+    elif not np.isfinite(main).any():
+        missing = "the log has no usable sample of main pressure"
+    elif not (main >= 0.0).any():
+        low, high = float(np.nanmin(main)) * KPA, float(np.nanmax(main)) * KPA
+        missing = f"main pressure is below zero throughout this log ({low:.4g} to {high:.4g} kPa)"
+    else:
+        return main
+    raise RoadTestError(
+        f"{missing}; without it leakage cannot be computed",
+        place=Place(file=road_test.file),
+        expected="a column p_g [kPa] (or bar, psi) with the pressure above that of the surrounding air",
+    )
 
 
-def _instant(time: np.ndarray, leakage: np.ndarray, capacities: np.ndarray | None, index: int) -> Instant:
-    flow = float(leakage[index])
-    capacity = None if capacities is None else float(capacities[index])
-    if capacity is not None and not np.isfinite(capacity):
-        capacity = None
-    return Instant(float(time[index]), flow, capacity, flow / capacity if capacity else None)
+def _extremes(
+    road_test: RoadTest, leakage: np.ndarray, capacity: np.ndarray | None, messages: list[Message]
+) -> tuple[Extremes, Extremes | None]:
+    """Return the extremes without the moments after a start of the engine, and those of these moments."""
+    window = sustained_window(road_test)
+
+    def of(counting: np.ndarray) -> Extremes:
+        return Extremes(road_test.time, counting, capacity, road_test.segments, window)
+
+    starts = engine_starts(road_test)
+    starting = _within(road_test.time, starts) & np.isfinite(leakage)
+    if not starting.any():
+        return of(leakage), None
+    apart = f"{Thresholds.start_seconds:g} s after the engine runs"
+    turning = np.asarray(road_test.values("engine_speed")) >= Thresholds.engine_standing
+    if not (np.isfinite(leakage) & turning & ~starting).any():
+        text = f"The engine turns only in its start, which ends {apart}: the extremes are those of the start."
+        messages.append(Message("warning", "start_alone", text))
+        return of(leakage), None
+    text = (
+        f"The engine is started {len(starts)} time{'s' * (len(starts) > 1)} in this log: the extremes of "
+        f"{np.count_nonzero(starting)} samples until {apart} are given apart."
+    )
+    messages.append(Message("info", "start_apart", text))
+    return of(np.where(starting, np.nan, leakage)), of(np.where(starting, leakage, np.nan))
+
+
+def _within(time: np.ndarray, events: list[Event]) -> np.ndarray:
+    """Return which stamps lie in one of the events, ends included."""
+    inside = np.zeros(len(time), bool)
+    for event in events:
+        inside[np.searchsorted(time, event.start) : np.searchsorted(time, event.stop, side="right")] = True
+    return inside
 
 
 def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[str, float | None]:

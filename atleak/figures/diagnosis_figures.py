@@ -27,19 +27,23 @@ from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
 from atleak.views.road_series import RoadSeries, road_series
 from atleak.views.window import Scales
-from atleak.wording import signed
+from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 EVENTS = 60  # most events of a log that are marked
 LABELLED = 20  # with more events the figure is too narrow for their names
 MARKED = 800  # most suspect samples and breaks of a log that are marked
+_NAMED = 0.06  # part of the axis from which on a band has room for its name beside its sign
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
-_INSTANTS = {
-    "max_leakage": ("largest leakage", "diamond", "leakage_dm3_min"),
-    "min_leakage": ("smallest leakage", "diamond-open", "leakage_dm3_min"),
-    "max_share": ("largest share", "star", "share_percent"),
+_SYMBOLS = {
+    "max_leakage_sustained": "diamond",
+    "max_leakage": "diamond-open",
+    "min_leakage": "triangle-down-open",
+    "max_share_sustained": "star",
+    "max_share": "star-open",
 }
+_OF_SHARE = ("max_share_sustained", "max_share")  # the instants that are marked in the curve of the share
 
 
 def land_name(land: LandDiagnosis) -> str:
@@ -180,7 +184,7 @@ def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
             )  # fmt: skip
             figure.add_annotation(
                 x=low, y=place + 0.45, xanchor="left", yanchor="bottom", showarrow=False, xshift=2,
-                text=f"{look.sign} {name}", font={"size": 10},
+                text=f"{look.sign} {name}" if high - low > _NAMED * right else look.sign, font={"size": 10},
             )  # fmt: skip
     return right
 
@@ -238,9 +242,8 @@ def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
 
 
 def _instants(figure: go.Figure, series: RoadSeries) -> None:
-    for name, instant in series.instants.items():
-        label, symbol, column = _INSTANTS[name]
-        share = column == "share_percent"
+    for row in series.instants:
+        instant, share = row.instant, row.name in _OF_SHARE
         value = instant.share if share else instant.leakage
         if value is None:
             continue
@@ -248,10 +251,10 @@ def _instants(figure: go.Figure, series: RoadSeries) -> None:
             go.Scatter(
                 x=[instant.time],
                 y=[value * (PERCENT if share else DM3_MIN)],
-                name=f"{label}, {instant.time:.2f} s",
+                name=f"{row.label(wording('en'))}, {instant.time:.2f} s",
                 mode="markers",
                 marker={
-                    "symbol": symbol,
+                    "symbol": _SYMBOLS[row.name],
                     "size": 12,
                     "color": SCREEN.share if share else SCREEN.leakage,
                     "line": {"width": 1.5},

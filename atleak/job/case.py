@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import Any, Protocol, Self, TypedDict, TypeVar
 
 from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
-from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.fluid import FluidState, load_fluid
 from atleak.catalogue.instruments import (
     DEFAULT_SLEEVE_INSTRUMENT,
     DEFAULT_SPOOL_INSTRUMENT,
@@ -151,6 +151,7 @@ class Case:
     road_test: SourceFile | None = None  # the log
     controller: Choice = "four_speed_2023"
     fluid: Choice = "hipol_atf_iid"
+    fluid_state: FluidState | None = None  # None: nobody said; as its data are, fresh as a rule
     limits: Choice = "project_default"
     spool_instrument: Choice = DEFAULT_SPOOL_INSTRUMENT
     sleeve_instrument: Choice = DEFAULT_SLEEVE_INSTRUMENT
@@ -256,6 +257,7 @@ class Case:
             controller,
             fluid,
             limits,
+            fluid_state=self.fluid_state,
             readings=None if self.readings is None else loader.readings(self, controller),
             road_test=None if self.road_test is None else _road_test(loader.log(self)),
             profile=self.engine_profile,

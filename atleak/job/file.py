@@ -14,7 +14,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from atleak.catalogue.controller import OperatingPoint
-from atleak.catalogue.entries import Origin
+from atleak.catalogue.entries import Origin, catalogue_files
+from atleak.catalogue.fluid import FluidState
 from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
@@ -152,6 +153,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         condition=Condition(**settings_of(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
         readings=_reading_choices(case) if sheet else ReadingChoices(),
+        fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else {},
@@ -278,6 +280,7 @@ class Choices(_Strict):
     options: dict[str, bool | float | str] = {}
     condition: Condition
     mileage: Annotated[float, Field(ge=0)] | None = None
+    fluid_state: FluidState | None = None
     complaint: str | None = None
     readings: ReadingChoices = ReadingChoices()
     road_test: _LogChoices = {}
@@ -300,6 +303,7 @@ class Choices(_Strict):
             point=OperatingPoint(**self.condition.model_dump()),
             mileage=self.mileage,
             measuring_temperature=self.record.measuring_temperature_c,
+            fluid_state=self.fluid_state,
             complaint=self.complaint,
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
@@ -382,9 +386,10 @@ def _catalogue_files(diagnosis: Diagnosis, case: Case) -> dict[str, SourceFile]:
         origin, choice = entry.origin, getattr(case, name)
         if origin is None:
             continue  # an instrument made in Python: the catalogue's defaults are taken instead
-        source = SourceFile(
-            origin.file, choice.content if isinstance(choice, SourceFile) else _bytes_loaded(name, origin)
-        )
+        # the used state of a user's own fluid may be an entry of the catalogue
+        shipped = origin.path in catalogue_files(SLOTS[name].folder).values()
+        own = isinstance(choice, SourceFile) and not (shipped and choice.sha256 != origin.sha256)
+        source = SourceFile(origin.file, choice.content if own else _bytes_loaded(name, origin))
         if source.sha256 != origin.sha256:
             what = f"the file of the {name.replace('_', ' ')}"
             raise InputError(f"{what} has changed since it was loaded", value=origin.file)

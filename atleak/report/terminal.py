@@ -18,14 +18,16 @@ from atleak.look import look_of
 from atleak.repair import RepairStep, plan_repairs
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
+from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
-from atleak.views.measure_first import measure_first, reason
-from atleak.views.measuring import measuring_temperature
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
+from atleak.views.road_instants import instant_record, road_instants
+from atleak.views.sentences import covered_from, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
-from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
+from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -52,7 +54,8 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     """Print totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
     console = TerminalConsole()
     controller, readings = diagnosis.controller, diagnosis.readings
-    console.print(Text(f"{controller.name} · {diagnosis.fluid.name} · profile {diagnosis.profile.label}"))
+    fluid = fluid_in_state(diagnosis, wording("en"))
+    console.print(Text(f"{controller.name} · {fluid} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     if readings is not None and diagnosis.measured_at is not None:
         at = measuring_temperature(diagnosis.measured_at, wording("en"))
@@ -72,7 +75,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     for line in _repairs(diagnosis):
         console.print(Text(line))
     if diagnosis.road is not None:
-        console.print(Text(_road(diagnosis.road)))
+        console.print(Text(_road(diagnosis.road, diagnosis.uncertainty)))
     for message in diagnosis.messages:
         if message.level == "warning":
             console.print(Text(f"! {message.text}"))
@@ -155,13 +158,24 @@ def _cell(value: Any) -> str:
     return "–" if value is None else str(value)
 
 
-def _road(road: RoadLeakage) -> str:
-    parts = [f"Road test {road.road_test.file}"]
-    for name, instant in (("largest leakage", road.max_leakage), ("largest share", road.max_share)):
-        if instant is not None:
-            share = "" if instant.share is None else f" ({instant.share * PERCENT:.1f} % of the pump's flow)"
-            parts.append(f"{name} {instant.leakage * DM3_MIN:.2f} dm³/min{share} at {instant.time:.2f} s")
-    return ": ".join([parts[0], "; ".join(parts[1:])])
+def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> str:
+    parts = []
+    for row in road_instants(road):
+        if row.name != "min_leakage":
+            at = row.instant
+            record = instant_record(at, uncertainty)
+            share = ""
+            if at.share is not None:
+                share = f" ({at.share * PERCENT:.1f} % of the pump's flow{_between(record, 'share_{}_percent', 1)})"
+            leakage = f"{at.leakage * DM3_MIN:.2f} dm³/min{_between(record, 'leakage_{}_dm3_min', 2)}"
+            parts.append(f"{row.label(wording('en'))} {leakage}{share} at {at.time:.2f} s")
+    return f"Road test {road.road_test.file}: {'; '.join(parts)}"
+
+
+def _between(record: dict[str, Any], name: str, digits: int) -> str:
+    """Return the interval of a value of a record; an empty text where it is not known."""
+    low, high = record[name.format("low")], record[name.format("high")]
+    return "" if low is None or high is None else f", {low:.{digits}f} to {high:.{digits}f}"
 
 
 def _verdict(diagnosis: Diagnosis) -> str:
@@ -180,26 +194,23 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.complaint is None:
         return
     shows = "; ".join(each.condition.label for each in diagnosis.complained)
-    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. Measure first:"
     ranked = measure_first(diagnosis)
+    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {head(ranked)}"
     for each in ranked[:MEASURE_FIRST]:
         component, land = each.land.key
         yield f"  {component}/{land} {diagnosis.controller.components[component]}: {reason(each)}"
     if len(ranked) > MEASURE_FIRST:
         yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
-    if not ranked:
-        yield "  no land leaks there"
 
 
 def _total(diagnosis: Diagnosis, projection: Projection) -> str:
     worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
     rule = diagnosis.total_rule(projection)
-    grown = "" if rule.growth is None else f" (new {(rule.new or 0.0) * PERCENT:.1f} %, grown by {rule.growth:.0%})"
+    grown = "" if rule.growth is None else f" (new {(rule.new or 0.0) * PERCENT:.1f} %, grown by {rule.growth:z.0%})"
     return (
         f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
         f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} %{grown}, "
-        f"{diagnosis.band(projection)}{worst}; {positions(diagnosis, projection)}; for this leakage alone the "
-        f"pump needs {projection.minimum_speed * RPM:.0f} rpm"
+        f"{diagnosis.band(projection)}{worst}; {positions(diagnosis, projection)}; {covered_from(projection)}"
     )
 
 

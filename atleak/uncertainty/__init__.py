@@ -8,6 +8,7 @@ from __future__ import annotations
 from atleak.uncertainty.advice import Remedy
 from atleak.uncertainty.assess import (
     AtCondition,
+    InstantUncertainty,
     LandUncertainty,
     Shape,
     TotalUncertainty,
@@ -33,6 +34,7 @@ __all__ = [
     "Assumptions",
     "AtCondition",
     "Decision",
+    "InstantUncertainty",
     "LandSources",
     "LandUncertainty",
     "LevelDecision",

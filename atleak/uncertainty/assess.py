@@ -6,10 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind
+from atleak.engine.extremes import Instant
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
 from atleak.equations.gap import FULLY_ECCENTRIC
@@ -20,7 +22,7 @@ from atleak.rules import Rule, UnitRules
 from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
-from atleak.uncertainty.propagation import DRAWS, SEED, LandSpread, TotalSpread, propagate
+from atleak.uncertainty.propagation import DRAWS, SEED, InstantSpread, LandSpread, TotalSpread, propagate
 from atleak.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
 from atleak.verdicts import Band
 from atleak.workshop_units import UM
@@ -70,6 +72,7 @@ class LandUncertainty:
     sources: LandSources
     u_clearance: float | None  # [m] standard uncertainty of the radial clearance
     clearance_interval: Interval | None  # [m]
+    wear_interval: Interval | None  # of (c_r − c_m)/c_m, what is known of c_m included
     conditions: tuple[AtCondition, ...]  # the stated one first; empty where not measured
     rules: tuple[RuleDecision, ...]
     shape: Shape
@@ -209,11 +212,20 @@ class TotalUncertainty:
 
 
 @dataclass(frozen=True)
+class InstantUncertainty:
+    """The 95 % intervals of leakage [m³/s] and share at one instant of a road test."""
+
+    leakage_interval: Interval
+    share_interval: Interval | None  # None where the instant has no share
+
+
+@dataclass(frozen=True)
 class UnitUncertainty:
     """The uncertainty of all lands and totals, with the inputs it follows from."""
 
     lands: tuple[LandUncertainty, ...]
     totals: tuple[TotalUncertainty, ...]  # in the order of the projections given
+    instants: Mapping[Instant, InstantUncertainty]  # of the road test
     instruments: Instruments
     assumptions: Assumptions
     repeats: dict[Part, RepeatSpread]
@@ -243,6 +255,7 @@ def assess(
     rules: UnitRules,
     *,
     readings: Readings | None = None,
+    instants: Mapping[Instant, Projection] = MappingProxyType({}),
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
     coverage: float = COVERAGE,
@@ -264,6 +277,8 @@ def assess(
         rules of the same states and projections, already judged; a decision is added to each.
     readings
         the measuring sheet of the clearances: planes, directions and repeats. Without it nothing was measured.
+    instants
+        instants of a road test whose intervals are wanted, each with its own pressures, temperature, gear and speed.
     instruments
         those with which the lands were measured; the catalogue's defaults unless given.
     assumptions
@@ -310,6 +325,7 @@ def assess(
         coverage=coverage,
         draws=draws,
         seed=seed,
+        instants=tuple(instants.values()),
     )
     eccentric = model.law.eccentricity_factor
     lands = tuple(
@@ -323,6 +339,10 @@ def assess(
     return UnitUncertainty(
         lands=lands,
         totals=totals,
+        instants={
+            instant: _at_instant(instant, projection, instant_spread)
+            for (instant, projection), instant_spread in zip(instants.items(), spread.instants, strict=True)
+        },
         instruments=instruments,
         assumptions=assumptions,
         repeats=repeats,
@@ -359,9 +379,10 @@ def _land(
 ) -> LandUncertainty:
     state = land.state
     if not state.measured:
-        return LandUncertainty(land, None, None, (), (), _shape(state), guard_factor)
+        return LandUncertainty(land, None, None, None, (), (), _shape(state), guard_factor)
     u = land.standard_uncertainty
-    reach = float(normal_quantile(0.5 + 0.5 * coverage)) * u
+    z = float(normal_quantile(0.5 + 0.5 * coverage))
+    reach, wear_reach = z * u, z * _wear_uncertainty(land, 1.0 + state.wear)
     c = state.radial_clearance
     conditions = tuple(
         _at(land, projection, spread, eccentric) for projection, spread in zip(projections, land_spreads, strict=True)
@@ -370,7 +391,8 @@ def _land(
     decided = tuple(_decided(rule, land, spreads, rules.limits, guard_factor) for rule in rules.of_land(land.key))
     # a true clearance cannot be below zero
     interval = (max(c - reach, min(c, 0.0)), c + reach)
-    return LandUncertainty(land, u, interval, conditions, decided, _shape(state), guard_factor)
+    wear = state.wear - wear_reach, state.wear + wear_reach
+    return LandUncertainty(land, u, interval, wear, conditions, decided, _shape(state), guard_factor)
 
 
 def _decided(
@@ -398,16 +420,24 @@ def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:
     """Return the standard uncertainty of wear at each limit.
 
     Wear over a limit Z means c_r − (1 + Z) c_m above zero, which is normal: no ratio of two uncertain values is needed.
-    Over a limit in µm it means c_r − c_m above it. From the upper end of a range wear is sure as far as c_r is.
+    Over a limit in µm it means c_r − c_m above it.
     """
-    pair = land.state.land
-    u_mounting = 0.0 if isinstance(pair.mounting_clearance, tuple) else land.u_mounting
-    steps = limits.wear
+    pair, steps = land.state.land, limits.wear
     assert steps is not None
     stated = dict(steps.levels)
     applied = steps.of_wear(pair.mounting_high, pair.mounting_tolerance or 0.0)
     factors = (1.0 + (stated[level] if limit <= stated[level] else 0.0) for level, limit in applied)
-    return tuple(math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high for factor in factors)
+    return tuple(_wear_uncertainty(land, factor) for factor in factors)
+
+
+def _wear_uncertainty(land: LandSources, factor: float) -> float:
+    """Return the standard uncertainty of c_r − factor · c_m, over c_m.
+
+    From the upper end of a range wear is sure as far as c_r is.
+    """
+    pair = land.state.land
+    u_mounting = 0.0 if isinstance(pair.mounting_clearance, tuple) else land.u_mounting
+    return math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high
 
 
 def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric: float) -> AtCondition:
@@ -484,6 +514,18 @@ def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor
     )
 
 
+def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread) -> InstantUncertainty:
+    """Return the intervals at an instant; those of a median are in proportion to those of the sample nearest to it."""
+
+    def scaled(interval: Interval, value: float, nearest: float) -> Interval:
+        factor = value / nearest if 0.0 < nearest < math.inf else 1.0
+        return interval[0] * factor, interval[1] * factor
+
+    leakage = scaled(spread.leakage_interval, instant.leakage, projection.leakage)
+    share = None if instant.share is None else scaled(spread.share_interval, instant.share, projection.share)
+    return InstantUncertainty(leakage, share)
+
+
 def _messages(
     sources: Sequence[LandSources], instruments: Instruments, repeats: dict[Part, RepeatSpread]
 ) -> list[Message]:
@@ -519,14 +561,15 @@ def _messages(
 
 
 def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
-    """Name the lands whose limits are finer than the gauges, with gauges that would do."""
-    fine = [(land, rule) for land in lands for rule in land.rules if not land.measurable(rule.at_first_level)]
+    """Name the lands that are left open because their limit is finer than the gauges, with gauges that would do."""
+    first = [(land, rule.at_first_level) for land in lands for rule in land.rules]
+    fine = [(land, rule) for land, rule in first if rule.conditional and not land.measurable(rule)]
     if not fine:
         return []
     names = ", ".join(dict.fromkeys(f"{land.key[0]} land {land.key[1]}" for land, _ in fine))
-    land, rule = min(fine, key=lambda each: each[1].at_first_level.limit / each[1].at_first_level.standard_uncertainty)
+    land, rule = min(fine, key=lambda each: each[1].limit / each[1].standard_uncertainty)
     text = f"Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {names}."
-    text = f"{text} {land.gauges_that_do(rule.at_first_level)}"
+    text = f"{text} {land.gauges_that_do(rule)}"
     return [Message("info", "limit_finer_than_gauge", text)]
 
 

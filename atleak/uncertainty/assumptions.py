@@ -27,7 +27,7 @@ class Assumptions:
     one_sided_wear: float = (
         1.0  # most of a bore's wear that may lie to one side: none, half of this or this, alike likely
     )
-    viscosity: float = 0.05  # relative: batch, ageing, D341 between two points
+    viscosity: float = 0.05  # relative: batch, D341 between two points; fresh or used is asked
     temperature: float = 1.0  # [K] of the fluid in the gaps
     main_pressure: float = 0.02  # relative
     converter_pressure: float = 0.02  # relative

@@ -28,6 +28,7 @@ from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.projection import Projection
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
+from atleak.equations.uncertainty import rectangular
 from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.draws import (
     Bore,
@@ -48,7 +49,9 @@ _LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
 _SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
 
 ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the budgets
-FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
+_NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
+FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
+FACTORS = (*_NORMAL_FACTORS, FLUID_STATE)
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,14 @@ class TotalSpread:
     effects: dict[str, float]  # change of the share for one standard uncertainty of each source
 
 
+@dataclass(frozen=True)
+class InstantSpread:
+    """The intervals of the whole controller's leakage [m³/s] and share at one instant of a log."""
+
+    leakage_interval: tuple[float, float]
+    share_interval: tuple[float, float]
+
+
 class _Condition:
     """One operating condition, evaluated for whole arrays of the uncertain factors."""
 
@@ -99,6 +110,8 @@ class _Condition:
         temperature = point.temperature + u.temperature * deviates["temperature"]
         nu, rho = _fluid_at(model, temperature)
         nu = nu * np.exp(u.viscosity * deviates["viscosity"])
+        if model.fluid.viscosity_half_width:
+            nu = nu * (1.0 + rectangular(model.fluid.viscosity_half_width) * deviates[FLUID_STATE])
         main = point.main_pressure * np.maximum(1.0 + u.main_pressure * deviates["main pressure"], 0.0)
         converter = point.converter_pressure * np.maximum(
             1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
@@ -195,10 +208,11 @@ class _Drawn:
 
 @dataclass
 class Propagated:
-    """The spread of every land and of the total, at each condition in the order given."""
+    """The spread of every land and of the total, at each condition in the order given; of the instants' totals."""
 
     lands: list[tuple[LandSpread, ...]]
     totals: list[TotalSpread]
+    instants: list[InstantSpread]
 
 
 def propagate(
@@ -212,6 +226,7 @@ def propagate(
     coverage: float,
     draws: int,
     seed: int,
+    instants: Sequence[Projection] = (),
 ) -> Propagated:
     """Carry every uncertainty through the gap law.
 
@@ -225,6 +240,8 @@ def propagate(
     draws, seed
         number of draws and seed of the Monte Carlo. Each land has its own stream of PCG64: the same input gives the
         same digits.
+    instants
+        conditions of which only the total's interval is wanted: those of some instants of a log.
 
     Raises
     ------
@@ -232,7 +249,8 @@ def propagate(
         A condition's temperature outside the fluid's data.
     """
     shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
-    deviates = {name: shared.standard_normal(draws) for name in FACTORS}
+    deviates = {name: shared.standard_normal(draws) for name in _NORMAL_FACTORS}
+    deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
     names = sorted({group for land in sources for group in land.groups})
     common = {
         name: rectangular_draws(shared, draws) if name == MEASURING_TEMPERATURE else shared.standard_normal(draws)
@@ -245,6 +263,8 @@ def propagate(
     conditions = [_Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
+    at_instants = [_Condition(model, instant, assumptions).at(deviates) for instant in instants]
+    instant_totals = [np.zeros(draws) for _ in instants]
     totals = [np.zeros(draws) for _ in conditions]
     new_totals = [np.zeros(draws) for _ in conditions]
     probe_totals = [np.zeros(_PROBES) for _ in conditions]
@@ -268,8 +288,10 @@ def propagate(
             lengths += nominal
             length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
         by_condition = []
+        position = positions.of(land)
+        for now, instant_total in zip(at_instants, instant_totals, strict=True):
+            instant_total += now.leakage(land, bore, length, position)[1]
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
-            position = positions.of(land)
             flow, drawn_flow = now.leakage(land, bore, length, position)
             new_flow = now.leakage(land, new, length, position)[1] if land.state.measured else drawn_flow
             totals[index] += drawn_flow
@@ -310,6 +332,12 @@ def propagate(
             for now, probe, total, new_total, probe_total, variance, components, slopes in zip(
                 drawn, probes, totals, new_totals, probe_totals, variances, by_component, group_slopes, strict=True
             )
+        ],
+        [
+            InstantSpread(
+                _spread(total, (), coverage).interval, _spread(_ratio(total, now.capacity), (), coverage).interval
+            )
+            for now, total in zip(at_instants, instant_totals, strict=True)
         ],
     )
 

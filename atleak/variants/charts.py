@@ -12,7 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from atleak.engine.road_leakage import Instant, RoadLeakage
+from atleak.engine.extremes import Instant
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import CURVES
 from atleak.thinning import thinned
 from atleak.variants.run import TemperatureCurve, VariantResult

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any, Literal
 
-from atleak.engine.road_leakage import Instant
+from atleak.engine.extremes import Instant
 from atleak.variants.article import ERRATA, ComparedPoint
 from atleak.variants.run import OptionRow, VariantResult, reaches_digits
 from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT

@@ -8,9 +8,10 @@ from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
+from atleak.engine.extremes import Extremes
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.projection import Projection
-from atleak.engine.road_leakage import Instant, RoadLeakage
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
@@ -19,6 +20,7 @@ from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.repair_words import plan_ends
+from atleak.views.road_instants import instant_record
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 
 FORMAT = 1
@@ -51,6 +53,8 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "source": diagnosis.fluid.source,
             "sha256": diagnosis.fluid.origin.sha256,
             "representative": list(diagnosis.fluid.representative),
+            "state": diagnosis.fluid.state,
+            "state_assumed": diagnosis.fluid_state_assumed,
         },
         "limits": limits_record(diagnosis.limits),
         "mileage_km": diagnosis.mileage,
@@ -74,7 +78,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "conditions": [_projection(diagnosis, each) for each in diagnosis.projections],
         "repair_plan": [_repair_step(step) for step in plan.steps],
         "repair_plan_ends": _repair_ends(plan),
-        "road_test": None if diagnosis.road is None else _road(diagnosis.road),
+        "road_test": None if diagnosis.road is None else _road(diagnosis.road, diagnosis.uncertainty),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
 
@@ -178,6 +182,7 @@ def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
 def _land(row: MatrixRow) -> dict[str, Any]:
     land = row.land
     state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
+    at = land.replace_mileage
     low, high = (uncertainty.leakage_interval if uncertainty else None) or (None, None)
     return {
         "component": nominal.component,
@@ -204,7 +209,9 @@ def _land(row: MatrixRow) -> dict[str, Any]:
         "suspect": land.suspect,
         "probability_over_limit": land.probability_over_limit,
         "advice": uncertainty.advice if uncertainty else None,
-        "replace_mileage_km": land.replace_mileage,
+        "replace_mileage_km": at.value if at else None,
+        "replace_mileage_low_km": _finite(at.low) if at else None,
+        "replace_mileage_high_km": _finite(at.high) if at else None,
         "representative": list(nominal.representative),
         "conditions": [_at_condition(cell) for cell in row.cells],
         "rules": [_rule(rule, uncertainty) for rule in land.rules],
@@ -306,6 +313,7 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
         "verdict": step.land.verdict,
         "for_total": step.for_total,
         "at": step.at.condition.name,
+        "at_label": step.at.condition.label,
         "share_before_percent": _finite(step.at.before.share * PERCENT),
         "share_after_percent": _finite(step.at.after.share * PERCENT),
         "conditions": [
@@ -349,7 +357,7 @@ def _end(total: Total) -> dict[str, Any]:
     }
 
 
-def _road(road: RoadLeakage) -> dict[str, Any]:
+def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
     test = road.road_test
     return {
         "file": test.file,
@@ -358,22 +366,23 @@ def _road(road: RoadLeakage) -> dict[str, Any]:
         "duration_s": test.duration,
         "gears": list(road.gears),
         "sections": dict(road.section_shares),
-        "max_leakage": _instant(road.max_leakage),
-        "min_leakage": _instant(road.min_leakage),
-        "max_share": _instant(road.max_share),
+        **_extremes(road.extremes, uncertainty),
+        "start": None if road.start is None else {"samples": road.start.samples, **_extremes(road.start, uncertainty)},
+        "sustained_over_s": road.extremes.window,
+        "lower_bound": road.lower_bound,
         "messages": [message_record(message) for message in (*test.messages, *road.messages)],
     }
 
 
-def _instant(instant: Instant | None) -> dict[str, Any] | None:
-    if instant is None:
-        return None
-    return {
-        "time_s": instant.time,
-        "leakage_dm3_min": instant.leakage * DM3_MIN,
-        "pump_capacity_dm3_min": None if instant.pump_capacity is None else instant.pump_capacity * DM3_MIN,
-        "share_percent": None if instant.share is None else instant.share * PERCENT,
+def _extremes(extremes: Extremes, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
+    named = {
+        "max_leakage_sustained": extremes.max_leakage_sustained,
+        "max_share_sustained": extremes.max_share_sustained,
+        "max_leakage": extremes.max_leakage,
+        "min_leakage": extremes.min_leakage,
+        "max_share": extremes.max_share,
     }
+    return {name: instant and instant_record(instant, uncertainty) for name, instant in named.items()}
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

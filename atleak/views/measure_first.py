@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -37,6 +38,20 @@ class MeasureFirst:
             return Doubt.HALF_MEASURED
         decided = self.land.deciding_uncertainty
         return Doubt.CONDITIONAL if decided is not None and decided.conditional else Doubt.NONE
+
+
+def head(ranked: Sequence[MeasureFirst], say: Wording | None = None) -> str:
+    """Say what a list of lands is: those to measure first, or only what each carries where nothing is open.
+
+    Parameters
+    ----------
+    say
+        the words of a language; English unless given.
+    """
+    say = say or wording("en")
+    if not ranked:
+        return say("complaint.nothing")
+    return say("complaint.sure" if all(each.doubt is Doubt.NONE for each in ranked) else "complaint.first")
 
 
 def reason(each: MeasureFirst, say: Wording | None = None, named: Named = label_of) -> str:

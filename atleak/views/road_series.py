@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.engine.road_leakage import Instant, RoadLeakage
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.thinning import thinned
+from atleak.views.road_instants import RoadInstant, road_instants
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
@@ -18,7 +19,7 @@ class RoadSeries:
     columns: dict[str, np.ndarray]
     labels: dict[str, tuple[str, str]]  # the same names → words and unit for people
     samples: int  # of the log
-    instants: dict[str, Instant]
+    instants: tuple[RoadInstant, ...]
 
     @property
     def thinned(self) -> bool:
@@ -31,13 +32,12 @@ def road_series(road: RoadLeakage, points: int) -> RoadSeries:
     They are `thinned` by leakage and share; the instants that the result names are among them.
     """
     keep = _samples(road, points)
-    instants = {"max_leakage": road.max_leakage, "min_leakage": road.min_leakage, "max_share": road.max_share}
     named = _columns(road)
     return RoadSeries(
         columns={name: array[keep] * factor for name, _, _, array, factor in named},
         labels={name: (label, unit) for name, label, unit, _, _ in named},
         samples=len(road.time),
-        instants={name: instant for name, instant in instants.items() if instant},
+        instants=road_instants(road),
     )
 
 
@@ -67,6 +67,5 @@ def _columns(road: RoadLeakage) -> list[tuple[str, str, str, np.ndarray, float]]
 
 
 def _samples(road: RoadLeakage, points: int) -> np.ndarray:
-    instants = [at.time for at in (road.max_leakage, road.min_leakage, road.max_share) if at is not None]
     series = [road.leakage] if road.share is None else [road.leakage, road.share]
-    return thinned(series, points, keep=[int(np.argmin(np.abs(road.time - time))) for time in instants])
+    return thinned(series, points, keep=[row.instant.sample for row in road_instants(road)])

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from atleak.catalogue.controller import Controller
-from atleak.engine.road_leakage import Instant, RoadLeakage
+from atleak.engine.extremes import Instant
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.road_test import RoadTest
 from atleak.variants import VariantResult, gear_at_most_leakage

@@ -20,6 +20,7 @@ EVENT_NAMES = {
     "stall": "stall",
     "lock_up": "lock-up",
     "steady_driving": "steady driving",
+    "engine_start": "start of the engine",
 }
 
 

@@ -63,8 +63,8 @@ WRONG = (
     World("one direction, ovality three times as assumed", directions=(0.0,), ovality=12e-6),
     World("room within 5 K instead of 0.5 K", room_temperature=5.0),
 )
-TRUE = (AS_DECLARED, *ONE_SIDED, ANYWHERE)  # to the assumptions: how much is worn to one side is among them
-WORLDS = (*TRUE, *WRONG)
+AS_ASSUMED = (AS_DECLARED, *ONE_SIDED, ANYWHERE)  # how much is worn to one side is nothing that is known
+WORLDS = (*AS_ASSUMED, *WRONG)
 
 
 @dataclass(frozen=True)

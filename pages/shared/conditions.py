@@ -15,9 +15,10 @@ from atleak.look import look_of
 from atleak.repair import RepairPlan, Total, plan_repairs
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
-from atleak.views.measure_first import measure_first, reason
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
+from atleak.views.sentences import covered_from
 from atleak.wording import signed
 from atleak.workshop_units import PERCENT
 from pages.shared import show
@@ -37,8 +38,7 @@ def complaint(diagnosis: Diagnosis) -> None:
     ranked = measure_first(diagnosis)
     lines = [f"- **{plain(land_name(diagnosis, each.land.key))}**: {plain(reason(each))}" for each in ranked]
     st.subheader(f"Complaint: {plain(diagnosis.complaint.label)}")
-    first = "Measure first:" if lines else "No land leaks there."
-    st.markdown("\n".join([f"It shows at {shows}. {first}", "", *lines[:MEASURE_FIRST]]))
+    st.markdown("\n".join([f"It shows at {shows}. {plain(head(ranked))}", "", *lines[:MEASURE_FIRST]]))
     if lines[MEASURE_FIRST:]:
         with st.expander(f"{len(lines) - MEASURE_FIRST} more lands that leak there"):
             st.markdown("\n".join(lines[MEASURE_FIRST:]))
@@ -46,16 +46,16 @@ def complaint(diagnosis: Diagnosis) -> None:
 
 
 def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show every condition with its total, and the speed below which the pump no longer holds the pressure."""
+    """Show every condition with its total, and from which speed the pump covers the leakage."""
     rows = {row["name"]: row for row in record["conditions"]}
-    for point in diagnosis.presented:
+    for number, point in enumerate(diagnosis.presented, start=1):
         row = rows[point.condition.name]
         worst = " (the worst condition)" if point is diagnosis.worst and len(rows) > 1 else ""
         st.caption(
-            f"**{plain(point.condition.label)}**{worst}: {row['leakage_dm3_min']:.2f} of "
+            f"{number} · **{plain(point.condition.label)}**{worst}: {row['leakage_dm3_min']:.2f} of "
             f"{row['pump_capacity_dm3_min']:.2f} dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm, "
             f"{row['leakage_new_dm3_min']:.2f} when new; {positions(diagnosis, point)}; "
-            f"for this leakage alone the pump needs **{row['minimum_engine_rpm']:.0f} rpm**. {plain(row['source'])}"
+            f"{plain(covered_from(point))}. {plain(row['source'])}"
         )
 
 
@@ -92,9 +92,11 @@ def matrix(diagnosis: Diagnosis) -> None:
         style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
     config: dict[str, Any] = {
         each.condition.name: st.column_config.Column(
-            each.condition.label, width=_COLUMN, help=f"share of the pump's flow [%], {each.condition.label}"
+            f"{number} · {each.condition.label}",
+            width=_COLUMN,
+            help=f"share of the pump's flow [%], {each.condition.label}",
         )
-        for each in diagnosis.presented
+        for number, each in enumerate(diagnosis.presented, start=1)
     }
     config[_PAIR] = st.column_config.TextColumn("Pair", width=126, pinned=True, help="component, land and name")
     config[_ELSEWHERE] = None if not any(frame[_ELSEWHERE]) else st.column_config.TextColumn("Elsewhere", width=300)
@@ -149,11 +151,14 @@ def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         name = f"{number}. {pair(diagnosis.controller, *step.land.key)}"
         rows.append({_STEP: name, **_totals(each.after for each in step.conditions)})
     config: dict[str, Any] = {
-        each.condition.name: st.column_config.TextColumn(each.condition.label, width=_COLUMN + 40)
-        for each in diagnosis.projections
+        each.condition.name: st.column_config.TextColumn(
+            f"{number} · {each.condition.label}", width=_COLUMN, help=each.condition.label
+        )
+        for number, each in enumerate(diagnosis.presented, start=1)
     }
     config[_STEP] = st.column_config.TextColumn("After step", width=150, pinned=True)
-    st.dataframe(pd.DataFrame(rows), hide_index=True, width="stretch", column_config=config)
+    frame = pd.DataFrame(rows)[[_STEP, *(each.condition.name for each in diagnosis.presented)]]
+    st.dataframe(frame, hide_index=True, width="stretch", column_config=config)
     st.caption("Total share of the pump's flow after each step, with its band.")
 
 

@@ -10,6 +10,7 @@ import streamlit as st
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
+from atleak.catalogue.fluid import USED_THINNER, FluidState
 from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.errors import AtleakError
@@ -75,6 +76,8 @@ def draw() -> None:
             if choice.part is None:
                 with st.container():
                     _choice(choice)
+                    if choice.name == "fluid":
+                        _fluid_state()
         with st.expander("Instruments"):
             for choice in SLOTS.values():
                 if choice.part is not None:
@@ -177,6 +180,22 @@ def _choice(slot: Slot) -> None:
     own = st.file_uploader(f"Your own file: {slot.label.lower()}", key=_key(f"own-{slot.name}"))
     if own is not None:
         choose(**{slot.name: SourceFile(own.name, own.getvalue())})
+
+
+def _fluid_state() -> None:
+    """Ask whether the fluid in the transmission is fresh or used."""
+    states = (None, *get_args(FluidState))
+    low, high = USED_THINNER
+    picked = st.radio(
+        "The fluid is",
+        states,
+        states.index(session().case.fluid_state),
+        key=_key("fluid_state"),
+        format_func=lambda state: state or "not known: taken as fresh",
+        horizontal=True,
+        help=f"Used fluid is thinner: as its own data say or, without any, by {low} to {high} % (representative).",
+    )
+    choose(fluid_state=picked)
 
 
 def _start() -> PageCase:

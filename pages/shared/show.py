@@ -14,12 +14,16 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
+from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
-from atleak.wording import signed
+from atleak.views.road_instants import instant_rows
+from atleak.views.sentences import fluid_in_state
+from atleak.wording import signed, wording
 from pages.shared.state import Refusal
 
 _BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
@@ -44,7 +48,7 @@ HELP = {
     "After [%]": "total share after the step, at the condition that it helps most",
     "Then": "the band of the total after the step, at that condition",
     "Helps most at": "the condition at which the step saves most, measured by the limit of that condition",
-    "Limit at [km]": "mileage at which the wear limit for replacing is reached, if wear goes on as so far",
+    "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (95 % interval)",
 }
 WIDTHS = {
     "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,
@@ -150,7 +154,8 @@ def what_is_shown(diagnosis: Diagnosis) -> None:
     controller = diagnosis.controller
     said = f" **Representative:** {plain(controller.representative)}" if controller.representative else ""
     more = "Whose limit it is, leakage and mounting clearance: with all lands, below."
-    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}. {more}{said}")
+    fluid = plain(fluid_in_state(diagnosis, wording("en")))
+    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}, fluid {fluid}. {more}{said}")
 
 
 def open_verdicts(lines: list[str]) -> None:
@@ -167,6 +172,15 @@ def log_messages(diagnosis: Diagnosis) -> None:
         messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
 
 
+def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
+    """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
+    table(instant_rows(road, uncertainty), number=rounded)
+    said = wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}")
+    if road.lower_bound:
+        said += f" {wording('en')('texts.lower_bound')}"
+    st.caption(plain(said))
+
+
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show the basis of the result: choices, sources, and what of it is representative."""
     road, readings = diagnosis.road, diagnosis.readings
@@ -178,8 +192,12 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     if diagnosis.uncertainty is not None:
         messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")
     lines = [
-        f"- {SLOTS[name].label.lower()}: **{plain(record[name]['name'])}** — {plain(record[name]['source'])}"
-        for name in ("controller", "fluid", "limits")
+        f"- {SLOTS[name].label.lower()}: **{plain(called)}** — {plain(record[name]['source'])}"
+        for name, called in (
+            ("controller", record["controller"]["name"]),
+            ("fluid", fluid_in_state(diagnosis, wording("en"))),
+            ("limits", record["limits"]["name"]),
+        )
     ]
     with st.expander("What this rests on"):
         st.markdown("\n".join([*lines, f"- profile: **{plain(diagnosis.profile.label)}**"]))

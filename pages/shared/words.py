@@ -12,7 +12,8 @@ from atleak.engine.projection import Projection
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
-from atleak.wording import signed
+from atleak.views.sentences import covered_from, replace_at
+from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared.show import plain
 
@@ -34,7 +35,6 @@ DIGITS = {
     **dict.fromkeys(
         (f"{part} {what} [µm]" for what in ("ovality", "taper", "spread") for part in ("Spool", "Sleeve")), 1
     ),
-    "Limit at [km]": 0,
 }
 
 
@@ -66,11 +66,8 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     several = len(diagnosis.projections) > 1
     totals = [_total(row, worst=several and at is diagnosis.worst) for at, row in reported(diagnosis, record)]
-    worst = next(row for at, row in reported(diagnosis, record) if at is diagnosis.worst)
-    holds = (
-        f"For this leakage alone the pump needs **{worst['minimum_engine_rpm']:.0f} rpm** at {plain(worst['label'])}."
-    )
-    return f"{head} The unit leaks {listed(totals)}. {holds}"
+    covers = f"At {plain(diagnosis.worst.condition.label)} {plain(covered_from(diagnosis.worst))}."
+    return f"{head} The unit leaks {listed(totals)}. {covers}"
 
 
 def _total(point: dict[str, Any], *, worst: bool) -> str:
@@ -126,7 +123,7 @@ def land_rows(
                 "Leakage [dm³/min]": land["leakage_dm3_min"],
                 "from": land["leakage_low_dm3_min"],
                 "to": land["leakage_high_dm3_min"],
-                "Limit at [km]": land["replace_mileage_km"],
+                "Limit at": replace_at(diagnosed, wording("en")),
             }
         )
     left_out = {"Mounting [µm]", "Limit is", "Leakage [dm³/min]", "from", "to"} if brief else set()
@@ -175,7 +172,7 @@ def rule_text(rule: Rule) -> str:
     kind = rule.kind
     value = f"{rule.value * kind.factor:.3g} {kind.unit}" if math.isfinite(rule.value) else "beyond the pump"
     where = f", {rule.condition.label}" if rule.condition else ""
-    return f"{rule.quantity} {value}, limit {rule.limit * kind.factor:g} {kind.unit}{where}"
+    return f"{rule.quantity} {value}, limit {rule.limit * kind.factor:.3g} {kind.unit}{where}"
 
 
 def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

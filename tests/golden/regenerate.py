@@ -23,6 +23,10 @@ COMMAND = "python tests/golden/regenerate.py"
 HERE = Path(__file__).resolve().parent
 SAMPLE = HERE.parents[1] / "sample_data"
 DIGITS = 12  # significant ones: more would differ from one processor to the next
+ROAD_KEYS = (
+    "rows", "duration_s", "gears", "sections",
+    "max_leakage_sustained", "max_share_sustained", "max_leakage", "min_leakage", "max_share",
+)  # fmt: skip
 LAND_KEYS = ("radial_clearance_um", "wear_percent", "effective_clearance_um", "leakage_dm3_min", "share_percent")
 CONDITION_KEYS = (
     "p_g_kpa",
@@ -77,10 +81,7 @@ def _key_numbers(record: dict[str, Any]) -> dict[str, Any]:
         "replace_mileage_km": {
             _name(land): land["replace_mileage_km"] for land in record["lands"] if land["verdict"] != "ok"
         },
-        "road_test": {
-            key: road[key]
-            for key in ("rows", "duration_s", "gears", "sections", "max_leakage", "min_leakage", "max_share")
-        },
+        "road_test": {key: road[key] for key in ROAD_KEYS},
         "message_codes": sorted({message["code"] for message in record["messages"]}),
     }
 

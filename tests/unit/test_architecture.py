@@ -37,7 +37,7 @@ FLOORS = (
     ("equations", "faults", "system.files", "system.shipped", "system.marks", "look", "paper"),
     ("catalogue", "wording"),
     ("readings", "road_test"),
-    ("events", "engine.profile"),
+    ("events", "engine.profile", "engine.extremes"),
     ("engine.leakage",),
     ("engine.series", "engine.projection"),
     ("engine.road_leakage", "rules"),

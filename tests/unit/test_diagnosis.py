@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
-from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.fluid import Fluid, FluidState, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
@@ -20,6 +21,7 @@ from atleak.errors import DomainError
 from atleak.readings import Readings
 from atleak.repair import plan_repairs
 from atleak.rules import Rule
+from atleak.uncertainty import DEFAULTS
 from atleak.verdicts import Verdict
 from atleak.views.diagnosis_record import diagnosis_record
 
@@ -45,6 +47,79 @@ def at_wear(controller: Controller, **wear: float) -> dict[tuple[str, int], tupl
 
 def codes(diagnosis: Diagnosis) -> set[str]:
     return {message.code for message in diagnosis.messages}
+
+
+# --- the road test's extremes
+
+
+def test_an_extreme_of_a_road_test_has_the_interval_of_a_condition_with_its_pressures(sample: Diagnosis) -> None:
+    road = sample.road
+    for instant in (road.max_leakage, road.max_share):
+        there = diagnose(
+            sample.controller,
+            sample.fluid,
+            sample.limits,
+            readings=sample.readings,
+            profile=sample.profile,
+            condition=road.condition_at(instant),
+        )
+        # over a log, gaps whose entry loss stays under 1 % may go without it
+        assert there.projection.leakage == pytest.approx(instant.leakage, rel=0.01, abs=0.0)
+        uncertainty, total = sample.uncertainty.instants[instant], there.uncertainty.totals[0]
+        of_log, of_point = np.array(uncertainty.leakage_interval), np.array(total.leakage_interval)
+        np.testing.assert_allclose(of_log / instant.leakage, of_point / total.leakage, rtol=1e-9)
+        of_log, of_point = np.array(uncertainty.share_interval), np.array(total.share_interval)
+        np.testing.assert_allclose(of_log / instant.share, of_point / total.share, rtol=1e-9)
+
+
+def test_every_extreme_lies_in_its_interval(sample: Diagnosis) -> None:
+    assert len(sample.road.instants) == 5
+    for instant in sample.road.instants:
+        uncertainty = sample.uncertainty.instants[instant]
+        assert uncertainty.leakage_interval[0] < instant.leakage < uncertainty.leakage_interval[1]
+        assert uncertainty.share_interval[0] < instant.share < uncertainty.share_interval[1]
+
+
+def test_without_readings_no_extreme_has_an_interval(sample: Diagnosis) -> None:
+    bare = diagnose(sample.controller, sample.fluid, sample.limits, road_test=sample.road.road_test)
+    record = diagnosis_record(bare)["road_test"]["max_leakage_sustained"]
+    assert record["leakage_dm3_min"] > 0.0
+    names = ("leakage_low_dm3_min", "leakage_high_dm3_min", "share_low_percent", "share_high_percent")
+    assert [record[name] for name in names] == [None] * 4
+
+
+def test_without_engine_speed_an_extreme_has_an_interval_of_its_leakage_alone(sample: Diagnosis) -> None:
+    test = sample.road.road_test
+    channels = {name: channel for name, channel in test.channels.items() if name != "engine_speed"}
+    log = replace(test, channels=channels, _held={})
+    diagnosis = diagnose(
+        sample.controller, sample.fluid, sample.limits, readings=sample.readings, road_test=log, profile=sample.profile
+    )
+    uncertainty = diagnosis.uncertainty.instants[diagnosis.road.max_leakage]
+    assert uncertainty.share_interval is None
+    known = sample.uncertainty.instants[sample.road.max_leakage]
+    assert uncertainty.leakage_interval == pytest.approx(known.leakage_interval, rel=1e-12, abs=0.0)
+
+
+# --- the state of the fluid
+
+
+def test_the_width_of_an_estimated_used_viscosity_is_part_of_every_interval(sample: Diagnosis) -> None:
+    def of(fluid: Fluid, state: FluidState) -> Diagnosis:
+        return diagnose(
+            sample.controller, fluid, sample.limits, fluid_state=state, readings=sample.readings, profile=sample.profile
+        )
+
+    used = of(load_fluid("mobil_atf_220"), "used")
+    known = of(replace(used.fluid, viscosity_half_width=0.0), "used")
+    for wide, narrow in zip(used.uncertainty.totals, known.uncertainty.totals, strict=True):
+        assert wide.leakage == narrow.leakage
+        assert wide.u_leakage > narrow.u_leakage
+        parts = dict(wide.budget)
+        ratio = parts["viscosity of the used fluid"] / parts["viscosity"]
+        rectangle = (0.80 - 0.75) / (0.80 + 0.75) / math.sqrt(3.0)
+        assert ratio == pytest.approx((rectangle / used.uncertainty.assumptions.viscosity) ** 2, rel=0.02, abs=0.0)
+        assert "viscosity of the used fluid" not in dict(narrow.budget)
 
 
 # --- verdicts
@@ -316,14 +391,41 @@ def test_mileage_at_which_a_land_reaches_its_limit(sample: Diagnosis) -> None:
     assert sample.mileage == 106_315.0
     for land in sample.lands:
         assert land.wear is not None
-        assert land.uncertainty is not None
-        doubt = 2.0 * land.uncertainty.u_clearance / land.state.land.mounting_clearance
-        if doubt < land.wear < 0.5:
-            assert land.replace_mileage == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9, abs=0.0)
-            assert land.replace_mileage > sample.mileage
-        else:  # less wear than the readings' own doubt, or the limit already reached
-            assert land.replace_mileage is None
-    assert any(land.replace_mileage for land in sample.lands)
+        at = land.replace_mileage
+        if land.wear >= 0.5:  # the limit is reached already
+            assert at is None
+            continue
+        assert at is not None
+        least, most = land.uncertainty.wear_interval
+        assert least < land.wear < most
+        assert at.low == pytest.approx(max(106_315.0 * 0.5 / most, 106_315.0), rel=1e-9, abs=0.0)
+        if least > 0.0:
+            assert at.value == pytest.approx(106_315.0 * 0.5 / land.wear, rel=1e-9, abs=0.0)
+            assert at.high == pytest.approx(106_315.0 * 0.5 / least, rel=1e-9, abs=0.0)
+            assert sample.mileage <= at.low < at.value < at.high
+        else:  # perhaps it does not wear at all
+            assert (at.value, at.high) == (None, math.inf)
+        assert at.foreseeable is (at.high <= 1e6)
+    assert {land.replace_mileage.foreseeable for land in sample.lands if land.replace_mileage} == {True, False}
+
+
+def test_the_interval_of_wear_holds_what_is_known_of_the_mounting_clearance(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    readings = readings_of(minimal, at_wear(minimal, pressure_regulator=0.3))
+
+    def interval(**assumed: float) -> tuple[float, float]:
+        diagnosis = diagnose(
+            minimal, hipol, limits, readings=readings, assumptions=DEFAULTS.with_settings(assumed), mileage=100_000.0
+        )
+        return next(land for land in diagnosis.lands if land.key == REGULATOR).uncertainty.wear_interval
+
+    sure, unsure = interval(mounting_clearance_um=0.0), interval(mounting_clearance_um=3.0)
+    land = minimal.land(*REGULATOR)
+    added = 1.959964 * 1.3 * 3e-6 / land.mounting_high
+    half_sure, half_unsure = (0.5 * (high - low) for low, high in (sure, unsure))
+    assert half_unsure == pytest.approx(math.hypot(half_sure, added), rel=1e-6, abs=0.0)
+    assert sum(sure) / 2.0 == pytest.approx(0.3, rel=1e-6, abs=0.0)
 
 
 def test_hot_idle_as_the_stated_condition_is_one_projection(
@@ -409,6 +511,23 @@ def test_a_total_at_a_third_condition_that_decides_is_reported(
     record = diagnosis_record(found)
     assert record["unit"]["decided_by"]["value"] == pytest.approx(record["conditions"][2]["share_percent"], abs=1e-9)
     assert record["unit"]["decided_by"]["limit"] == 50.0
+
+
+def test_the_worst_condition_is_reported_whatever_decides(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    """A land's wear decides, and no total is past its limit: the condition that takes most is named all the same."""
+    driving = minimal.operating_points[0]
+    reverse = replace(driving, name="reverse", label="reverse at idle", engine_speed=10.0, main_pressure=14e5)
+    unit = replace(minimal, operating_points=(*minimal.operating_points, reverse))
+    wear_alone = replace(limits, pair_share=None)
+    found = diagnose(unit, hipol, wear_alone, readings=readings_of(unit, at_wear(unit, solenoid_modulator=0.6)))
+    assert found.decided_by is not None
+    assert not isinstance(found.decided_by, Rule)
+    assert {found.band(each) for each in found.projections} == {"green"}
+    assert found.worst.condition.name == "reverse"
+    assert found.worst.share == max(each.share for each in found.projections)
+    assert [at.condition.name for at in found.reported] == ["driving_second", "hot_idle", "reverse"]
 
 
 def test_of_equally_bad_lands_the_surest_decides(

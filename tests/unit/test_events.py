@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from atleak.events import (
     Thresholds,
+    engine_starts,
     events,
     gear_shifts,
     hot_idle,
@@ -64,6 +65,44 @@ def drive() -> dict[str, np.ndarray]:
     values |= {"engine_speed": np.array(engine) / 60, "atf_temperature": np.full(len(speed), 85.0)}
     values["output_speed"] = np.array(speed) * 30 / 60
     return values
+
+
+def engine_at(*stretches: tuple[float, float]) -> np.ndarray:
+    """Engine speed [1/s] of stretches of some seconds at some rpm, ten samples a second."""
+    return np.concatenate([np.full(round(seconds / STEP), rpm / 60.0) for seconds, rpm in stretches])
+
+
+def test_a_start_lasts_from_the_first_turn_to_three_seconds_after_the_engine_runs() -> None:
+    log = road_test(engine_speed=engine_at((2.0, 0), (1.0, 200), (10.0, 800), (4.0, 0), (10.0, 800)))
+    starts = engine_starts(log)
+    assert [(round(event.start, 6), round(event.stop, 6)) for event in starts] == [(2.0, 6.0), (17.0, 20.0)]
+    assert {event.kind for event in events(log)} == {"engine_start"}
+
+
+def test_an_engine_that_is_cranked_and_does_not_run_starts_until_it_stands() -> None:
+    starts = engine_starts(road_test(engine_speed=engine_at((1.0, 0), (1.5, 200), (2.0, 0), (5.0, 800))))
+    assert [(round(event.start, 6), round(event.stop, 6)) for event in starts] == [(1.0, 2.4), (4.5, 7.5)]
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [
+        engine_at((5.0, 800), (5.0, 2000)),
+        engine_at((5.0, 800), (5.0, 0)),
+        engine_at((5.0, 0)),
+        engine_at((5.0, 800), (0.2, 0), (5.0, 800)),
+    ],
+    ids=["runs from the first sample", "is switched off", "stands", "two samples without speed"],
+)
+def test_an_engine_that_runs_from_the_beginning_is_not_started(speed: np.ndarray) -> None:
+    assert engine_starts(road_test(engine_speed=speed)) == []
+
+
+def test_a_start_is_in_one_stretch_of_the_log() -> None:
+    speed = engine_at((2.0, 0), (5.0, 800))
+    apart = (Segment(0, 20, 0.0, 1.9), Segment(20, 50, 2.0, 4.9))
+    assert engine_starts(road_test(apart, engine_speed=speed)) == []
+    assert engine_starts(road_test(vehicle_speed=speed)) == []
 
 
 def test_the_whole_drive() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import chain
 
 import pytest
 
@@ -11,9 +12,11 @@ from atleak.catalogue.controller import Controller, NewOrigin, controllers, load
 from atleak.catalogue.fluid import Fluid, fluids, load_fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES, Profile
-from atleak.readings import Readings
-from atleak.rules import Rule
+from atleak.engine.projection import project, project_new
+from atleak.readings import Readings, clearances
+from atleak.rules import Rule, unit_rules
 from atleak.verdicts import Band, Verdict
 
 Build = Callable[..., Readings]
@@ -43,17 +46,31 @@ def widened(controller: Controller, times: float, readings_of: Build) -> Reading
 @every_unit
 @pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
 def test_a_new_unit_is_green_at_every_operating_point(
-    controller: Controller, profile: Profile, limits: Limits, readings_of: Build
+    controller: Controller, profile: Profile, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     sheet = widened(controller, 1.0, readings_of)
+    diagnosis = diagnose(controller, hipol, limits, readings=sheet, profile=profile)
+    assert diagnosis.verdict == Verdict.OK
+    assert {diagnosis.band(point) for point in diagnosis.projections} == {Band.GREEN}
+    assert {land.verdict for land in diagnosis.lands} == {Verdict.OK}
+
+
+@every_unit
+@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
+def test_no_fluid_makes_a_new_unit_worn(
+    controller: Controller, profile: Profile, limits: Limits, readings_of: Build
+) -> None:
+    states = clearances(widened(controller, 1.0, readings_of), controller)
+    judged = 0
     for fluid in fluids():
         low, high = fluid.span(profile.viscosity)
-        if not all(low <= point.temperature <= high for point in controller.operating_points):
-            continue
-        diagnosis = diagnose(controller, fluid, limits, readings=sheet, profile=profile)
-        assert diagnosis.verdict == Verdict.OK, fluid.id
-        assert {diagnosis.band(point) for point in diagnosis.projections} == {Band.GREEN}
-        assert {land.verdict for land in diagnosis.lands} == {Verdict.OK}
+        points = [point for point in controller.operating_points if low <= point.temperature <= high]
+        model = LeakageModel(controller, states, fluid, profile)
+        projections = [project(model, point) for point in points]
+        rules = unit_rules(states, projections, project_new(states, model, projections), limits)
+        judged += len(projections)
+        assert {rule.verdict for rule in (*rules.totals, *chain(*rules.lands.values()))} == {Verdict.OK}
+    assert judged >= 2 * len(fluids()) - 2
 
 
 @pytest.mark.parametrize(
@@ -151,3 +168,18 @@ def test_unmeasured_lands_of_a_range_leak_its_mean_cube_with_all_of_it_in_the_in
     low, high = diagnosis.uncertainty.totals[0].new_leakage_interval
     assert low < diagnosis.new_projections[0].leakage < high
     assert high > 2.0 * low
+
+
+@pytest.mark.parametrize(
+    ("unit", "code"),
+    [
+        ("four_speed_2023", "mounting_clearance_used_unit"),
+        ("known_by_range", "mounting_clearance_range"),
+        ("minimal_example", None),
+    ],
+)
+def test_a_result_says_what_its_mounting_clearances_are(
+    unit: str, code: str | None, hipol: Fluid, limits: Limits
+) -> None:
+    codes = {each.code for each in diagnose(UNITS[unit], hipol, limits).messages}
+    assert {each for each in codes if each.startswith("mounting_clearance_")} == ({code} if code else set())

@@ -199,6 +199,7 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
     offered: dict[str, list[_SheetReading]] = {}
     for reading in good:
         main.messages += reading.assigner.messages
+        main.refused |= reading.assigner.refused
         main.ambiguous += reading.assigner.ambiguous
         for quantity in reading.assigner.signals:
             offered.setdefault(quantity, []).append(reading)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from atleak.errors import Message, RoadTestError
 from atleak.intake.road_test.channels import build
@@ -67,9 +68,12 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
     for ambiguous in assigner.ambiguous:
         text = f"{ambiguous.quantity}: {ambiguous.why}: {', '.join(map(repr, ambiguous.candidates))}; choose one"
         assigner.say("ambiguous", text, "warning")
+        assigner.refused.setdefault(ambiguous.quantity, text)
     road_test = RoadTest(
         blank.file, blank.sha256, reading.rows, timeline.duration, timeline.time, channels, timeline.segments,
-        tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal, reading.clock.date,
+        tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal,
+        MappingProxyType({name: why for name, why in assigner.refused.items() if name not in channels}),
+        reading.clock.date,
     )  # fmt: skip
     return replace(
         blank,

@@ -146,7 +146,7 @@ def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[s
     if series is not None:
         marks = [
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
-            for at in series.instants.values()
+            for at in (row.instant for row in series.instants if row.leads)
         ]
         bands = [(band, limit * PERCENT) for band, limit in diagnosis.limits.fixed_bands]
         charts["road"] = road_chart(series, marks, bands, say)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import unknown
@@ -14,8 +15,8 @@ from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
-from atleak.views.measuring import measuring_temperature
 from atleak.views.road_series import RoadSeries
+from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.wording import isolated
 from atleak.workshop_units import G_CM3, MM, MM2_S, UM
 
@@ -204,23 +205,23 @@ class Body:
                 [say("facts.sections"), shares],
             ]
         )
-        numbered = list(enumerate(self.series.instants.items(), start=1))
+        marked = [row for row in self.series.instants if row.leads]
         spoken = " ".join(
             say(
                 "charts.instant_alt",
-                instant=say(f"instants.{name}"),
-                share=say.percent(instant.share)
-                if instant.share is not None
-                else f"{self.names.flow(instant.leakage)} dm³/min",
-                time=say.number(instant.time, 1),
+                instant=row.label(say),
+                share=say.percent(row.instant.share)
+                if row.instant.share is not None
+                else f"{self.names.flow(row.instant.leakage)} dm³/min",
+                time=say.number(row.instant.time, 1),
             )
-            for _, (name, instant) in numbered
+            for row in marked
         )
         thinned = ""
         if self.series.thinned:
             kept = say.number(len(self.series.columns["time_s"]), 0)
             thinned = say("charts.caption_thinned", kept=kept, samples=say.number(self.series.samples, 0))
-        listed = joined(f"{number} {say(f'instants.{name}')}" for number, (name, _) in numbered)
+        listed = joined(f"{number} {row.label(say)}" for number, row in enumerate(marked, start=1))
         known = "charts.road_alt" if road.share is not None else "charts.road_alt_no_share"
         yield {
             "kind": "image",
@@ -228,16 +229,21 @@ class Body:
             "alt": say(known, instants=spoken),
             "caption": say("charts.caption_road", instants=listed, thinned=thinned).strip(),
         }
-        flow = self.names.flow_with_unit
+        names = self.names
         columns = [
-            PrintedColumn("", lambda row: str(row[0]), side="r"),
-            PrintedColumn(say("columns.instant"), lambda row: say(f"instants.{row[1][0]}"), width=4),
-            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row[1][1].time, 1)} s", width=2, side="r"),
-            PrintedColumn(say("columns.leakage"), lambda row: flow(row[1][1].leakage), width=2, side="r"),
-            PrintedColumn(say("columns.capacity"), lambda row: flow(row[1][1].pump_capacity), width=2, side="r"),
-            PrintedColumn(say("columns.share"), lambda row: say.percent(row[1][1].share), width=2, side="r"),
+            PrintedColumn("", lambda row: str(1 + marked.index(row)) if row in marked else "", side="r"),
+            PrintedColumn(say("columns.instant"), lambda row: row.label(say), width=4),
+            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
+            PrintedColumn(say("columns.leakage"), lambda row: names.instant_leakage(row.instant), width=2, side="r"),
+            PrintedColumn(
+                say("columns.capacity"), lambda row: names.flow_with_unit(row.instant.pump_capacity), width=2, side="r"
+            ),
+            PrintedColumn(say("columns.share"), lambda row: names.instant_share(row.instant), width=2, side="r"),
         ]
-        yield table(columns, numbered)
+        yield table(columns, self.series.instants)
+        notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
+        notes += [say("texts.lower_bound")] if road.lower_bound else []
+        yield text(" ".join(notes), small=True)
 
     def _repair(self, charts: dict[str, str]) -> Iterable[Block]:
         say = self.say
@@ -344,7 +350,7 @@ class Body:
         yield facts(
             [
                 [say("facts.controller"), diagnosis.controller.name],
-                [say("facts.fluid"), fluid.name],
+                [say("facts.fluid"), fluid_in_state(diagnosis, say)],
                 [say("facts.viscosity"), joined(viscosities, "; ")],
                 [say("facts.profile"), diagnosis.profile.label],
                 [say("facts.options"), options],
@@ -388,6 +394,9 @@ class Body:
         if diagnosis.controller.pump.representative:
             names = joined(diagnosis.controller.pump.representative)
             items.append(say("texts.representative_lands", values=names))
+        if diagnosis.fluid_state_assumed:
+            low, high = USED_THINNER
+            items.append(say("texts.fluid_assumed", low=low, high=high))
         if diagnosis.fluid.representative:
             names = joined(diagnosis.fluid.representative)
             items.append(f"{isolated(diagnosis.fluid.name)}: {say('facts.representative')}: {names}.")

@@ -10,8 +10,9 @@ from atleak.repair import RepairStep, Total, plan_repairs
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
-from atleak.views.measure_first import measure_first, reason
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.repair_words import no_help, plan_ends
+from atleak.views.sentences import replace_at
 from atleak.workshop_units import PERCENT
 
 ABREAST = 5  # conditions beside one another in a table
@@ -33,14 +34,14 @@ class Conditions:
             return None
         at = joined((self.names.condition(each.condition) for each in diagnosis.complained), "; ")
         ranked = measure_first(diagnosis)
-        key = "complaint.head" if ranked else "complaint.nothing"
         items = [
             f"{self.names.land_name(each.land)}: {reason(each, say, self.names.condition)}"
             for each in ranked[:MEASURE_FIRST]
         ]
         if len(ranked) > MEASURE_FIRST:
             items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
-        return {"sentence": say(key, label=diagnosis.complaint.label, conditions=at), "items": items}
+        shows = say("complaint.shows", label=diagnosis.complaint.label, conditions=at)
+        return {"sentence": f"{shows} {head(ranked, say)}", "items": items}
 
     # --- matrix
 
@@ -100,13 +101,13 @@ class Conditions:
                     PrintedColumn(say("columns.before"), lambda step: self._at(step[1].at.before), side="r"),
                     PrintedColumn(say("columns.after"), lambda step: self._at(step[1].at.after), side="r"),
                     PrintedColumn(
-                        say("columns.replace_at"), lambda step: self._replace_at(step[1].land), width=2, side="r"
+                        say("columns.replace_at"), lambda step: replace_at(step[1].land, say) or "–", width=2, side="r"
                     ),
                 ],
                 steps,
                 empty=False,
             )
-            if any(_worth_saying(step.land.replace_mileage) for step in plan.steps):
+            if any(step.land.replace_mileage for step in plan.steps):
                 yield text(f"{say('columns.replace_at')}: {say('texts.replace_at')}.", small=True)
             if len(self.diagnosis.projections) > 1:
                 yield from self._totals_after(plan.steps)
@@ -141,11 +142,3 @@ class Conditions:
             return {"sign": total.band.verdict, "text": words}
 
         return cell
-
-    def _replace_at(self, land: LandDiagnosis) -> str:
-        at, say = land.replace_mileage, self.say
-        return say("texts.mileage", value=say.number(at, 0)) if _worth_saying(at) else "–"
-
-
-def _worth_saying(mileage: float | None) -> bool:
-    return mileage is not None and mileage < 1e7

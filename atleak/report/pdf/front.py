@@ -86,9 +86,9 @@ class Front:
         more = []
         if decided_by is not None and not isinstance(decided_by, Rule):
             more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
-        if at.pump_capacity > 0.0:
-            more.append(say("sentences.holds", speed=say.number(at.minimum_speed * RPM, 0)))
-            more += self._positions(at)
+        speed = say.number(at.minimum_speed * RPM, 0)
+        more.append(say("sentences.holds", speed=speed, left_out=say("texts.left_out_of_speed")))
+        more += self._positions(at)
         missing = len(diagnosis.lands) - diagnosis.measured
         if missing and diagnosis.judged:
             more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))

@@ -6,9 +6,11 @@ from typing import Any
 
 from atleak.catalogue.controller import STATED, OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.extremes import Instant
 from atleak.job.record import Job
 from atleak.rules import Rule
 from atleak.views.condition_matrix import MatrixRow
+from atleak.views.road_instants import instant_record
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
@@ -106,6 +108,18 @@ class PrintedNames:
     def flow_with_unit(self, value: float | None) -> str:
         """Return a flow [m³/s] in dm³/min with the unit; a dash where it is not known."""
         return "–" if value is None else f"{self.flow(value)} dm³/min"
+
+    def instant_leakage(self, instant: Instant) -> str:
+        """Return the leakage at an instant of the road test, with its interval where it is known."""
+        record = instant_record(instant, self.diagnosis.uncertainty)
+        interval = self.interval(record["leakage_low_dm3_min"], record["leakage_high_dm3_min"], 2)
+        return self.flow_with_unit(instant.leakage) + interval
+
+    def instant_share(self, instant: Instant) -> str:
+        """Return the share at an instant of the road test, with its interval where it is known."""
+        record = instant_record(instant, self.diagnosis.uncertainty)
+        interval = self.interval(record["share_low_percent"], record["share_high_percent"], 1)
+        return self.say.percent(instant.share) + interval
 
     def decision(self, land: LandDiagnosis) -> str:
         """Return how sure the verdict is."""

@@ -16,16 +16,9 @@ from atleak.look import HEADING, LOOKS, look_of
 from atleak.paper import Paper
 from atleak.verdicts import Band, Verdict
 from atleak.wording import wording
-from atleak.written_numbers import MILEAGE
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
-_TOO_FAR = MILEAGE.limits[1] + 1.0  # [km] the first mileage that no vehicle has
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
-
-
-def _or_words(limit: str, words: str, digits: str) -> str:
-    """Return a number format that shows words from a limit on; negative numbers keep their sign everywhere."""
-    return f'[>={limit}]"{words}";[<0]-{digits};{digits}'
 
 
 NUMBER_FORMATS = {
@@ -34,7 +27,7 @@ NUMBER_FORMATS = {
     "kpa": "0.0",
     "flow": "0.0000",
     "mm3": "0.000",
-    "percent": _or_words(f"{NO_DELIVERY / 10:.0E}", "pump delivers nothing", "0.00"),
+    "percent": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";[<0]-0.00;0.00',  # a negative keeps its sign
     "temperature": "0.0",
     "rpm": "0",
     "nu": "0.0000",
@@ -42,7 +35,6 @@ NUMBER_FORMATS = {
     "time": "0.00",
     "count": "0",
     "scientific": "0.00E+00",
-    "mileage": _or_words(f"{_TOO_FAR:.0f}", f"beyond {_TOO_FAR / 1e6:.0f} million", "0"),
     "plain": "General",
 }
 

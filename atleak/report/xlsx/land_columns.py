@@ -18,6 +18,7 @@ from atleak.look import INPUT
 from atleak.report.xlsx.book import NO_DELIVERY, cell, exact, span
 from atleak.rules import LandKey
 from atleak.verdicts import VERDICTS, Verdict
+from atleak.views.sentences import replace_at
 from atleak.wording import signed, value_names, wording
 from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
 
@@ -236,6 +237,9 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         rule = row.land.deciding
         return Cell("plain", rule.label if rule and row.land.verdict != Verdict.OK else None, look={"text_wrap": True})
 
+    def mileage(row: LandRow) -> Cell:
+        return Cell("plain", replace_at(row.land, wording("en")))
+
     def representative(row: LandRow) -> Cell:
         return Cell("plain", value_names(row.land.state.land.representative) or None)
 
@@ -247,8 +251,7 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         over = recorded("probability_over_limit", "percent", PERCENT)
         yield LandColumn("probability", "probability over the limit as issued [%]", 14, over)
     if any(land.replace_mileage is not None for land in sheet.lands):
-        mileage = recorded("replace_mileage_km", "mileage")
-        yield LandColumn("mileage", "replace at mileage [km], wear ∝ mileage, as issued", 14, mileage)
+        yield LandColumn("mileage", "replace at (95 % interval), wear ∝ mileage, as issued", 30, mileage)
     yield LandColumn("because", "rule that gave the verdict, as issued", 34, because)
     yield LandColumn("representative", "representative values", 40, representative)
 

@@ -197,7 +197,7 @@ class LiveSheets:
         yield "leakage drawn from the pump", "dm³/min", "leakage", leakage, projection.leakage * DM3_MIN, "flow"
         share = share_of(at("leakage"), at("capacity"))
         yield "share of pump capacity", "%", "share", share, projection.share * PERCENT, "percent"
-        yield "pump needs for this leakage alone", "1/min", "n_min", lowest, projection.minimum_speed * RPM, "rpm"
+        yield "pump covers leakage and slip from", "1/min", "n_min", lowest, projection.minimum_speed * RPM, "rpm"
         band = f'"{Band.GREEN}"'
         steps = self.diagnosis.total_rule(projection).steps
         for level, own in steps.levels:  # rising, so that the highest is asked first

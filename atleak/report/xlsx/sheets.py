@@ -19,9 +19,10 @@ from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import measure_first, reason
-from atleak.views.measuring import measuring_temperature
 from atleak.views.repair_words import no_help, plan_ends
+from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
+from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM
 
@@ -36,7 +37,6 @@ _RULE_LABELS = {
     RuleKind.PAIR_SHARE: "share of pump flow of one land [%]",
     RuleKind.TOTAL_SHARE: "share of pump flow of the whole valve body [%]",
 }
-_INSTANTS = {"max_leakage": "largest leakage", "min_leakage": "smallest leakage", "max_share": "largest share"}
 
 
 class Sheets:
@@ -66,7 +66,7 @@ class Sheets:
             ("transmission", " ".join(filter(None, (box.maker, box.code, box.serial)))),
             ("mileage [km]", record["mileage_km"] or vehicle.mileage_km),
             ("valve body", record["controller"]["name"]),
-            ("fluid", record["fluid"]["name"]),
+            ("fluid", fluid_in_state(diagnosis, wording("en"))),
             ("limits", record["limits"]["name"]),
             ("profile", diagnosis.profile.label),
             ("measuring sheet", record["readings"]["file"]),
@@ -112,7 +112,7 @@ class Sheets:
 
     def _totals(self, sheet: Worksheet, row: int) -> int:
         names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
-        names += ["pump capacity [dm³/min]", "share [%]", "band", "pump needs for this leakage alone [1/min]"]
+        names += ["pump capacity [dm³/min]", "share [%]", "band", "pump covers leakage and slip from [1/min]"]
         book, live = self.book, self.live
         book.headings(sheet, row, names)
         first = row + 1
@@ -133,7 +133,8 @@ class Sheets:
             for column, (name, value, kind) in enumerate(cells, start=1):
                 formula(sheet, row, column, at(name), value, book.form(kind, align="left"))
         book.colour_words(sheet, (first, 7), (row, 7), BANDS)
-        return row + 1
+        put(sheet, row + 1, 0, f"The pump covers leakage and its own slip from that speed; {LEFT_OUT_OF_SPEED}.")
+        return row + 2
 
     def _flagged(self, sheet: Worksheet, row: int) -> int:
         book, live, flagged = self.book, self.live, self.diagnosis.flagged
@@ -244,20 +245,11 @@ class Sheets:
             if share is not None
         ]
         row = book.pairs(sheet, 0, rows)
-        instants = [
-            {
-                "instant": label,
-                "time [s]": record[name]["time_s"],
-                "leakage [dm³/min]": record[name]["leakage_dm3_min"],
-                "pump capacity [dm³/min]": record[name]["pump_capacity_dm3_min"],
-                "share [%]": record[name]["share_percent"],
-            }
-            for name, label in _INSTANTS.items()
-            if record[name]
-        ]
         kinds = {"time [s]": "time", "share [%]": "percent"}
-        kinds |= dict.fromkeys(("leakage [dm³/min]", "pump capacity [dm³/min]"), "flow")
-        row = book.records(sheet, row + 1, instants, kinds) + 1
+        kinds |= dict.fromkeys(("leakage [dm³/min]", "leakage from", "leakage to", "pump capacity [dm³/min]"), "flow")
+        kinds |= dict.fromkeys(("share from", "share to"), "percent")
+        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty), kinds) + 1
+        put(sheet, row - 1, 0, wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}"))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
         if series.thinned:

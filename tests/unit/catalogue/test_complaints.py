@@ -9,6 +9,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller, controllers, load_controller
 from atleak.errors import CatalogueError, InputError
+from atleak.views.catalogue_rows import controller_tables
 
 Edited = Callable[..., Path]
 COMPLAINT = """
@@ -100,3 +101,11 @@ def test_every_shipped_complaint_says_where_it_comes_from(controller: Controller
     for complaint in controller.complaints:
         assert "choice of this project" in complaint.source
         assert "representative" in complaint.source
+
+
+def test_the_catalogue_page_lists_them_by_their_labels(edited: Edited, minimal: Controller) -> None:
+    rows = controller_tables(load_controller(with_complaint(edited)))["Complaints"]
+    late = next(row for row in rows if row["id"] == "late_reverse")
+    assert late["shows at"] == "hot idle in drive, 100 °C; driving in second, 80 °C"
+    assert late["lands"] == "accumulator/1, pressure_regulator/2"
+    assert [row["lands"] for row in controller_tables(minimal)["Complaints"]] == ["every one"]

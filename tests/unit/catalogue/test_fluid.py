@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from atleak.catalogue.controller import controllers
 from atleak.catalogue.fluid import Fluid, ViscosityModel, fluids, load_fluid
 from atleak.engine.profile import PROFILES, Profile
-from atleak.errors import CatalogueError, DomainError
+from atleak.errors import CatalogueError, DomainError, InputError
 
 Edited = Callable[..., Path]
 ALL = {fluid.id: fluid for fluid in fluids()}
@@ -81,6 +81,69 @@ def test_the_used_fluid_is_the_fresh_one_scaled(hipol: Fluid) -> None:
         ratio = used.kinematic_viscosity(at, "tabulated") / hipol.kinematic_viscosity(at, "tabulated")
         assert ratio == pytest.approx(8.40 / 10.93, rel=1e-3, abs=0.0)
         assert used.density(at, "tabulated") == hipol.density(at, "tabulated")
+
+
+def test_a_fluid_that_names_its_used_data_takes_them(hipol: Fluid) -> None:
+    used = hipol.in_state("used")
+    assert (used, used.state, used.estimated) == (ALL["hipol_atf_iid_used"], "used", False)
+    assert used.in_state("used") is used
+    assert hipol.in_state("fresh") is hipol
+
+
+@pytest.mark.parametrize("model", ["d341", "tabulated"])
+def test_without_used_data_the_viscosity_is_a_fifth_to_a_quarter_lower_and_the_density_the_fresh_one(
+    model: ViscosityModel,
+) -> None:
+    fresh = ALL["mobil_atf_220"]
+    used = fresh.in_state("used")
+    for at in (40.0, 100.0):
+        ratio = used.kinematic_viscosity(at, model) / fresh.kinematic_viscosity(at, model)
+        assert ratio == pytest.approx(0.775, rel=1e-9, abs=0.0)
+        assert used.density(at, model) == fresh.density(at, model)
+        ends = (ratio * (1.0 - used.viscosity_half_width), ratio * (1.0 + used.viscosity_half_width))
+        assert ends == pytest.approx((0.75, 0.80), rel=1e-9, abs=0.0)
+    assert used.state == "used"
+    assert "viscosity and density of the used fluid" in used.representative
+    said = {message.code: message for message in used.messages(80.0, 80.0)}
+    assert "20 to 25 % below the fresh one's (representative" in said["fluid_used_estimated"].text
+    assert "fluid_used_estimated" not in {message.code for message in fresh.messages(80.0, 80.0)}
+
+
+def test_the_regression_of_a_fresh_fluid_is_not_claimed_for_an_estimated_used_one(edited: Edited) -> None:
+    own = load_fluid(edited("fluids", "hipol_atf_iid", ('used = "hipol_atf_iid_used"\n', "")))
+    assert "viscosity_of_another_fluid" not in {message.code for message in own.messages(80.0, 80.0, "regression")}
+    said = {message.code: message.text for message in own.in_state("used").messages(80.0, 80.0, "regression")}
+    assert "describes fresh HIPOL ATF IID, not" in said["viscosity_of_another_fluid"]
+
+
+def test_used_data_are_never_called_fresh() -> None:
+    with pytest.raises(InputError, match="describe a used fluid") as caught:
+        ALL["hipol_atf_iid_used"].in_state("fresh")
+    assert (caught.value.value, caught.value.expected) == ("fresh", "used, or the file of the fresh fluid")
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "value", "said"),
+    [
+        ("hipol_atf_iid", ('"hipol_atf_iid_used"', '"hipol_atf_iid_usd"'), "hipol_atf_iid_usd", "did you mean"),
+        (
+            "hipol_atf_iid",
+            ('"hipol_atf_iid_used"', '"mobil_atf_220"'),
+            "mobil_atf_220",
+            "not describe a used fluid",
+        ),
+        ("hipol_atf_iid_used", ('state = "used"', 'state = "used"\nused = "x"'), "x", "no used state of its own"),
+        ("hipol_atf_iid_used", ('state = "used"', 'state = "old"'), "old", "fresh"),
+    ],
+)
+def test_a_used_state_that_cannot_be_is_refused(
+    name: str, change: tuple[str, str], value: str, said: str, edited: Edited
+) -> None:
+    with pytest.raises(CatalogueError) as caught:
+        load_fluid(edited("fluids", name, change))
+    assert said in str(caught.value)
+    assert caught.value.place.file == "own.toml"
+    assert caught.value.value == value
 
 
 @given(

@@ -31,3 +31,11 @@ def test_the_catalogue_into_a_file_is_shown_too(run: Run, tmp_path: Path) -> Non
     rows = json.loads((tmp_path / "limits.json").read_text(encoding="utf-8"))
     assert "project_default" in {row["id"] for row in rows}
     assert "project_default" in out
+
+
+def test_a_controller_lists_its_complaints(run: Run) -> None:
+    _, out, _ = run("controllers", "--json", "-")
+    study = next(row for row in json.loads(out) if row["id"] == "four_speed_2023")
+    assert [complaint["id"] for complaint in study["complaints"]] == ["slips_hot", "slips_in_second"]
+    for complaint in study["complaints"]:
+        assert set(complaint["conditions"]) <= set(study["operating_points"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -39,6 +40,57 @@ def test_summary_names_totals_flagged_pairs_and_repair(run: Run, sample_readings
     assert (status, err) == (0, "")
     for word in ("47 of 47 lands measured", "■ replace", "25/1", "hot idle in drive", "rpm", "representative"):
         assert word in out
+
+
+def test_the_speed_that_covers_the_leakage_says_what_is_not_in_it(run: Run, sample_readings: Path) -> None:
+    _, out, _ = run("diagnose", sample_readings)
+    said = " ".join(out.split())
+    assert said.count("converter, lubrication and clutch fill are not in it") == 2  # at each of the two conditions
+    assert "needs" not in said
+
+
+def test_every_condition_is_printed_and_the_worst_is_named(run: Run, sample_readings: Path) -> None:
+    _, out, _ = run("diagnose", sample_readings)
+    said = " ".join(out.split())
+    assert "1. driving in second, 80 °C: leakage" in said
+    assert "2. hot idle in drive, 100 °C: leakage" in said
+    assert said.count("the worst condition") == 1
+    assert re.search(r"│ 25/1 │ ▲ \d\.\d\d │ ■ \d\.\d\d │", said)
+    assert "Order of repair, each land as new after those before it: 1. 25/1 main pressure valve: total share" in said
+    assert "The plan ends green at every condition." in said
+
+
+def test_many_conditions_are_printed_a_few_abreast(run: Run, small_sheet: SmallSheet, tmp_path: Path) -> None:
+    """Eight columns of shares would not fit a terminal: no number of any may be cut."""
+    text = catalogue_files("controllers")["minimal_example"].read_text(encoding="utf-8")
+    point = text[text.index("[[operating_points]]") : text.index("[[complaints]]")].partition("\n\n[[")[0]
+    more = "\n\n".join(point.replace("driving_second", f"point_{number}") for number in range(7))
+    own = tmp_path / "own.toml"
+    own.write_text(text.replace("[[complaints]]", f"{more}\n\n[[complaints]]"), encoding="utf-8")
+    _, out, _ = run("diagnose", small_sheet(sleeve=11.06), "--controller", own)
+    rows = [line for line in out.splitlines() if line.startswith("│ tcc_regulator/1 │")]
+    assert [line.count("│") - 2 for line in rows] == [6, 3]
+    assert not any("…" in line for line in rows)
+
+
+def test_a_complaint_leads_the_result(run: Run, record_of: RecordOf, sample_readings: Path, tmp_path: Path) -> None:
+    job = tmp_path / "job.zip"
+    record = record_of(sample_readings, "--complaint", "slips_hot", "--job-file", job)
+    complaint = record["complaint"]
+    assert (complaint["id"], complaint["conditions"]) == ("slips_hot", ["hot_idle"])
+    assert {"component", "land", "reason"} <= complaint["measure_first"][0].keys()
+    assert read_job_file(job).case.complaint == "slips_hot"
+    assert record_of(sample_readings)["complaint"] is None
+    _, out, _ = run("diagnose", sample_readings, "--complaint", "slips_hot")
+    said = " ".join(out.split())
+    assert said.index("Complaint: Slips or shifts late when hot. It shows at: hot idle") < said.index("1. hot idle")
+    assert "2. driving in second" in said
+
+
+def test_an_unknown_complaint_is_refused_with_the_known_ones(run: Run, sample_readings: Path) -> None:
+    status, out, err = run("diagnose", sample_readings, "--complaint", "slips_htt")
+    assert (status, out) == (2, "")
+    assert "maps no such complaint (found 'slips_htt'); expected one of slips_hot, slips_in_second" in err
 
 
 def test_json_and_workbook_are_written_to_files_and_named(run: Run, sample_readings: Path, tmp_path: Path) -> None:
@@ -109,13 +161,13 @@ def test_fail_on_counts_the_total(run: Run, tmp_path: Path, four_speed: Controll
     assert "decided by the total share of pump flow" in " ".join(out.split())
 
 
-@pytest.mark.parametrize(("sleeve", "status"), [(11.0321, 0), (11.0359, 1), (11.048, 1)])
+@pytest.mark.parametrize(("sleeve", "status"), [(11.032, 0), (11.039, 0), (11.040, 1), (11.048, 1)])
 def test_fail_on_watch_follows_the_verdict(
     run: Run, tmp_path: Path, sleeve: float, status: int, small_sheet: SmallSheet
 ) -> None:
     own = tmp_path / "own.toml"
     text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
-    own.write_text(text[: text.index("# One pair")] + text[text.index("# Total leakage") :], encoding="utf-8")
+    own.write_text(text[: text.index("# What one pair")] + text[text.index("# What all") :], encoding="utf-8")
     sheet = small_sheet(sleeve)
     outcome = run("diagnose", sheet, "--controller", "minimal_example", "--limits", own, "--fail-on", "watch")
     assert outcome[0] == status
@@ -210,6 +262,8 @@ def test_a_sheet_of_another_controller_says_so(run: Run, sample_readings: Path) 
         (["--sheet", "Nope"], ("'Nope'", "Measurements")),
         (["--sheet-unit", "furlong"], ("'furlong'", "inch")),
         (["--jsn", "-"], ("--jsn",)),
+        (["--fluid-state", "usd"], ("'usd'", "did you mean 'used'?")),
+        (["--fluid", "hipol_atf_iid_used", "--fluid-state", "fresh"], ("describe a used fluid",)),
     ],
 )
 def test_a_bad_option_is_named_with_its_value(
@@ -259,14 +313,39 @@ def test_a_log_without_main_pressure(run: Run, sample_readings: Path, tmp_path: 
     assert "pressure" in err
 
 
+@pytest.mark.parametrize(
+    ("pressure", "why"),
+    [
+        ("-{}", "most of its values cannot be main (line) pressure in kPa"),
+        ("0", "'p_g [kPa]' is 0 throughout"),
+        ("", "'p_g [kPa]' holds no values"),
+    ],
+)
+def test_a_main_pressure_that_is_there_but_not_usable_is_not_called_missing(
+    run: Run, sample_readings: Path, sample_log: Path, tmp_path: Path, pressure: str, why: str
+) -> None:
+    head, *rows = sample_log.read_text(encoding="utf-8").splitlines()
+    cells = [row.split(";") for row in rows]
+    log = tmp_path / "negative.csv"
+    changed = [";".join([*row[:2], pressure.format(row[2]), *row[3:]]) for row in cells]
+    log.write_text("\n".join([head, *changed]), encoding="utf-8")
+    status, _, err = run("diagnose", sample_readings, "--road-test", log)
+    assert status == 2
+    assert "negative.csv" in err
+    assert "the log's column of main pressure is not usable" in err
+    assert why in err
+    assert "no main pressure" not in err
+
+
 def test_several_faults_of_a_catalogue_file_are_said_at_once(run: Run, sample_readings: Path, tmp_path: Path) -> None:
     own = tmp_path / "own.toml"
     text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
-    own.write_text(text.replace("watch = 10.0", "watch = -10.0").replace("red = 20.0", 'red = "20"'), encoding="utf-8")
+    text = text.replace("percent = 10.0,", "percent = -10.0,").replace("replace = 50.0", 'replace = "50"')
+    own.write_text(text, encoding="utf-8")
     status, _, err = run("diagnose", sample_readings, "--limits", own)
     assert status == 2
-    assert "key 'watch'" in err
-    assert "key 'red'" in err
+    assert "-10.0" in err
+    assert "key 'replace'" in err
 
 
 def test_decimal_comma_in_options(sample_readings: Path, record_of: RecordOf) -> None:
@@ -321,6 +400,24 @@ def test_profile_and_set_reach_the_engine(sample_readings: Path, record_of: Reco
     changed = record_of(sample_readings, "--profile", "paper", "--set", "diameter=mean", "--set", "entry_loss=on")
     assert (changed["profile"]["diameter"], changed["profile"]["entry_loss"]) == ("mean", "on")
     assert changed["gaps"][0]["diameter_mm"] > paper["gaps"][0]["diameter_mm"]
+
+
+def test_the_state_of_the_fluid_is_assumed_and_said_or_as_it_was_stated(
+    run: Run, sample_readings: Path, record_of: RecordOf
+) -> None:
+    assumed = record_of(sample_readings)
+    stated = record_of(sample_readings, "--fluid-state", "fresh")
+    used = record_of(sample_readings, "--fluid-state", "used")
+    states = [(each["fluid"]["state"], each["fluid"]["state_assumed"]) for each in (assumed, stated, used)]
+    assert states == [("fresh", True), ("fresh", False), ("used", False)]
+    said = [any(message["code"] == "fluid_state_assumed" for message in each["messages"]) for each in (assumed, stated)]
+    assert said == [True, False]
+    leakage = [each["hot_idle"]["leakage_dm3_min"] for each in (assumed, stated, used)]
+    assert leakage[0] == leakage[1]
+    assert leakage[2] == pytest.approx(leakage[0] * 7.0 / 5.28, rel=0.01, abs=0.0)  # as thin as the study's used oil
+    assert used["fluid"]["id"] == "hipol_atf_iid_used"
+    _, out, _ = run("diagnose", sample_readings)
+    assert "taken as fresh (not stated)" in " ".join(out.split())
 
 
 def test_the_last_of_an_option_set_twice_counts(sample_readings: Path, record_of: RecordOf) -> None:

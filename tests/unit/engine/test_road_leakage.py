@@ -117,6 +117,14 @@ def test_without_main_pressure_there_is_no_leakage(
     assert "p_g [kPa]" in (caught.value.expected or "")
 
 
+def test_a_pressure_that_is_negative_throughout_is_refused_with_its_range(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    full["main_pressure"] = np.linspace(-67e3, -33e3, len(TIME))
+    with pytest.raises(RoadTestError, match=r"below zero throughout this log \(-67 to -33 kPa\)"):
+        evaluate_road_test(model, log_of(TIME, **full), assumed)
+
+
 @pytest.mark.parametrize(
     "channel", [{"gear": 9.0}, {"gear": NAN}, {"atf_temperature": 190.0}, {"atf_temperature": NAN}]
 )
@@ -140,8 +148,8 @@ def test_samples_that_cannot_be_used_are_counted_and_left_out(
     log = log_of(TIME, **{**full, "gear": gear, "atf_temperature": temperature, "main_pressure": pressure})
     road = evaluate_road_test(model, log, assumed)
     assert np.isnan(road.leakage).tolist() == [True] * 6 + [False] * 4
-    assert codes(road) == ["other_gear", "outside_fluid", "samples_left_out"]
-    other_gear, outside, left_out = (message.text for message in road.messages)
+    assert codes(road) == ["other_gear", "outside_fluid", "samples_left_out", "lower_bound"]
+    other_gear, outside, left_out, _ = (message.text for message in road.messages)
     assert other_gear.startswith("2 of 10 samples")
     assert outside.startswith("2 of 10 samples")
     assert "-20 to 150 °C" in outside
@@ -166,6 +174,16 @@ def test_a_pump_at_rest_has_no_share(
     assert (standing.max_leakage.pump_capacity, standing.max_leakage.share) == (0.0, None)
 
 
+def test_a_log_in_which_the_engine_never_turns_has_no_other_samples(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    full["engine_speed"] = 0.0
+    road = evaluate_road_test(model, log_of(TIME, **full), assumed)
+    said = {message.code: message.text for message in road.messages}["pump_delivers_nothing"]
+    assert said.endswith("no sample of this log has a share.")
+    assert "other samples" not in said
+
+
 def test_instants_are_where_the_series_say(
     model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
 ) -> None:
@@ -183,6 +201,75 @@ def test_instants_are_where_the_series_say(
         assert instant.share == pytest.approx(road.leakage[at] / road.pump_capacity[at], rel=1e-15, abs=0.0)
     assert road.max_leakage.time == TIME[-1]  # at the highest pressure
     assert road.max_share.time < road.max_leakage.time  # where the pump turns slowest
+
+
+def test_where_the_hottest_samples_are_left_out_the_largest_leakage_is_a_lower_bound(
+    model: LeakageModel, assumed: OperatingPoint, full: dict[str, object], log_of: LogOf
+) -> None:
+    temperature = np.full(len(TIME), 80.0)
+    temperature[4] = -25.0  # colder than the fluid's data: nothing larger is missing
+    cold = evaluate_road_test(model, log_of(TIME, **{**full, "atf_temperature": temperature}), assumed)
+    assert (cold.lower_bound, codes(cold)) == (False, ["outside_fluid"])
+    temperature[7] = 151.0
+    hot = evaluate_road_test(model, log_of(TIME, **{**full, "atf_temperature": temperature}), assumed)
+    assert hot.lower_bound
+    said = {message.code: message.text for message in hot.messages}["lower_bound"]
+    assert said.startswith("1 of the samples left out are hotter than 150 °C")
+
+
+def started(begins_running: bool) -> tuple[np.ndarray, dict[str, object]]:
+    """Ten times a second: the engine stands 2 s, is cranked 1 s and runs; pressure overshoots in the first second."""
+    time = np.round(np.arange(0.0, 12.0, 0.1), 9)
+    speed = np.select([time < 2.0, time < 3.0], [0.0, 200.0 / 60.0], 800.0 / 60.0)
+    main = np.select([time < 2.0, time < 3.0, time < 4.0], [0.0, 300e3, 900e3], 600e3)
+    if begins_running:
+        speed = np.full(len(time), 800.0 / 60.0)
+    return time, {
+        "main_pressure": main,
+        "converter_pressure": 200e3,
+        "atf_temperature": 80.0,
+        "gear": 2.0,
+        "engine_speed": speed,
+    }
+
+
+def test_the_first_moments_after_a_start_of_the_engine_are_given_apart(
+    model: LeakageModel, assumed: OperatingPoint, log_of: LogOf
+) -> None:
+    time, channels = started(begins_running=False)
+    road = evaluate_road_test(model, log_of(time, **channels), assumed)
+    assert road.start is not None
+    assert road.start.samples == 41  # from 2.0 s, when it turns, to 6.0 s, three seconds after it runs
+    assert 3.0 <= road.start.max_leakage.time < 4.0
+    assert road.max_leakage.time > 6.0
+    assert road.max_leakage.leakage < 0.8 * road.start.max_leakage.leakage
+    assert road.start.max_share is not None
+    assert road.max_share is not None
+    assert 2.0 <= road.start.max_share.time < 3.0  # cranked: hardly any flow of the pump
+    assert road.max_share.time > 6.0
+    assert road.extremes.max_leakage_sustained is not None
+    assert road.extremes.max_leakage_sustained.time > 6.0
+    assert [code for code in codes(road) if code.startswith("start")] == ["start_apart"]
+
+
+def test_a_log_that_begins_with_the_engine_running_has_no_start(
+    model: LeakageModel, assumed: OperatingPoint, log_of: LogOf
+) -> None:
+    time, channels = started(begins_running=True)
+    road = evaluate_road_test(model, log_of(time, **channels), assumed)
+    assert road.start is None
+    assert 3.0 <= road.max_leakage.time < 4.0
+    assert "start_apart" not in codes(road)
+
+
+def test_a_log_that_ends_in_the_start_keeps_its_extremes_and_says_so(
+    model: LeakageModel, assumed: OperatingPoint, log_of: LogOf
+) -> None:
+    time, channels = started(begins_running=False)
+    road = evaluate_road_test(model, log_of(time, **channels).window(0.0, 5.0), assumed)
+    assert road.start is None
+    assert 3.0 <= road.max_leakage.time < 4.0
+    assert "start_alone" in codes(road)
 
 
 def test_a_reversed_drop_is_counted_by_section(

@@ -63,11 +63,16 @@ def test_total_share_stands_over_the_bands_of_the_limit_set(sample: Diagnosis) -
     expected = [point.share * PERCENT for point in sample.reported]
     assert list(points.x[: len(expected)]) == pytest.approx(expected, rel=1e-9, abs=0.0)
     assert points.x[-1] == pytest.approx(sample.road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
-    edges = sorted({shape.x0 for shape in figure.layout.shapes})
-    assert edges == pytest.approx(
-        [0.0, *(level * PERCENT for _, level in sample.limits.total_share.levels)], rel=1e-9, abs=0.0
-    )
-    assert [note.text.split("<br>")[1] for note in figure.layout.annotations] == ["green", "amber", "red", "critical"]
+    for place, projection in enumerate(sample.reported):
+        edges = [shape.x0 for shape in figure.layout.shapes if shape.y0 < place < shape.y1]
+        limits = [limit * PERCENT for _, limit in sample.total_rule(projection).steps.levels]
+        assert edges == pytest.approx([0.0, *limits], rel=1e-9, abs=0.0)
+
+
+def test_total_share_stands_beside_that_of_the_same_unit_new(sample: Diagnosis) -> None:
+    new = trace(figures.total_share(sample), "the same unit new")
+    assert list(new.x) == pytest.approx([at.share * PERCENT for at in sample.new_projections], rel=1e-9, abs=0.0)
+    assert new.marker.symbol == "circle-open"
 
 
 def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Diagnosis) -> None:
@@ -77,10 +82,10 @@ def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Di
     assert np.nanmin(leakage.y) == pytest.approx(road.min_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.nanmax(share.y) == pytest.approx(road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
     assert len({trace(figure, name).line.dash for name in ("leakage", "pump flow", "share")}) == 3
-    marked = trace(figure, f"largest share, {road.max_share.time:.2f} s")
-    assert (marked.x[0], marked.y[0]) == pytest.approx(
-        (road.max_share.time, road.max_share.share * PERCENT), rel=1e-9, abs=0.0
-    )
+    sustained = road.extremes.max_share_sustained
+    for instant, how in ((sustained, "sustained"), (road.max_share, "single sample")):
+        marked = trace(figure, f"largest share, {how}, {instant.time:.2f} s")
+        assert (marked.x[0], marked.y[0]) == pytest.approx((instant.time, instant.share * PERCENT), rel=1e-9, abs=0.0)
 
 
 def test_a_log_without_engine_speed_shows_leakage_alone(four_speed, hipol, limits, log_of) -> None:
@@ -161,7 +166,7 @@ def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -
     stated = stated_condition(sample.controller, temperature=120.0)
     diagnosis = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, condition=stated)
     points = next(one for one in figures.total_share(diagnosis).data if one.error_x.array is not None)
-    assert len(points.x) == len(diagnosis.reported) == 2
+    assert len(points.x) == len(diagnosis.reported) == 3
     for projection, x, low, high in zip(
         diagnosis.reported, points.x, points.error_x.arrayminus, points.error_x.array, strict=True
     ):
@@ -178,7 +183,7 @@ def test_limits_and_mounting_clearances_lie_open_under_the_values(sample: Diagno
 
 
 def test_totals_tell_how_likely_each_band_is(sample: Diagnosis) -> None:
-    (points,) = figures.total_share(sample).data
+    points = figures.total_share(sample).data[0]
     for text, projection in zip(points.customdata, sample.reported, strict=False):
         bands = sample.uncertainty.total(projection.condition.name).band_probabilities
         likeliest = max(bands, key=lambda item: item[1])
@@ -186,5 +191,6 @@ def test_totals_tell_how_likely_each_band_is(sample: Diagnosis) -> None:
 
 
 def test_bands_of_the_totals_are_named_under_their_sign(sample: Diagnosis) -> None:
-    notes = figures.total_share(sample).layout.annotations
-    assert [note.text.split("<br>")[1] for note in notes] == ["green", "amber", "red", "critical"]
+    notes = [note.text for note in figures.total_share(sample).layout.annotations]
+    bands = ["● green", "▲ amber", "■ red", "✖ critical"] * len(sample.reported)
+    assert all(band.startswith(note) and band[0] == note[0] for band, note in zip(bands, notes, strict=True))

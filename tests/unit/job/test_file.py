@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from atleak.catalogue.controller import load_controller
+from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import load_limits
@@ -117,6 +118,19 @@ def test_a_catalogue_file_that_has_gone_or_changed_is_refused(unmeasured, tmp_pa
     ).case.fluid
     with pytest.raises(InputError, match="file of the fluid has changed"):
         write_job_file(moved, case=Case(fluid=SourceFile("own.toml", b"other")))
+
+
+@pytest.mark.parametrize("state", [None, "fresh", "used"])
+@pytest.mark.parametrize("fluid", ["hipol_atf_iid", "mobil_atf_220", "own"])
+def test_the_state_of_the_fluid_goes_with_the_job(fluid, state):
+    own = SourceFile("our atf.toml", catalogue_files("fluids")["hipol_atf_iid"].read_bytes() + b"\n# our copy\n")
+    case = Case(fluid=own if fluid == "own" else fluid, fluid_state=state)
+    diagnosis = case.diagnose()
+    record = diagnosis_record(diagnosis)
+    assert (record["fluid"]["state"], record["fluid"]["state_assumed"]) == (state or "fresh", state is None)
+    opened = read_job_file(write_job_file(diagnosis, case=case))
+    assert opened.case.fluid_state == state
+    assert diagnosis_record(opened.diagnose()) == record
 
 
 def changed(content: bytes, **entries: bytes | None) -> bytes:

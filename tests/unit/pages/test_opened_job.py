@@ -48,7 +48,7 @@ def sheet() -> bytes:
 @pytest.fixture(scope="module")
 def own_limits() -> bytes:
     text = catalogue_files("limits")["project_default"].read_text(encoding="utf-8")
-    return text.replace("watch = 10.0", "watch = 2.0").encode()
+    return text.replace("watch = { percent = 10.0, at_least_um = 4.0 }", "watch = 2.0").encode()
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +67,7 @@ def diagnosis(sheet: bytes, own_limits: bytes) -> Diagnosis:
         instruments=load_instruments("micrometer", "air_gauge"),
         assumptions=DEFAULTS.with_settings({"viscosity_percent": 7.0}),
         guard_factor=1.2,
+        complaint=controller.complaint("slips_in_second"),
     )
 
 
@@ -176,6 +177,7 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
         "Limits": "own file (TOML) …",
         "Spools measured with": "micrometer",
         "Sleeves measured with": "air_gauge",
+        "Complaint": "slips_in_second",
         "Profile": "paper",
         "Diameter in the gap law": "mean",
         "Loss at a gap's entry and exit": "on",

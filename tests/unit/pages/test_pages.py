@@ -10,6 +10,7 @@ import openpyxl
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.figures.diagnosis_figures import leakage_ranking
 from atleak.job.case import SourceFile
@@ -25,6 +26,7 @@ TWO_PRESSURES = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
     + "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
 )
+WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"  # of the default limits
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 
 
@@ -74,7 +76,7 @@ def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> No
     assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
     assert [widget.value for widget in app.title] == ["Diagnosis"]
     assert re.match(r"\*\*\d+ ■ replace\*\* and \*\*\d+ ▲ watch\*\* of 47 measured lands, in", app.error[0].value)
-    assert "for this leakage alone the pump needs" in texts(app)
+    assert "converter, lubrication and clutch fill are not in it" in texts(app)
     assert "Representative" in texts(app) or "representative" in texts(app)
 
 
@@ -264,16 +266,28 @@ def test_where_the_spools_lie_can_be_unknown(app: AppTest) -> None:
     assert "workshop, eccentricity=0.4" in texts(app)
 
 
+def test_the_state_of_the_fluid_is_asked_and_reaches_the_result(app: AppTest) -> None:
+    states = next(widget for widget in app.radio if widget.label == "The fluid is")
+    assert states.value is None
+    assert "taken as fresh (not stated)" in texts(app)
+    states.set_value("used").run()
+    assert not app.exception
+    assert "after 106 315 km" in texts(app)
+    assert "taken as fresh" not in "".join(widget.value for widget in app.main.caption)
+    go(app, "2_Readings")
+    assert next(widget for widget in app.radio if widget.label == "The fluid is").value == "used"
+
+
 def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> None:
     text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
     choice(app, "Limits").select("own file (TOML) …").run()
     own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
-    own.upload("strict.toml", text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain").run()
+    own.upload("strict.toml", text.replace(WATCH, "watch = 1.0").encode(), "text/plain").run()
     assert not app.exception
     more = len(flagged(app))
     assert more > 8
     own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
-    own.set_value(("bad.toml", text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
+    own.set_value(("bad.toml", text.replace(WATCH, 'watch = "ten"').encode(), "text/plain")).run()
     assert not app.exception
     assert "bad.toml" in texts(app)
     assert "wear_percent" in texts(app)
@@ -288,11 +302,11 @@ def test_an_own_files_name_is_shown_and_never_a_path(app: AppTest, name: str, mo
     text = (ROOT / "atleak" / "catalogue" / "limits" / "project_default.toml").read_text(encoding="utf-8")
     choice(app, "Limits").select("own file (TOML) …").run()
     own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
-    own.set_value((name, text.replace("watch = 10.0", "watch = 1.0").encode(), "text/plain")).run()
+    own.set_value((name, text.replace(WATCH, "watch = 1.0").encode(), "text/plain")).run()
     assert not app.exception
     assert len(flagged(app)) > 8
     own = next(widget for widget in app.sidebar.file_uploader if "limits" in widget.label)
-    own.set_value((name, text.replace("watch = 10.0", 'watch = "ten"').encode(), "text/plain")).run()
+    own.set_value((name, text.replace(WATCH, 'watch = "ten"').encode(), "text/plain")).run()
     assert any(name.replace("\n", "  \n") in widget.value.replace("\\", "") for widget in app.error)
     assert len(written) == 2
     assert {name} & set(written) == set()
@@ -508,11 +522,59 @@ def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: Ap
     assert not any("share stated" in text for text in app.dataframe[0].value["Decided by"].dropna())
 
 
-def test_steps_that_change_nothing_are_told(app: AppTest) -> None:
-    steps = next(widget.value for widget in app.dataframe if "After [%]" in widget.value)
-    idle = steps[steps["Before [%]"].round(1) == steps["After [%]"].round(1)]["No."]
-    assert len(idle)
-    assert f"Steps {', '.join(map(str, idle[:-1]))} and {idle.iloc[-1]} change this total by less than" in texts(app)
+def test_a_step_that_lowers_no_total_says_why_it_is_on_the_list(app: AppTest, four_speed: Controller) -> None:
+    land = four_speed.land("5", 1)  # leaks from main into modulated pressure: nothing more is drawn from the pump
+    bore = 1e3 * land.nominal_sleeve_diameter + 0.04
+    lines = [f"5;piston;1;{at};{1e3 * land.nominal_diameter:.3f}\n5;sleeve;1;{at};{bore:.3f}\n" for at in (0, 90)]
+    sheet = "component;part;plane;direction;diameter [mm]\n" + "".join(lines)
+    uploader(app, "Measuring sheet").upload("worn.csv", sheet.encode(), "text/csv").run()
+    steps = next(widget.value for widget in app.dataframe if "Helps most at" in widget.value)
+    assert steps["Helps most at"].tolist() == ["for its own verdict: it draws no more from the pump than a new one"]
+    assert "46 lands" in texts(app)
+    assert "what is missing is taken as new" in texts(app)
+
+
+def test_every_land_that_leaks_stands_beside_every_condition(app: AppTest) -> None:
+    matrix = next(widget.value for widget in app.dataframe if "hot_idle" in widget.value)
+    assert list(matrix)[1:3] == ["driving_second", "hot_idle"]
+    assert matrix.iloc[0, 0].startswith("25 · 1")
+    totals = matrix[["driving_second", "hot_idle"]].sum()
+    banner = next(text for text in texts(app).split("\n") if "The unit leaks" in text)
+    for total in totals:
+        assert f"**{total:.1f} %**" in banner
+    assert "the worst condition" in banner
+    assert "leaks into p_m, not drawn from the pump" in set(matrix.iloc[:, -1])
+    steps = next(widget.value for widget in app.dataframe if "a step" in widget.value)
+    assert steps["hot_idle"].tolist()[-1].endswith("● green")
+    assert "The plan ends green at every condition." in texts(app)
+
+
+def test_a_complaint_leads_the_page(app: AppTest) -> None:
+    assert choice(app, "Complaint").options == ["none chosen", "Slips or shifts late when hot", "Slips in second gear"]
+    choice(app, "Complaint").select("slips_hot").run()
+    assert not app.exception
+    assert "Complaint: Slips or shifts late when hot" in [widget.value for widget in app.subheader]
+    assert "It shows at **hot idle in drive, 100 °C**. Measure first:" in texts(app)
+    assert "closer to a limit than the readings can tell" in texts(app)
+    matrix = next(widget.value for widget in app.dataframe if "hot_idle" in widget.value)
+    assert list(matrix)[1:3] == ["hot_idle", "driving_second"]
+    go(app, "2_Readings")
+    assert choice(app, "Complaint").value == "slips_hot"
+    choice(app, "Valve body").select("minimal_example").run()
+    assert choice(app, "Complaint").value is None
+    assert choice(app, "Complaint").options == ["none chosen", "Slips or shifts late when hot"]
+
+
+def test_a_valve_body_without_complaints_says_so(app: AppTest) -> None:
+    text = (ROOT / "atleak" / "catalogue" / "controllers" / "minimal_example.toml").read_text(encoding="utf-8")
+    head, _, rest = text.partition("[[complaints]]")
+    bare = head + rest[rest.index("[[components]]") :]
+    choice(app, "Valve body").select("own file (TOML) …").run()
+    own = next(widget for widget in app.sidebar.file_uploader if "valve body" in widget.label)
+    own.upload("bare.toml", bare.encode(), "text/plain").run()
+    assert not app.exception
+    assert choice(app, "Complaint").disabled
+    assert "maps no complaint" in choice(app, "Complaint").help
 
 
 def test_options_have_plain_labels_and_keep_their_value_in_the_help(app: AppTest) -> None:

@@ -19,14 +19,17 @@ from PIL import Image
 
 import atleak.wording
 from atleak.catalogue.controller import load_controller
+from atleak.catalogue.fluid import load_fluid
 from atleak.diagnosis import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError
 from atleak.job.record import Job
 from atleak.look import look_of
+from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.pdf.pictures import printable_picture
+from atleak.views.condition_matrix import leaking_worst_first
 from atleak.wording import languages, wording
 
 TEXTS = Path(atleak.wording.__file__).parent / "texts"
@@ -103,6 +106,45 @@ def test_says_every_flagged_pair_with_its_numbers(worn, printed):
         assert word in text
     repair = sum(land.verdict in {"replace", "critical"} for land in worn.lands)
     assert f"{repair} of {worn.measured} measured lands" in text
+
+
+@pytest.mark.parametrize("language", languages())
+def test_says_what_each_land_draws_at_each_condition_and_what_repairs_bring(worn, language):
+    say = wording(language)
+    content = text_of(write_pdf(worn, language=language, sections=["matrix", "repair_order"]))
+    for row in leaking_worst_first(worn):
+        for cell in row.cells:
+            if cell.leakage > 0.0:
+                assert say.number(cell.share * 100.0, 2) in content
+    assert say("texts.matrix") in content
+    assert say("pressures.p_m") in content
+    plan = plan_repairs(worn)
+    for step in plan.steps:
+        for each in step.conditions:
+            assert f"{say.number(each.after.share * 100.0, 1)} {say.level(each.after.band)}" in content
+    assert say("plan.green") in content
+    assert say("plan.unmeasured", count=1) in content
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_complaint_stands_on_the_first_page(worn, language):
+    complaint = worn.controller.complaint("slips_hot")
+    first = re.sub(r"\s+", " ", pages_of(write_pdf(replace(worn, complaint=complaint), language=language))[0])
+    say = wording(language)
+    name = say("conditions.at", name=say("conditions.hot_idle"), temperature="100")
+    assert say("complaint.shows", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
+    assert say("complaint.first") in first
+    assert first.index(say("conditions.hot_idle")) < first.index(say("conditions.driving_second"))
+
+
+def test_many_conditions_are_set_a_few_abreast(worn):
+    idle = worn.controller.operating_points[1]
+    points = [replace(idle, name=f"point_{number}", label=f"point {number}") for number in range(11)]
+    controller = replace(worn.controller, operating_points=tuple(points))
+    diagnosis = diagnose(controller, worn.fluid, worn.limits, readings=worn.readings)
+    content = write_pdf(diagnosis, sections=["flagged", "matrix", "repair_order"])
+    assert is_archival(content)
+    assert all(f"point {number}" in text_of(content) for number in range(11))
 
 
 def test_says_what_the_workshop_wrote(printed):
@@ -185,6 +227,41 @@ def test_every_language_is_archival_and_says_its_words(worn, job, language):
     assert say("verdicts.replace") in text
     assert say.number(worn.flagged[0].state.radial_clearance * 1e6, 1) in text
     assert say("job_decisions.declined") in text
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", "converter, lubrication and clutch fill are not in it"),
+        ("de", "Wandler, Schmierung und Füllen der Kupplungen sind nicht enthalten"),
+        ("pl", "przekładnia hydrokinetyczna, smarowanie i napełnianie sprzęgieł nie są wliczone"),
+    ],
+)
+def test_the_speed_that_covers_the_leakage_says_what_is_not_in_it(worn, language, said):
+    assert squeezed(said) in squeezed(text_of(write_pdf(worn, language=language, sections=[])))
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", ("taken as fresh (not stated)", "is some 20 to 25 % thinner", "some 20 to 25 % thinner than fresh")),
+        (
+            "de",
+            ("als frisch angenommen (nicht angegeben)", "ist etwa 20 bis 25 % dünner", "20 bis 25 % dünner als"),
+        ),
+        ("pl", ("przyjęty jako świeży (nie podano)", "o około 20 do 25 % rzadszy", "o około 20 do 25 % rzadszy niż")),
+    ],
+)
+def test_the_state_of_the_fluid_is_said(worn, language, said):
+    used = replace(worn, fluid=load_fluid("mobil_atf_220").in_state("used"), fluid_state_assumed=False)
+    assumed, stated = (
+        squeezed(text_of(write_pdf(each, language=language, sections=["conditions", "assumptions"])))
+        for each in (worn, used)
+    )
+    assert squeezed(said[0]) in assumed
+    assert squeezed(said[1]) in assumed
+    assert squeezed(said[2]) in stated
+    assert squeezed(said[0]) not in stated
 
 
 @pytest.mark.parametrize("language", languages())

@@ -18,8 +18,11 @@ from atleak.diagnosis import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError
 from atleak.job.record import Job
+from atleak.repair import plan_repairs
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
+from atleak.views.condition_matrix import condition_matrix
+from atleak.views.repair_words import plan_ends
 from atleak.wording import signed, wording
 
 SHEETS = [
@@ -39,6 +42,11 @@ def same(left: object, right: object) -> bool:
     if isinstance(left, int | float) and isinstance(right, int | float):
         return abs(left - right) <= 1e-9 * max(abs(left), abs(right)) + 1e-9
     return left == right
+
+
+def summary_cells(content: bytes) -> list[str]:
+    sheet = pd.read_excel(io.BytesIO(content), sheet_name="Summary", header=None, engine="calamine")
+    return sheet.fillna("").astype(str).to_numpy().ravel().tolist()
 
 
 @pytest.fixture(scope="module")
@@ -262,6 +270,14 @@ def test_job_prints_no_empty_label(unmeasured):
     assert not any("customer" in row[0] or "mileage" in row[0] for row in rows)
 
 
+def test_conditions_are_named_by_their_labels_and_the_speed_says_what_it_leaves_out(content):
+    cells = summary_cells(content)
+    assert "hot idle in drive, 100 °C" in cells
+    names = {point.name for point in load_controller("four_speed_2023").operating_points}
+    assert not names & set(cells)
+    assert any("converter, lubrication and clutch fill are not in it" in cell for cell in cells)
+
+
 def test_road_series_keeps_a_spike_and_the_gap(worn):
     sheets = pd.read_excel(io.BytesIO(write_workbook(worn)), sheet_name="Road test", header=None, engine="calamine")
     first = int(np.flatnonzero(sheets[0] == "time [s]")[-1])
@@ -281,6 +297,67 @@ def test_unit_without_hot_idle(worn):
     other = diagnose(only, worn.fluid, worn.limits, readings=worn.readings)
     sheets = pd.read_excel(io.BytesIO(write_workbook(other)), sheet_name=None, engine="calamine")
     assert "Gaps hot idle" not in sheets
+
+
+def test_every_land_stands_beside_every_condition(worn, content):
+    matrix = pd.read_excel(io.BytesIO(content), sheet_name="Land by condition", engine="calamine")
+    rows = condition_matrix(worn)
+    for number, projection in enumerate(worn.projections):
+        label = projection.condition.label
+        shares = [row.cells[number].share * 100.0 for row in rows]
+        assert matrix[f"share of pump capacity [%], {label}"].tolist() == pytest.approx(shares, rel=1e-12, abs=1e-15)
+        verdicts = [None if row.cells[number].rule is None else signed(row.cells[number].rule.verdict) for row in rows]
+        issued = matrix[f"verdict of the share, {label}"].tolist()
+        assert [None if pd.isna(verdict) else verdict for verdict in issued] == verdicts
+        assert sum(shares) == pytest.approx(projection.share * 100.0, rel=1e-9, abs=0.0)
+    assert matrix["elsewhere, as issued"].iloc[0] == "leaks into p_m, not drawn from the pump"
+
+
+def test_a_changed_diameter_reaches_the_land_s_share_at_every_condition(worn, content, calculator):
+    sheets = calculator(content)
+    row = next(number for number, land in enumerate(worn.lands, start=2) if land.key == ("26", 1))
+    before = {letter: sheets.value("Land by condition", f"{letter}{row}") for letter in "DF"}
+    sheets.set("Lands", f"{column_of(sheets.book, 'Lands', 'sleeve diameter')}{row}", 20.3)
+    for letter, share in before.items():
+        assert sheets.value("Land by condition", f"{letter}{row}") > 2.0 * share
+
+
+def test_the_summary_holds_the_repairs_their_end_and_the_complaint(worn):
+    complaint = worn.controller.complaint("slips_hot")
+    content = write_workbook(replace(worn, complaint=complaint))
+    rows = pd.read_excel(io.BytesIO(content), sheet_name="Summary", header=None, engine="calamine").fillna("")
+    cells = [str(cell) for row in rows.to_numpy().tolist() for cell in row if cell != ""]
+    plan = plan_repairs(worn)
+    assert all(sentence in cells for sentence in plan_ends(plan))
+    assert plan.steps
+    for each in plan.steps[-1].conditions:
+        shares = rows[rows.isin([f"total after [%], {each.condition.label}"]).any(axis=1)].index
+        column = rows.columns[rows.loc[shares[0]] == f"total after [%], {each.condition.label}"][0]
+        after = rows.loc[shares[0] + len(plan.steps), column]
+        assert after == pytest.approx(each.after.share * 100.0, rel=1e-12, abs=0.0)
+    assert complaint.label in cells
+    assert "hot idle in drive, 100 °C (the worst, as issued)" in cells
+    totals = [cell for cell in cells if cell.startswith(("hot idle in drive", "driving in second"))]
+    assert totals[1].startswith("hot idle")  # beside "shows at": the complaint's condition comes first
+
+
+def test_conditions_with_long_or_odd_names_have_sheets_and_names_of_their_own(worn, calculator):
+    idle = worn.controller.operating_points[1]
+    names = ["driving", "a_very_long_name_of_a_condition_1", "a_very_long_name_of_a_condition_2", "2nd"]
+    points = [replace(idle, name=name, label=f"label of {name}") for name in names]
+    controller = replace(worn.controller, operating_points=tuple(points))
+    diagnosis = diagnose(controller, worn.fluid, worn.limits, readings=worn.readings)
+    sheets = calculator(write_workbook(diagnosis))
+    gaps = [name for name in sheets.book.sheetnames if name.startswith("Gaps")]
+    assert len(gaps) == len(names)
+    assert max(map(len, gaps)) <= 31
+    assert {"_2nd_T", "a_very_long_name_of_a_condition_1_T"} <= set(sheets.book.defined_names)
+    wrong = [
+        (sheet, address)
+        for sheet, address in sheets.formulas()
+        if not same(sheets.value(sheet, address), sheets.cached[sheet][address].value)
+    ]
+    assert wrong == []
 
 
 def test_a_pump_that_delivers_nothing_and_another_controller(worn, calculator):

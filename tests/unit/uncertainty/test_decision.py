@@ -216,3 +216,54 @@ def test_a_pair_exactly_at_its_limit_passes_in_five_cases_of_a_hundred() -> None
     readings = np.random.default_rng(4).normal(30.0, 1.0, 20_000)
     passed = np.mean([decide(float(value), 30.0, 1.0) == "pass" for value in readings])
     assert passed == pytest.approx(0.05, abs=3.0 * (0.05 * 0.95 / 20_000) ** 0.5)
+
+
+def test_a_limit_finer_than_the_gauge_is_not_measurable_with_it(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    """A tenth of 13 µm is 1.3 µm, about one standard uncertainty of micrometer and bore gauge."""
+    unit = replace(four_speed, lands=tuple(replace(land, mounting_clearance=13 * UM) for land in four_speed.lands))
+    fine = Steps(((Verdict.WATCH, 0.1), (Verdict.REPLACE, 0.5)), LimitOrigin.PROJECT, "")
+    sheet = a_sheet(unit, repeats=2, noise=0.5 * UM, step=1 * UM)
+    workshop = {
+        "controller": unit,
+        "instruments": load_instruments("micrometer", "bore_gauge"),
+        "assumptions": Assumptions(),
+    }
+    land = judge(sheet, limits=replace(limits, wear=fine, pair_share=None), **workshop)
+    decided = land.unit.lands[0]
+    rule = decided.rules[0].at_first_level
+    assert rule.conditional
+    assert not decided.measurable(rule)
+    assert decided.advice is not None
+    assert "is not measurable with this outside micrometer and this two-point bore gauge" in decided.advice
+    texts = {message.code: message.text for message in land.unit.messages}
+    assert texts["limit_finer_than_gauge"].startswith("Not measurable with this gauge")
+    assert "air gauge" in texts["limit_finer_than_gauge"]
+    # with a least wear of 4 µm the same gauges do
+    default = judge(sheet, limits=replace(limits, pair_share=None), **workshop).unit
+    assert all(each.measurable(each.rules[0]) for each in default.lands)
+    assert "limit_finer_than_gauge" not in {message.code for message in default.messages}
+
+
+def test_more_directions_are_advised_where_form_carries_the_uncertainty(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    exact = two_instruments(calibration=0.1 * UM, repeatability=0.1 * UM)
+    sheet = a_sheet(four_speed, clearance=29 * UM, ovality=30 * UM)
+    case = judge(
+        sheet,
+        instruments=exact,
+        assumptions=replace(Assumptions(), contact_length=0.0),
+        limits=_limits(limits, 38.5 * UM),
+    )
+    land = case.unit.lands[0]
+    rule = land.deciding
+    assert rule is not None
+    assert rule.decision == "conditional_pass"
+    remedy = land.remedy(rule)
+    assert remedy is not None
+    assert remedy.form > 0.9
+    assert remedy.directions == ("sleeve",)
+    assert land.advice is not None
+    assert "D in four directions (0, 45, 90 and 135°)" in land.advice

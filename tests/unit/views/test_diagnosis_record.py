@@ -39,8 +39,14 @@ PROJECTION = (
     "temperature_c engine_rpm gear p_g_kpa p_s_kpa p_m_kpa p_k_kpa leakage_dm3_min pump_capacity_dm3_min share_percent "
     "band minimum_engine_rpm concentric_factor_low concentric_factor_high"
 )
-ROAD = "file sha256 rows duration_s gears sections max_leakage min_leakage max_share messages"
-INSTANT = "time_s leakage_dm3_min pump_capacity_dm3_min share_percent"
+ROAD = (
+    "file sha256 rows duration_s gears sections max_leakage min_leakage max_share max_leakage_sustained "
+    "max_share_sustained sustained_over_s start lower_bound messages"
+)
+INSTANT = (
+    "time_s leakage_dm3_min leakage_low_dm3_min leakage_high_dm3_min pump_capacity_dm3_min share_percent "
+    "share_low_percent share_high_percent"
+)
 MESSAGE = "level code text"
 
 
@@ -95,7 +101,7 @@ def test_every_promised_key_is_there(record: dict[str, Any]) -> None:
     assert lacking(PROJECTION, record["projection"]) == lacking(PROJECTION, record["hot_idle"]) == []
     assert lacking(ROAD, record["road_test"]) == []
     assert set(record["road_test"]["sections"]) == {"p_g", "p_s", "p_m", "p_k"}
-    for name in ("max_leakage", "min_leakage", "max_share"):
+    for name in ("max_leakage", "min_leakage", "max_share", "max_leakage_sustained", "max_share_sustained"):
         assert lacking(INSTANT, record["road_test"][name]) == []
     for message in (*record["messages"], *record["road_test"]["messages"]):
         assert lacking(MESSAGE, message) == []

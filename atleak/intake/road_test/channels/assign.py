@@ -139,6 +139,7 @@ class Assigner:
         self.file, self.units, self.neighbours = file, units, tuple(neighbours)
         self.signals: dict[str, Signal] = {}
         self.ambiguous: list[Ambiguous] = []
+        self.refused: dict[str, str] = {}  # by quantity, why a column that bears its name was not taken
         self.messages: list[Message] = []
         self.base: np.ndarray | None = None  # stamps of signals that have none of their own
 
@@ -146,6 +147,11 @@ class Assigner:
         """Add a message."""
         place = Place(file=self.file, column=column)
         self.messages.append(Message(level, code, text, place))
+
+    def refuse(self, candidate: Candidate, code: str, why: str, level: MessageLevel = "warning") -> None:
+        """Add a message that a column is not taken for its quantity, and why."""
+        self.refused.setdefault(candidate.quantity, why)
+        self.say(code, why, level, candidate.label)
 
     def decide(self, quantity: str, offered: Sequence[tuple[Candidate, np.ndarray, np.ndarray | None]]) -> None:
         """Choose one of the candidates for a quantity, or list them as ambiguous.
@@ -161,7 +167,7 @@ class Assigner:
             (misfits if signal.fit.problem else fitting).append(signal)
         for signal in misfits:
             text = f"{signal.candidate.label!r} is not taken for {quantity}: {signal.fit.problem}"
-            self.say("column_misfit", text, "warning", signal.candidate.label)
+            self.refuse(signal.candidate, "column_misfit", text)
         chosen = self._choose(quantity, fitting)
         if chosen is None:
             if not fitting and (
@@ -177,11 +183,11 @@ class Assigner:
         kind = QUANTITIES[candidate.quantity].unit_kind
         sample = values[:: max(1, len(values) // 10_000)]
         if not np.isfinite(sample).any() and not np.isfinite(values).any():
-            self.say("column_empty", f"{candidate.label!r} holds no values", "info", candidate.label)
+            self.refuse(candidate, "column_empty", f"{candidate.label!r} holds no values", "info")
             return None
         if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and _only(values, dead_value):
             text = f"{candidate.label!r} is {dead_value:g} throughout: the car or logger does not deliver it"
-            self.say("column_empty", text, "warning", candidate.label)
+            self.refuse(candidate, "column_empty", text)
             return None
         if candidate.quantity in self.units:
             return Signal(candidate, values, given(candidate.quantity, self.units[candidate.quantity]), time)

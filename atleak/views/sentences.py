@@ -1,0 +1,51 @@
+"""Write the sentences that terminal, pages, workbook and PDF share."""
+
+from __future__ import annotations
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE
+from atleak.catalogue.fluid import USED_THINNER
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.projection import Projection
+from atleak.readings import MeasuringTemperature
+from atleak.wording import Wording, isolated, wording
+from atleak.workshop_units import RPM
+
+LEFT_OUT_OF_SPEED = wording("en")("texts.left_out_of_speed")
+
+
+def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
+    """Return the name of the fluid and the state in which it is taken: ``Mobil ATF 220; used``."""
+    fluid, (low, high) = diagnosis.fluid, USED_THINNER
+    state = "fresh_assumed" if diagnosis.fluid_state_assumed else "used_estimated" if fluid.estimated else fluid.state
+    return f"{isolated(fluid.name)}; {say(f'fluid_states.{state}', low=low, high=high)}"
+
+
+def measuring_temperature(measured_at: MeasuringTemperature, say: Wording) -> str:
+    """Say at which temperature gauge and parts were measured: assumed, as stated, or corrected for.
+
+    >>> measuring_temperature(MeasuringTemperature(35.0, "job"), wording("en"))
+    '35 °C, diameters corrected to 20 °C'
+    """
+    said = "assumed" if measured_at.assumed else "corrected" if measured_at.corrects else "stated"
+    values = {"temperature": say.plain(measured_at.value), "reference": say.plain(REFERENCE_TEMPERATURE)}
+    return say(f"facts.temperature_{said}", **values)
+
+
+def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
+    """Say at which mileage the land reaches the wear limit for replacing, to two digits; None where none is projected.
+
+    A number that nobody can foresee is not given.
+    """
+    at = land.replace_mileage
+    if at is None:
+        return None
+    if at.value is None or not at.foreseeable:
+        return say("texts.not_foreseeable")
+    value, low, high = (say.number(float(f"{each:.2g}"), 0) for each in (at.value, at.low, at.high))
+    return say("texts.replace_between", value=value, low=low, high=high)
+
+
+def covered_from(projection: Projection) -> str:
+    """Say from which engine speed the pump covers the leakage of a condition, and what that speed leaves out."""
+    speed = f"{projection.minimum_speed * RPM:.0f} rpm"
+    return f"the pump covers this leakage and its own slip from {speed}; {LEFT_OUT_OF_SPEED}"
