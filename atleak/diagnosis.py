@@ -326,7 +326,8 @@ def diagnose(
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
     rules = unit_rules(states, projections, when_new, limits)
-    uncertainty, of_sheet = None, ()
+    uncertainty: UnitUncertainty | None = None
+    of_sheet: tuple[Message, ...] = ()
     if readings is not None and measured_at is not None:
         uncertainty = assess(
             model,

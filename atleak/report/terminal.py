@@ -57,8 +57,8 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     fluid = fluid_in_state(diagnosis, wording("en"))
     console.print(Text(f"{controller.name} · {fluid} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
-    if readings is not None and diagnosis.measured_at is not None:
-        at = measuring_temperature(diagnosis.measured_at, wording("en"))
+    if readings is not None:
+        at = measuring_temperature(diagnosis, wording("en"))
         measured += f" in {readings.file}; temperature of measuring: {at}"
     console.print(Text(measured))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))

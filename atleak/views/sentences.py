@@ -6,7 +6,6 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.readings import MeasuringTemperature
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import RPM
 
@@ -20,12 +19,14 @@ def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
     return f"{isolated(fluid.name)}; {say(f'fluid_states.{state}', low=low, high=high)}"
 
 
-def measuring_temperature(measured_at: MeasuringTemperature, say: Wording) -> str:
-    """Say at which temperature gauge and parts were measured: assumed, as stated, or corrected for.
+def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say at which temperature gauge and parts were measured: assumed, as stated, or corrected for; "" without a sheet.
 
-    >>> measuring_temperature(MeasuringTemperature(35.0, "job"), wording("en"))
-    '35 °C, diameters corrected to 20 °C'
+    In English ``35 °C, diameters corrected to 20 °C``.
     """
+    measured_at = diagnosis.measured_at
+    if measured_at is None:
+        return ""
     said = "assumed" if measured_at.assumed else "corrected" if measured_at.corrects else "stated"
     values = {"temperature": say.plain(measured_at.value), "reference": say.plain(REFERENCE_TEMPERATURE)}
     return say(f"facts.temperature_{said}", **values)

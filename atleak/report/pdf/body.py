@@ -332,8 +332,7 @@ class Body:
             if not each.empty
         ]
         measured = f"{diagnosis.measured} / {len(diagnosis.lands)}"
-        measured_at = diagnosis.measured_at
-        temperature = "" if measured_at is None else measuring_temperature(measured_at, say)
+        temperature = measuring_temperature(diagnosis, say)
         options = joined(f"{name} = {_option(value)}" for name, value in diagnosis.profile.options.items())
         uncertainty = diagnosis.uncertainty
         taken = (

@@ -56,7 +56,7 @@ class Sheets:
         put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
         sheet.set_row(0, 24)
         put(sheet, 1, 0, self._sentence(), book.bold)
-        vehicle, box, measured_at = self.job.vehicle, self.job.transmission, diagnosis.measured_at
+        vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
             ("job", self.job.number),
             ("date", self.job.date.isoformat() if self.job.date else None),
@@ -70,7 +70,7 @@ class Sheets:
             ("limits", record["limits"]["name"]),
             ("profile", diagnosis.profile.label),
             ("measuring sheet", record["readings"]["file"]),
-            ("measured at", None if measured_at is None else measuring_temperature(measured_at, wording("en"))),
+            ("measured at", measuring_temperature(diagnosis, wording("en"))),
             ("road test", record["road_test"]["file"] if record["road_test"] else None),
             ("representative", record["controller"]["representative_note"]),
             *self._complaint(),
