@@ -25,9 +25,9 @@ from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
-from atleak.views.sentences import covered_from, fluid_in_state, measuring_temperature
+from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
-from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, UM
+from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -65,7 +65,9 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     for line in _complaint(diagnosis):
         console.print(Text(line))
     for number, projection in enumerate(diagnosis.presented, start=1):
-        console.print(Text(f"{number}. {_total(diagnosis, projection)}"))
+        for line in _total(diagnosis, projection, number):
+            console.print(Text(line))
+    console.print(Text(f"At these speeds the pump covers the leakage and its own slip: {LEFT_OUT_OF_SPEED}."))
     if diagnosis.flagged:
         console.print(_flagged(diagnosis.flagged))
     else:
@@ -203,15 +205,19 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
 
 
-def _total(diagnosis: Diagnosis, projection: Projection) -> str:
+def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterator[str]:
+    """Return the lines of one condition: the share beside that of the same unit new, then the flows."""
     worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
     rule = diagnosis.total_rule(projection)
-    grown = "" if rule.growth is None else f" (new {(rule.new or 0.0) * PERCENT:.1f} %, grown by {rule.growth:z.0%})"
-    return (
-        f"{projection.condition.label}: leakage {projection.leakage * DM3_MIN:.2f} of "
-        f"{projection.pump_capacity * DM3_MIN:.2f} dm³/min, {projection.share * PERCENT:.1f} %{grown}, "
-        f"{diagnosis.band(projection)}{worst}; {positions(diagnosis, projection)}; {covered_from(projection)}"
-    )
+    new = "" if rule.growth is None else f"; {(rule.new or 0.0) * PERCENT:.1f} % when new, {_grown(rule.growth)}"
+    share = f"{projection.share * PERCENT:.1f} % of the pump's flow" + (" demanded" if projection.share > 1.0 else "")
+    yield f"{number}. {projection.condition.label}: {share}, {diagnosis.band(projection)}{worst}{new}"
+    flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"
+    yield f"   {flows}; {positions(diagnosis, projection)}; covered from {projection.minimum_speed * RPM:.0f} rpm"
+
+
+def _grown(growth: float) -> str:
+    return f"grown by {growth * PERCENT:.0f} %" if growth >= 0.0 else f"{-growth * PERCENT:.0f} % less than new"
 
 
 def _flagged(lands: Sequence[LandDiagnosis]) -> Table:

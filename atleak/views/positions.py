@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from atleak.diagnosis import Diagnosis
-from atleak.engine.profile import UNKNOWN
+from atleak.engine.profile import UNKNOWN, Profile
 from atleak.engine.projection import Projection
 from atleak.workshop_units import PERCENT
 
@@ -12,11 +12,17 @@ def positions(diagnosis: Diagnosis, projection: Projection) -> str:
     """Say in English for which position of the spools flows are given, and the total share as they may lie."""
     band = position_band(diagnosis, projection)
     lie = "" if band is None else f", {band[0] * PERCENT:.0f} to {band[1] * PERCENT:.0f} % as they may lie"
-    return f"{_taken(diagnosis)}{lie}"
+    return f"{spools_taken(diagnosis.profile)}{lie}"
 
 
-def _taken(diagnosis: Diagnosis) -> str:
-    eccentricity = diagnosis.profile.eccentricity
+def spools_taken(profile: Profile) -> str:
+    """Say in English where a profile takes the spools to lie.
+
+    >>> from atleak.engine.profile import WORKSHOP
+    >>> spools_taken(WORKSHOP)
+    'spools concentric'
+    """
+    eccentricity = profile.eccentricity
     if eccentricity == UNKNOWN:
         return "mean over all positions of the spools"
     return f"spools at e/c = {eccentricity:g}" if eccentricity else "spools concentric"

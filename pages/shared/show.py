@@ -176,6 +176,8 @@ def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
     """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
     table(instant_rows(road, uncertainty), number=rounded)
     said = wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}")
+    if uncertainty is not None:
+        said += " From … to: 95 % intervals."
     if road.lower_bound:
         said += f" {wording('en')('texts.lower_bound')}"
     st.caption(plain(said))

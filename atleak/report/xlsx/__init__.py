@@ -15,7 +15,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
-from atleak.report.xlsx.live import LiveSheets, write_readings
+from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.sheets import Sheets
 from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
@@ -61,29 +61,22 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     live = LiveSheets(book, diagnosis, record)
     rest = Sheets(book, diagnosis, record, job, live)
     summary = book.sheet("Summary")
-    lands = book.sheet("Lands", frozen=(1, 3))
-    matrix = book.sheet("Land by condition", frozen=(1, 3))
-    gaps = [(book.sheet(at.sheet, frozen=(1, 2)), at) for at in live.conditions]
-    rules = book.sheet("Rules", frozen=(1, 2))
-    readings = book.sheet("Readings", frozen=(1, 2)) if diagnosis.readings else None
-    road = book.sheet("Road test") if diagnosis.road else None
-    conditions = book.sheet("Conditions", frozen=(1, 2))
-    rest.write_limits(book.sheet("Limits"))  # first of all: rules and bands point into it
+    rest.write_summary(summary)
+    live.write_lands(book.sheet("Lands", frozen=(1, 3)))
+    rest.write_matrix(book.sheet("Land by condition", frozen=(1, 3)))
+    for at in live.conditions:
+        live.write_gaps(book.sheet(at.sheet, frozen=(1, 2)), at)
+    live.write_rules(book.sheet("Rules", frozen=(1, 3)))
+    if diagnosis.readings:
+        live.write_readings(book.sheet("Readings", frozen=(1, 2)))
+    if live.directions.lines:
+        live.write_directions(book.sheet("Directions", frozen=(1, 2)))
+    if diagnosis.road:
+        rest.write_road(book.sheet("Road test"))
+    live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
+    live.write_limits(book.sheet("Limits", frozen=(1, 1)))
     if not job.empty:
         rest.write_job(book.sheet("Job", landscape=False))
-    messages = book.sheet("Messages", frozen=(1, 0))
-    provenance = book.sheet("Provenance", landscape=False)
-    if readings is not None:
-        write_readings(book, readings, live)
-    live.write_conditions(conditions)
-    live.write_lands(lands)
-    for sheet, at in gaps:
-        live.write_gaps(sheet, at)
-    live.write_rules(rules)
-    rest.write_matrix(matrix)
-    if road is not None:
-        rest.write_road(road)
-    rest.write_messages(messages)
-    rest.write_provenance(provenance)
-    rest.write_summary(summary)
+    rest.write_messages(book.sheet("Messages", frozen=(1, 0)))
+    rest.write_provenance(book.sheet("Provenance", landscape=False))
     summary.activate()

@@ -28,6 +28,7 @@ NUMBER_FORMATS = {
     "flow": "0.0000",
     "mm3": "0.000",
     "percent": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";[<0]-0.00;0.00',  # a negative keeps its sign
+    "share": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";[>100]0.00" demand";0.00',  # never below 0
     "temperature": "0.0",
     "rpm": "0",
     "nu": "0.0000",

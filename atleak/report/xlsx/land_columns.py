@@ -6,77 +6,30 @@ A column is added in `land_columns`. A cell with a formula holds atleak's own nu
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE
-from atleak.catalogue.instruments import Instruments, Part
-from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.engine.leakage import GapLeakage
-from atleak.engine.projection import Projection
-from atleak.look import INPUT
-from atleak.report.xlsx.book import NO_DELIVERY, cell, exact, span
-from atleak.rules import LandKey
-from atleak.verdicts import VERDICTS, Verdict
+from atleak.diagnosis import LandDiagnosis
+from atleak.report.xlsx.book import exact
+from atleak.report.xlsx.gaps_sheet import GapCells
+from atleak.report.xlsx.live_cells import (
+    AFTER_A_NUMBER,
+    CHANGEABLE,
+    EXPANSIONS,
+    PER_KELVIN,
+    Cell,
+    ColumnKey,
+    SheetCondition,
+    share_of,
+    verdict_of_rank,
+    warm_clearance,
+)
+from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells
+from atleak.report.xlsx.rules_sheet import RuleCells
+from atleak.verdicts import Verdict
 from atleak.views.sentences import replace_at
 from atleak.wording import signed, value_names, wording
 from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
-
-CHANGEABLE = {"font_color": INPUT}  # numbers that an auditor may change
-RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
-_PER_KELVIN = 1e6  # expansions are shown in 1e-6/K
-_GAP_FLOW, _GAP_DRAWN = 11, 12  # columns of a gap's flow in its sheet, and of whether it is drawn from the pump
-_SHEET_NAME = 31  # characters that Excel allows in a sheet's name
-
-ColumnKey = str | tuple[str, str]  # a name, or a name and the prefix of a condition
-
-
-@dataclass(frozen=True)
-class SheetCondition:
-    """One condition of the workbook: its projection, the prefix of its names and its sheet of gaps."""
-
-    projection: Projection
-    prefix: str
-    sheet: str
-    title: str
-
-    def __call__(self, name: str) -> str:
-        """Return the workbook's name for one of the condition's quantities."""
-        return f"{self.prefix}_{name}"
-
-
-def sheet_conditions(diagnosis: Diagnosis) -> list[SheetCondition]:
-    """Return every condition of a diagnosis with names that Excel takes, in the order in which people read them."""
-    made: list[SheetCondition] = []
-    for at in diagnosis.presented:
-        if at is diagnosis.projection:
-            made.append(SheetCondition(at, "stated", "Gaps", "stated condition"))
-            continue
-        name = at.condition.name
-        prefix = f"_{name}" if name[0].isdigit() else name
-        made.append(SheetCondition(at, prefix, _free_name(f"Gaps {name.replace('_', ' ')}", made), at.condition.label))
-    return made
-
-
-def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
-    """Return the name of a new sheet of gaps: the one wanted, cut and numbered where it is too long or taken."""
-    taken = {each.sheet for each in made}
-    name, number = wanted[:_SHEET_NAME], 1
-    while name in taken:
-        number += 1
-        ending = f" {number}"
-        name = wanted[: _SHEET_NAME - len(ending)] + ending
-    return name
-
-
-@dataclass(frozen=True)
-class Cell:
-    """The content of a cell: a value and, where it follows from other cells, the formula that gives it."""
-
-    kind: str  # of number, one of the workbook's formats
-    value: Any
-    formula: str | None = None
-    look: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -106,11 +59,11 @@ class LandSheet:
     records: Sequence[Mapping[str, Any]]
     components: Mapping[str, str]  # number → name
     conditions: Sequence[SheetCondition]
-    gaps: Mapping[str, Sequence[GapLeakage]]  # by the condition's prefix, in the order of its sheet
-    ranks: Mapping[LandKey, str]  # the stretch of the sheet of rules that holds a land's ranks
-    means: Mapping[tuple[LandKey, Part], str]  # formula of a part's mean diameter over the readings
-    gauges: Instruments | None  # that measured, where their expansion counts
-    rise: float  # [K] of gauge and parts over 20 °C when they were measured
+    gaps: GapCells
+    rules: RuleCells
+    readings: ReadingCells
+    directions: DirectionCells
+    spools: str  # where they are taken to lie
 
 
 def land_columns(sheet: LandSheet) -> list[LandColumn]:
@@ -127,7 +80,7 @@ def _names(sheet: LandSheet) -> Iterable[LandColumn]:
         land = row.land
         # half a pair is never called ok
         fine = Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
-        ranks = sheet.ranks.get(land.key)
+        ranks = sheet.rules.ranks_of(land.key)
         formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine)
         return Cell("plain", signed(land.verdict), formula, {"bold": True})
 
@@ -139,19 +92,15 @@ def _names(sheet: LandSheet) -> Iterable[LandColumn]:
 
 
 def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
-    expansions: Mapping[Part, ColumnKey] = {"spool": "beta_s", "sleeve": "beta_k"}
+    def spool_diameter(row: LandRow) -> Cell:
+        mean = sheet.readings.mean(row.land.key, "spool", row.here(EXPANSIONS["spool"]))
+        return Cell("mm", row.land.state.spool_diameter * MM, mean, CHANGEABLE)
 
-    def diameter(part: Part) -> Callable[[LandRow], Cell]:
-        def measured(row: LandRow) -> Cell:
-            state = row.land.state
-            value = state.spool_diameter if part == "spool" else state.sleeve_diameter
-            formula = sheet.means.get((row.land.key, part))
-            if formula is not None and sheet.gauges is not None:
-                own, gauge = row.here(expansions[part]), exact(sheet.gauges.of(part).expansion * _PER_KELVIN)
-                formula = f"({formula})*(1-({own}-{gauge})*1E-6*{exact(sheet.rise)})"
-            return Cell("mm", value * MM, formula, CHANGEABLE)
-
-        return measured
+    def sleeve_diameter(row: LandRow) -> Cell:
+        state = row.land.state
+        as_new = f"{exact(state.land.nominal_diameter * MM)}+2*{row.here('c_n')}*0.001"  # of one that was not measured
+        mean = sheet.readings.mean(row.land.key, "sleeve", row.here(EXPANSIONS["sleeve"]))
+        return Cell("mm", state.sleeve_diameter * MM, mean or as_new, CHANGEABLE)
 
     def radial_clearance(row: LandRow) -> Cell:
         formula = f"({row.here('sleeve')}-{row.here('spool')})/2*1000"
@@ -162,61 +111,102 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         worn = row.land.wear
         return Cell("percent", None if worn is None else worn * PERCENT, f"({row.here('c_r')}-{new})/{new}*100")
 
-    def changeable(kind: str, value: Callable[[LandDiagnosis], float]) -> Callable[[LandRow], Cell]:
-        return lambda row: Cell(kind, value(row.land), look=CHANGEABLE)
-
-    yield LandColumn("sleeve", "sleeve diameter D [mm]", 12, diameter("sleeve"))
-    yield LandColumn("spool", "spool diameter d [mm]", 12, diameter("spool"))
+    yield LandColumn("sleeve", "sleeve diameter D [mm]", 12, sleeve_diameter)
+    yield LandColumn("spool", "spool diameter d [mm]", 12, spool_diameter)
     yield LandColumn("c_r", "radial clearance c_r [µm]", 12, radial_clearance)
     if uncertain:
-        heading = "standard uncertainty u(c_r) [µm]"
+        heading = "standard uncertainty u(c_r) as issued [µm]"
         yield LandColumn("U", heading, 12, lambda row: Cell("um", row.record["uncertainty_um"]))
-    new = changeable("um", lambda land: land.state.land.mounting_high * UM)
-    yield LandColumn("c_m", "mounting clearance c_m [µm]", 12, new)
+    yield from _when_new(sheet)
     yield LandColumn("wear", "wear Z [%]", 10, wear)
-    body = changeable("plain", lambda land: land.state.land.body_expansion * _PER_KELVIN)
+    body = _changeable("plain", lambda land: land.state.land.body_expansion * PER_KELVIN)
     yield LandColumn("beta_k", "expansion of body β_k [1e-6/K]", 12, body)
-    spool = changeable("plain", lambda land: land.state.land.spool_expansion * _PER_KELVIN)
+    spool = _changeable("plain", lambda land: land.state.land.spool_expansion * PER_KELVIN)
     yield LandColumn("beta_s", "expansion of spool β_s [1e-6/K]", 12, spool)
-    square = changeable("plain", lambda land: land.state.form_moments[0] * UM**2)
-    yield LandColumn("m2", "form: mean of (c − c_r)² as measured [µm²]", 12, square)
-    cube = changeable("plain", lambda land: land.state.form_moments[1] * UM**3)
-    yield LandColumn("m3", "form: mean of (c − c_r)³ as measured [µm³]", 12, cube)
+    for power, sign in ((2, "²"), (3, "³")):
+        heading = f"form: mean of (c − c_r){sign} as measured [µm{sign}]"
+        yield LandColumn(f"m{power}", heading, 12, _moment(sheet, power))
+
+
+def _changeable(kind: str, value: Callable[[LandDiagnosis], float]) -> Callable[[LandRow], Cell]:
+    return lambda row: Cell(kind, value(row.land), look=CHANGEABLE)
+
+
+def _when_new(sheet: LandSheet) -> Iterable[LandColumn]:
+    """Return what is known of the clearance that a land had when new."""
+    lands = [land.state.land for land in sheet.lands]
+    a_range = any(len(land.mounting_ends) > 1 for land in lands)
+
+    def low_end(row: LandRow) -> Cell:
+        low, *more = row.land.state.land.mounting_ends
+        return Cell("um", low * UM if more else None, look=CHANGEABLE)
+
+    def tolerance(row: LandRow) -> Cell:
+        half_width = row.land.state.land.mounting_tolerance
+        return Cell("um", None if half_width is None else half_width * UM, look=CHANGEABLE)
+
+    def new_clearance(row: LandRow) -> Cell:
+        land, high = row.land.state.land, row.here("c_m")
+        formula = high
+        if len(land.mounting_ends) > 1:  # the mean cube over the range
+            low = row.here("c_m_low")
+            formula = f"(({low}+{high})*({low}^2+{high}^2)/4)^(1/3)"
+        return Cell("um", land.new_clearance * UM, formula)
+
+    def known_from(row: LandRow) -> Cell:
+        return Cell("plain", row.land.state.land.new_origin.label, look=AFTER_A_NUMBER)
+
+    if a_range:
+        yield LandColumn("c_m_low", "mounting clearance, low end of a range [µm]", 12, low_end)
+    heading = "mounting clearance c_m" + (", high end of a range [µm]" if a_range else " [µm]")
+    yield LandColumn("c_m", heading, 12, _changeable("um", lambda land: land.state.land.mounting_high * UM))
+    if any(land.mounting_tolerance is not None for land in lands):
+        heading = "tolerance of c_m, half width of 95 % [µm]"
+        yield LandColumn("tolerance", heading, 12, tolerance)
+    yield LandColumn("c_n", "clearance of a new pair, of equal flow [µm]", 12, new_clearance)
+    yield LandColumn("new_origin", "clearance when new is known from", 42, known_from)
+
+
+def _moment(sheet: LandSheet, power: int) -> Callable[[LandRow], Cell]:
+    def moment(row: LandRow) -> Cell:
+        value = row.land.state.form_moments[power - 2] * UM**power
+        formula = sheet.directions.moment(row.land.key, power)
+        return Cell("um", value, formula, {} if formula else CHANGEABLE)
+
+    return moment
 
 
 def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandColumn]:
-    projection, prefix = condition.projection, condition.prefix
+    at, prefix = condition.projection, condition.prefix
 
     def effective_clearance(row: LandRow) -> Cell:
-        opening = f"{row.here('beta_k')}*{row.here('sleeve')}-{row.here('beta_s')}*{row.here('spool')}"
-        rise = f"({condition('T')}-{exact(REFERENCE_TEMPERATURE)})"
-        formula = f"MAX({row.here('c_r')}+({opening})/2*{rise}*0.001,0)"
-        return Cell("um", row.land.state.effective_clearance(projection.condition.temperature) * UM, formula)
+        of_land = (row.here(key) for key in ("c_r", "spool", "sleeve"))
+        formula = warm_clearance(*of_land, (row.here("beta_k"), row.here("beta_s")), condition("T"))
+        return Cell("um", row.land.state.effective_clearance(at.condition.temperature) * UM, formula)
 
     def leakage(row: LandRow) -> Cell:
-        rows = [number for number, gap in enumerate(sheet.gaps[prefix], start=1) if gap.gap.key == row.land.key]
-        if not rows:
-            return Cell("flow", 0.0)
-        formula = f"SUM({span(rows[0], rows[-1], _GAP_FLOW, condition.sheet)})*6E-5"
-        return Cell("flow", projection.leakage_of(row.land.key) * DM3_MIN, formula)
+        flow = sheet.gaps.sum_of("q", condition, row.land.key, drawn=False)
+        return Cell("flow", at.leakage_of(row.land.key) * DM3_MIN, flow)
 
     def drawn(row: LandRow) -> Cell:
-        rows = [number for number, gap in enumerate(sheet.gaps[prefix], start=1) if gap.gap.key == row.land.key]
-        if not rows:
-            return Cell("flow", 0.0)
-        counted = span(rows[0], rows[-1], _GAP_DRAWN, condition.sheet)
-        formula = f'SUMIF({counted},"yes",{span(rows[0], rows[-1], _GAP_FLOW, condition.sheet)})*6E-5'
-        return Cell("flow", projection.drawn_by(row.land.key) * DM3_MIN, formula)
+        flow = sheet.gaps.sum_of("q", condition, row.land.key)
+        return Cell("flow", at.drawn_by(row.land.key) * DM3_MIN, flow)
 
     def share(row: LandRow) -> Cell:
         formula = share_of(row.here(("drawn", prefix)), condition("capacity"))
-        return Cell("percent", projection.share_drawn_by(row.land.key) * PERCENT, formula)
+        return Cell("share", at.share_drawn_by(row.land.key) * PERCENT, formula)
 
-    at = f", {condition.title}"
-    yield LandColumn(("c_re", prefix), f"effective clearance c_re [µm]{at}", 14, effective_clearance)
-    yield LandColumn(("q", prefix), f"leakage q [dm³/min]{at}", 14, leakage)
-    yield LandColumn(("drawn", prefix), f"of it drawn from the pump [dm³/min]{at}", 14, drawn)
-    yield LandColumn(("share", prefix), f"share of pump capacity [%]{at}", 14, share)
+    def new_share(row: LandRow) -> Cell:
+        new = sheet.gaps.sum_of("new_q", condition, row.land.key)
+        formula = None if new is None else share_of(new, condition("capacity"))
+        return Cell("share", condition.new.share_drawn_by(row.land.key) * PERCENT, formula)
+
+    title = f", {condition.title}"
+    yield LandColumn(("c_re", prefix), f"effective clearance c_re [µm]{title}", 14, effective_clearance)
+    yield LandColumn(("q", prefix), f"leakage q [dm³/min], {sheet.spools}{title}", 14, leakage)
+    yield LandColumn(("drawn", prefix), f"of it drawn from the pump [dm³/min]{title}", 14, drawn)
+    yield LandColumn(("share", prefix), f"share of pump capacity [%]{title}", 14, share)
+    yield LandColumn(("new_share", prefix), f"the same share when new [%]{title}", 14, new_share)
 
 
 def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
@@ -244,8 +234,9 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         return Cell("plain", value_names(row.land.state.land.representative) or None)
 
     if uncertain:
-        yield LandColumn("low", "leakage, low [dm³/min]", 12, recorded("leakage_low_dm3_min", "flow"))
-        yield LandColumn("high", "leakage, high [dm³/min]", 12, recorded("leakage_high_dm3_min", "flow"))
+        for end in ("low", "high"):
+            heading = f"leakage, {end} as issued [dm³/min], stated condition"
+            yield LandColumn(end, heading, 12, recorded(f"leakage_{end}_dm3_min", "flow"))
     if any(record["decision"] is not None for record in sheet.records):
         yield LandColumn("decision", "decision as issued", 16, decision)
         over = recorded("probability_over_limit", "percent", PERCENT)
@@ -254,19 +245,3 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         yield LandColumn("mileage", "replace at (95 % interval), wear ∝ mileage, as issued", 30, mileage)
     yield LandColumn("because", "rule that gave the verdict, as issued", 34, because)
     yield LandColumn("representative", "representative values", 40, representative)
-
-
-def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:
-    """Return the formula of a verdict's sign and word, by its rank among those that can be given."""
-    words = ",".join(f'"{signed(verdict)}"' for verdict in (fine, *RANKED[1:]))
-    return f"CHOOSE({rank},{words})"
-
-
-def share_of(leakage: str, capacity: str) -> str:
-    """Return the formula of a share [%]: 0 without leakage, infinite where a pump without flow feeds any leakage."""
-    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,{exact(NO_DELIVERY)},0))"
-
-
-def address(row: int, column: int) -> str:
-    """Return the address of a cell of the same sheet, free to move with its row."""
-    return cell(row, column).replace("$", "")

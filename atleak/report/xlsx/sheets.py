@@ -1,4 +1,4 @@
-"""Write the sheets around the computation: summary, road test, limits, job, messages, provenance."""
+"""Write the sheets around the computation: summary, road test, job, messages, provenance."""
 
 from __future__ import annotations
 
@@ -7,36 +7,42 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
+from atleak.engine.projection import Projection
 from atleak.job.record import Job, Record
-from atleak.look import CHART_GRID, INPUT, PAPER
+from atleak.look import CHART_GRID, PAPER
 from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
-from atleak.report.xlsx.land_columns import ColumnKey
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, COVERS, DEMAND
 from atleak.report.xlsx.live import LiveSheets
+from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, verdict_of_rank
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import measure_first, reason
+from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
-from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature
+from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
-from atleak.workshop_units import DM3_MIN, PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, PERCENT
 
+#: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
+_TOTALS = (
+    "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_least",
+    "share_largest", "capacity", "n_min", "T", "n",
+)  # fmt: skip
+_ISSUED = {
+    "decision": "decision as issued",
+    "low": "leakage, low as issued [dm³/min]",
+    "high": "leakage, high as issued [dm³/min]",
+}
 ROAD_ROWS = 2000  # rows of the thinned road test
 MEASURE_FIRST = 6  # lands named for a complaint
 _KINDS = {  # of numbers, by their unit
     "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
 }  # fmt: skip
-_RULE_LABELS = {
-    RuleKind.WEAR: "wear [%]",
-    RuleKind.CLEARANCE: "radial clearance [µm]",
-    RuleKind.PAIR_SHARE: "share of pump flow of one land [%]",
-    RuleKind.TOTAL_SHARE: "share of pump flow of the whole valve body [%]",
-}
 
 
 class Sheets:
@@ -50,12 +56,13 @@ class Sheets:
     def write_summary(self, sheet: Worksheet) -> None:
         """Write the verdict first, then totals, flagged lands and the order of repair."""
         book, record, diagnosis = self.book, self.record, self.diagnosis
-        for column, width in enumerate((26, 32, 16, 8, 14, 14, 14, 14, 14, 44, 24)):
+        for column, width in enumerate((46, 28, 16)):
             sheet.set_column(column, column, width)
+        sheet.set_column(3, len(_TOTALS), 14)
         title = "Internal leakage of a valve body"
         put(sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title)
         sheet.set_row(0, 24)
-        put(sheet, 1, 0, self._sentence(), book.bold)
+        self._verdict(sheet, 1)
         vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
             ("job", self.job.number),
@@ -75,7 +82,7 @@ class Sheets:
             ("representative", record["controller"]["representative_note"]),
             *self._complaint(),
         ]
-        row = book.pairs(sheet, 3, rows) + 1
+        row = book.pairs(sheet, 4, rows) + 1
         row = self._totals(sheet, row) + 1
         row = self._flagged(sheet, row) + 1
         row = self._repair(sheet, row) + 1
@@ -92,14 +99,25 @@ class Sheets:
         shows = "; ".join(each.condition.label for each in diagnosis.complained)
         return [("complaint", diagnosis.complaint.label), ("shows at", shows), *first[:MEASURE_FIRST]]
 
+    def _verdict(self, sheet: Worksheet, row: int) -> None:
+        """Write the verdict of the unit as it follows from the workbook's rules, and below it the one issued."""
+        book, diagnosis = self.book, self.diagnosis
+        put(sheet, row, 0, "verdict of the unit", book.bold)
+        if diagnosis.judged:  # half a pair is never called ok
+            fine = Verdict.OK if diagnosis.measured else Verdict.NOT_MEASURED
+            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks})", fine)
+            formula(sheet, row, 1, verdict, signed(diagnosis.verdict), book.bold)
+        else:
+            put(sheet, row, 1, signed(diagnosis.verdict), book.bold)
+        book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
+        put(sheet, row + 1, 0, "as issued", book.bold)
+        put(sheet, row + 1, 1, self._sentence())
+
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
         decided_by = diagnosis.decided_by
         worst = diagnosis.worst
-        share = (
-            f"{worst.share * PERCENT:.1f} % of the pump's flow" if worst.pump_capacity > 0 else "all the pump delivers"
-        )
-        total = f"At “{worst.condition.label}” leakage takes {share} ({diagnosis.band(worst)})."
+        total = f"At “{worst.condition.label}” {self._taken(worst)} ({diagnosis.band(worst)})."
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
         lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
@@ -110,45 +128,59 @@ class Sheets:
             lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"
         return f"{signed(diagnosis.verdict)}: {lands}. {total}"
 
+    def _taken(self, at: Projection) -> str:
+        """Say what leakage takes of the pump's flow; what the pump cannot deliver is a demand."""
+        if at.pump_capacity <= 0.0:
+            return "leakage takes all the pump delivers"
+        verb = "demands" if at.share > 1.0 else "takes"
+        return f"leakage {verb} {at.share * PERCENT:.1f} % of the pump's flow"
+
     def _totals(self, sheet: Worksheet, row: int) -> int:
-        names = ["condition", "temperature [°C]", "engine speed [1/min]", "gear", "leakage [dm³/min]"]
-        names += ["pump capacity [dm³/min]", "share [%]", "band", "pump covers leakage and slip from [1/min]"]
+        """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie."""
         book, live = self.book, self.live
-        book.headings(sheet, row, names)
-        first = row + 1
+        left, first = {"align": "left"}, row + 1
         for row, at in enumerate(live.conditions, start=first):
-            projection, band = at.projection, self.diagnosis.band(at.projection)
-            worst = projection is self.diagnosis.worst and len(live.conditions) > 1
-            put(sheet, row, 0, projection.condition.label + " (the worst, as issued)" * worst)
-            cells: list[tuple[str, Any, str]] = [
-                ("T", projection.condition.temperature, "temperature"),
-                ("n", projection.condition.engine_speed * RPM, "rpm"),
-                ("gear", projection.condition.gear, "count"),
-                ("leakage", projection.leakage * DM3_MIN, "flow"),
-                ("capacity", projection.pump_capacity * DM3_MIN, "flow"),
-                ("share", projection.share * PERCENT, "percent"),
-                ("band", band, "plain"),
-                ("n_min", projection.minimum_speed * RPM, "rpm"),
-            ]
-            for column, (name, value, kind) in enumerate(cells, start=1):
-                formula(sheet, row, column, at(name), value, book.form(kind, align="left"))
-        book.colour_words(sheet, (first, 7), (row, 7), BANDS)
-        put(sheet, row + 1, 0, f"The pump covers leakage and its own slip from that speed; {LEFT_OUT_OF_SPEED}.")
-        return row + 2
+            quantities, issued = live.totals.quantities(at), self._issued(at)
+            if row == first:
+                headings = [_ISSUED.get(name) or quantities[name].heading for name in _TOTALS]
+                book.headings(sheet, first - 1, ["condition", *headings], lines=5)
+            worst = at.projection is self.diagnosis.worst and len(live.conditions) > 1
+            put(sheet, row, 0, at.projection.condition.label + " (the worst, as issued)" * worst)
+            for column, name in enumerate(_TOTALS, start=1):
+                if name in _ISSUED:
+                    put(sheet, row, column, issued.get(name), book.form("flow", **left))
+                else:
+                    now = quantities[name]
+                    formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
+        book.colour_words(sheet, (first, 1), (row, 1), BANDS)
+        put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
+        put(sheet, row + 2, 0, COVERS)
+        return row + 3
+
+    def _issued(self, at: SheetCondition) -> dict[str, Any]:
+        """Return how sure the band of a total is and the interval of its leakage; nothing of a unit not measured."""
+        uncertainty = self.diagnosis.uncertainty
+        total = uncertainty.total(at.projection.condition.name) if uncertainty else None
+        if total is None:
+            return {}
+        low, high = (end * DM3_MIN for end in total.leakage_interval)
+        return {"decision": wording("en").get("decisions", total.decision.decision), "low": low, "high": high}
 
     def _flagged(self, sheet: Worksheet, row: int) -> int:
         book, live, flagged = self.book, self.live, self.diagnosis.flagged
         put(sheet, row, 0, "Flagged lands as issued, the worst first", book.bold)
+        verdicts = span(1, len(live.lands), live.column_of["verdict"], "Lands")
+        put(sheet, row, 2, "flagged now", book.bold)
+        count = "+".join(f'COUNTIF({verdicts},"{signed(level)}")' for level in FLAGGED)
+        formula(sheet, row, 3, count, len(flagged), book.form("count", align="left"))
         if not flagged:
             put(sheet, row, 1, "none")
             return row + 1
         shown = [at for at in live.conditions if any(at.projection is each for each in self.diagnosis.reported)]
         keys: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in shown)]
         headings = [live.columns[live.column_of[key]].heading for key in keys]
-        book.headings(sheet, row + 1, ["component", "name", "verdict", "land", *headings])
-        because = max(4 + len(keys), 9)
-        put(sheet, row + 1, because, "because, as issued", book.heading)
-        put(sheet, row + 1, because + 1, "origin of the limit", book.heading)
+        headings = ["component", "name", "verdict", "land", *headings, "because, as issued"]
+        book.headings(sheet, row + 1, headings, lines=4)
         first = row + 2
         for row, flag in enumerate(flagged, start=first):
             (component, number), at = flag.key, live.row_of[flag.key]
@@ -163,8 +195,7 @@ class Sheets:
                     address = cell(at, live.column_of[key], "Lands")
                     formula(sheet, row, column, address, content.value, book.form(content.kind, align="left"))
             if flag.deciding is not None:
-                put(sheet, row, because, flag.deciding.label)
-                put(sheet, row, because + 1, flag.deciding.origin)
+                put(sheet, row, 4 + len(keys), f"{flag.deciding.label} ({flag.deciding.origin})")
         book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
         return row + 1
 
@@ -174,7 +205,7 @@ class Sheets:
         row += 1
         if plan.steps:
             names = ["component", "name", "verdict", "land", "total before [%]", "total after [%]", "band after"]
-            names += ["helps most at", *(f"total after [%], {total.condition.label}" for total in plan.ends)]
+            names += [*(f"total after [%], {total.condition.label}" for total in plan.ends), "helps most at"]
             book.headings(sheet, row, names, lines=3)
             first = row + 1
             for row, step in enumerate(plan.steps, start=first):
@@ -194,11 +225,11 @@ class Sheets:
             put(sheet, row, column, value, book.form(align="left"))
         if step.helps:
             for column, total in enumerate((step.at.before, step.at.after), start=4):
-                put(sheet, row, column, total.share * PERCENT, book.form("percent", align="left"))
+                put(sheet, row, column, total.share * PERCENT, book.form("share", align="left"))
             put(sheet, row, 6, step.at.after.band)
-        put(sheet, row, 7, step.at.condition.label if step.helps else no_help(step))
-        for column, each in enumerate(step.conditions, start=8):
-            put(sheet, row, column, each.after.share * PERCENT, book.form("percent", align="left"))
+        for column, each in enumerate(step.conditions, start=7):
+            put(sheet, row, column, each.after.share * PERCENT, book.form("share", align="left"))
+        put(sheet, row, 7 + len(step.conditions), step.at.condition.label if step.helps else no_help(step))
 
     # --- matrix
 
@@ -217,9 +248,9 @@ class Sheets:
                 put(sheet, row, column, value, book.form(align="left"))
             for column, (at, judged) in enumerate(zip(live.conditions, each.cells, strict=True)):
                 share = cell(place, live.column_of["share", at.prefix], "Lands")
-                formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("percent"))
+                formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("share"))
                 if judged.rule is not None:
-                    source = live.rule_verdict(each.land, judged.rule)
+                    source = live.rules.verdict(each.land, judged.rule)
                     formula(sheet, row, 4 + 2 * column, source, signed(judged.rule.verdict))
             put(sheet, row, len(names), each.elsewhere or None)
         book.colour_words(sheet, (1, 4), (len(rows), len(names) - 1), VERDICTS)
@@ -296,28 +327,7 @@ class Sheets:
         chart.set_size({"width": 980, "height": 320})
         sheet.insert_chart(row, 0, chart, {"description": f"{axis} over the road test"})
 
-    # --- limits, job, messages, provenance
-
-    def write_limits(self, sheet: Worksheet) -> None:
-        """Write every limit in a cell that rules and bands point to."""
-        names = ["rule", *dict.fromkeys([*FLAGGED, *BANDS[1:]]), "origin", "source"]
-        origin = len(names) - 2
-        book = self.book
-        book.headings(sheet, 0, names)
-        for row, (rule, steps) in enumerate(self.diagnosis.limits.rules.items(), start=1):
-            put(sheet, row, 0, _RULE_LABELS[rule], book.bold)
-            for level, limit in steps.levels:
-                column = names.index(level)
-                put(sheet, row, column, limit * rule.factor, book.form("um", font_color=INPUT))
-                self.live.limit_cells[rule, level] = cell(row, column, "Limits")
-            put(sheet, row, origin, steps.origin, book.wrapped)
-            put_text(sheet, row, origin + 1, steps.source, book.wrapped, 64)
-        row = len(self.diagnosis.limits.rules) + 2
-        book.pairs(sheet, row, [("limit set", self.diagnosis.limits.name), ("note", self.diagnosis.limits.note)])
-        sheet.set_column(0, 0, 44)
-        sheet.set_column(1, origin - 1, 12)
-        sheet.set_column(origin, origin, 24)
-        sheet.set_column(origin + 1, origin + 1, 70)
+    # --- job, messages, provenance
 
     def write_job(self, sheet: Worksheet) -> None:
         """Write the job record: only what was filled in."""

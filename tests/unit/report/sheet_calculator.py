@@ -29,6 +29,8 @@ _FUNCTIONS = {
     "MIN": lambda *v: min(_flat(v)),
     "IF": lambda test, yes, no: yes if test else no,
     "SUMIF": lambda keys, key, v: math.fsum(x for k, x in zip(_flat((keys,)), _flat((v,)), strict=True) if k == key),
+    "SUMPRODUCT": lambda *v: math.fsum(math.prod(terms) for terms in zip(*map(_flat, zip(v)), strict=True)),
+    "COUNTIF": lambda cells, key: sum(cell == key for cell in _flat((cells,))),
     "CHOOSE": lambda n, *v: v[int(n) - 1],
     "PI": lambda: math.pi,
     "LOG10": math.log10,

@@ -1,0 +1,155 @@
+"""Define the columns of the sheets of gaps: every factor of a gap's flow as measured, and of the same gap when new.
+
+A column is added in `GAP_COLUMNS`. A cell with a formula holds atleak's own number as its cached value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from atleak.catalogue.controller import Gap, Pressure
+from atleak.engine.leakage import GapLaw, GapLeakage
+from atleak.engine.profile import UNKNOWN
+from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, MEAN_ECCENTRIC
+from atleak.report.xlsx.book import exact
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, Cell, ColumnKey, SheetCondition, warm_clearance
+from atleak.views.condition_matrix import ANOTHER_CIRCUIT
+from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, MM3_S, UM
+
+DRAWN = "yes"  # of a gap that counts in what is drawn from the pump
+
+
+@dataclass(frozen=True)
+class GapRow:
+    """One gap on the sheet: its flow, that of the same gap when new, and the addresses that its formulas ask for."""
+
+    leak: GapLeakage
+    new: GapLeakage
+    at: SheetCondition
+    law: GapLaw
+    of_land: Callable[[ColumnKey], str]  # a cell of the gap's land on the sheet of lands
+    here: Callable[[str], str]  # a cell of this row
+
+
+@dataclass(frozen=True)
+class GapColumn:
+    """A column of the sheets of gaps; ``{spools}`` in its heading says where the spools are taken to lie."""
+
+    key: str
+    heading: str
+    cell: Callable[[GapRow], Cell]
+
+
+def _drop(row: GapRow) -> Cell:
+    def term(pressure: Pressure) -> str:
+        if pressure.section is None:
+            return ""
+        name = row.at(pressure.section)
+        return name if pressure.coefficient == 1.0 else f"{exact(pressure.coefficient)}*{name}"
+
+    taken = term(row.leak.gap.low)
+    formula = (term(row.leak.gap.high) or "0") + (f"-{taken}" if taken else "")
+    return Cell("kpa", row.leak.pressure_drop * KPA, formula)
+
+
+def _diameter(row: GapRow, mean_clearance: str) -> str:
+    """Return the formula of the diameter [mm] in the gap law, from the cell of the mean effective clearance [µm]."""
+    spool = row.of_land("spool")
+    return f"{spool}+{mean_clearance}*0.001" if row.law.profile.diameter == "mean" else spool
+
+
+def _clearance(row: GapRow) -> Cell:
+    mean = row.of_land(("c_re", row.at.prefix))
+    formula = mean
+    if row.law.counts_form:
+        formula = f"({mean}^3+MAX(3*{mean}*{row.of_land('m2')}+{row.of_land('m3')},0))^(1/3)"
+    return Cell("um", row.leak.effective_clearance * UM, formula)
+
+
+def _new_clearance(row: GapRow) -> Cell:
+    """Return the clearance of the same gap when new: no form, the same spool, the same growth with temperature."""
+    spool, cold = row.of_land("spool"), row.of_land("c_n")
+    expansions = row.of_land("beta_k"), row.of_land("beta_s")
+    formula = warm_clearance(cold, spool, f"({spool}+{cold}*0.002)", expansions, row.at("T"))
+    return Cell("um", row.new.effective_clearance * UM, formula)
+
+
+def _flow(row: GapRow, diameter: str, clearance: str) -> str:
+    """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
+    profile = row.law.profile
+    d, c, drop, rho = row.here(diameter), row.here(clearance), row.here("drop"), row.here("rho")
+    viscous = f"(12*{row.here('nu')}*{rho}*{row.here('length')})"
+    if profile.eccentricity == UNKNOWN:
+        viscous = f"({viscous}/{exact(MEAN_ECCENTRIC)})"
+    elif profile.eccentricity:
+        viscous = f"({viscous}/(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2))"
+    if row.law.linear:
+        law = f"PI()*{d}*{c}^3*{drop}*0.001/{viscous}"
+    else:
+        root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*{rho}*{drop}*{c}^4*1E-6)"
+        law = f"2*PI()*{d}*{c}^3*{drop}*0.001/({viscous}+{root})"
+    return f"IF({drop}>0,{law},0)"
+
+
+def _drawn(row: GapRow) -> Cell:
+    if row.leak.drawn_from_pump:
+        return Cell("plain", DRAWN, look=AFTER_A_NUMBER)
+    return Cell("plain", f"no, it leaks into {row.leak.gap.low.section or ANOTHER_CIRCUIT}", look=AFTER_A_NUMBER)
+
+
+def _reynolds(row: GapRow) -> Cell:
+    formula = f"2*{row.here('q')}/(PI()*{row.here('diameter')}*{row.here('nu')})"
+    return Cell("um", row.leak.reynolds_number, formula)
+
+
+def _published(row: GapRow) -> Cell:
+    return Cell("plain", "yes" if row.leak.gap.published else "no", look=AFTER_A_NUMBER)
+
+
+def _text(value: Callable[[Gap], Any]) -> Callable[[GapRow], Cell]:
+    return lambda row: Cell("plain", value(row.leak.gap), look={"align": "left"})
+
+
+GAP_COLUMNS = (
+    GapColumn("component", "component", _text(lambda gap: gap.component)),
+    GapColumn("land", "land", _text(lambda gap: gap.land)),
+    GapColumn("section", "section", _text(lambda gap: gap.section)),
+    GapColumn("from", "from", _text(lambda gap: str(gap.high))),
+    GapColumn("to", "to", _text(lambda gap: str(gap.low))),
+    GapColumn("drop", "pressure drop Δp [kPa]", _drop),
+    GapColumn("length", "contact length l [mm]", lambda row: Cell("mm", row.leak.contact_length * MM, look=CHANGEABLE)),
+    GapColumn(
+        "nu",
+        "kinematic viscosity ν [mm²/s]",
+        lambda row: Cell("nu", row.leak.kinematic_viscosity * MM2_S, row.at("nu")),
+    ),
+    GapColumn("rho", "density ρ [g/cm³]", lambda row: Cell("rho", row.leak.density * G_CM3, row.at("rho"))),
+    GapColumn(
+        "diameter",
+        "diameter [mm]",
+        lambda row: Cell("mm", row.leak.diameter * MM, _diameter(row, row.of_land(("c_re", row.at.prefix)))),
+    ),
+    GapColumn("clearance", "clearance of equal flow [µm]", _clearance),
+    GapColumn(
+        "q",
+        "leakage q [mm³/s], {spools}",
+        lambda row: Cell("mm3", row.leak.leakage * MM3_S, _flow(row, "diameter", "clearance")),
+    ),
+    GapColumn("drawn", "drawn from the pump", _drawn),
+    GapColumn("new_clearance", "effective clearance when new [µm]", _new_clearance),
+    GapColumn(
+        "new_diameter",
+        "diameter when new [mm]",
+        lambda row: Cell("mm", row.new.diameter * MM, _diameter(row, row.here("new_clearance"))),
+    ),
+    GapColumn(
+        "new_q",
+        "leakage when new [mm³/s], {spools}",
+        lambda row: Cell("mm3", row.new.leakage * MM3_S, _flow(row, "new_diameter", "new_clearance")),
+    ),
+    GapColumn("reynolds", "Reynolds number", _reynolds),
+    GapColumn("published", "pressure pair published", _published),
+)
+GAP_COLUMN_OF = {column.key: number for number, column in enumerate(GAP_COLUMNS)}

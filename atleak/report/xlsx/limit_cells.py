@@ -1,0 +1,120 @@
+"""Write the sheet of limits, and the limits that follow from it for one land or total as formulas.
+
+A limit of wear depends on the land's mounting clearance, one of a share on the same share when new; see
+`atleak.catalogue.limits.Steps`, which computes what these formulas give.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
+from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, put, put_text
+from atleak.report.xlsx.live_cells import CHANGEABLE, largest_of
+from atleak.verdicts import BANDS, FLAGGED
+from atleak.workshop_units import PERCENT, UM
+
+Part = Literal["limit", "at_least", "growth", "added"]  # of a limit: each stands in a row of its own
+_SHEET = "Limits"
+_LABELS: dict[RuleKind, dict[Part, str]] = {
+    RuleKind.WEAR: {
+        "limit": "wear [%]",
+        "at_least": "and clearance over c_m and its tolerance [µm]",
+    },
+    RuleKind.CLEARANCE: {"limit": "radial clearance [µm]"},
+    RuleKind.PAIR_SHARE: {
+        "limit": "share of pump flow of one land [%]",
+        "growth": "and growth over the same land new [%]",
+        "added": "and points of pump flow added to it",
+    },
+    RuleKind.TOTAL_SHARE: {
+        "limit": "share of pump flow of the whole valve body [%]",
+        "growth": "and growth over the same unit new [%]",
+        "added": "and points of pump flow added to it",
+    },
+}
+_NOTE = (
+    "A level begins where all of its rows are reached; a level of wear never begins below the one before it. An empty "
+    "field asks for nothing, and a number filled in there is not followed."
+)
+
+
+@dataclass(frozen=True)
+class _Row:
+    kind: RuleKind
+    part: Part
+    values: Mapping[Level, float]  # in the unit that people read
+
+
+class LimitCells:
+    """Where every part of every limit stands on its sheet."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
+        self.levels = list(dict.fromkeys([*FLAGGED, *BANDS[1:]]))  # a column each
+        self._rows = [row for kind, steps in limits.rules.items() for row in _rows(kind, steps)]
+        self._cells = {
+            (row.kind, level, row.part): cell(number, 1 + self.levels.index(level), _SHEET)
+            for number, row in enumerate(self._rows, start=1)
+            for level in row.values
+        }
+
+    def wear(self, level: Level, mounting: str, tolerance: str | None, before: str | None) -> str:
+        """Return the formula of a limit of wear [%] from the cells of c_m, its tolerance and the limit before it."""
+        kind = RuleKind.WEAR
+        terms = [self._cells[kind, level, "limit"]]
+        if (kind, level, "at_least") in self._cells:
+            at_least = self._cells[kind, level, "at_least"]
+            least = f"({at_least}+{tolerance})" if tolerance else at_least
+            terms.append(f"{least}/{mounting}*100")
+        return largest_of([*terms, *([before] if before else [])])
+
+    def clearance(self, level: Level) -> str:
+        """Return the cell of the set's limit of the radial clearance [µm]."""
+        return self._cells[RuleKind.CLEARANCE, level, "limit"]
+
+    def share(self, kind: RuleKind, level: Level, new: str) -> str:
+        """Return the formula of a limit of a share [%] from the cell of the same share when new [%]."""
+        terms = [self._cells[kind, level, "limit"]] if (kind, level, "limit") in self._cells else []
+        if (kind, level, "growth") not in self._cells:
+            return largest_of(terms)
+        growth, added = (self._cells[kind, level, part] for part in ("growth", "added"))
+        grown = largest_of([*terms, f"{new}*(1+{growth}/100)", f"{new}+{added}"])
+        return f"MIN({grown},{exact(NO_DELIVERY)})"
+
+    def write(self, book: Book, sheet: Worksheet) -> None:
+        """Write every limit with its origin; what is blue is followed."""
+        origin = 1 + len(self.levels)
+        book.headings(sheet, 0, ["limit", *self.levels, "origin", "source"])
+        for row, each in enumerate(self._rows, start=1):
+            first = each.part == "limit"
+            put(sheet, row, 0, _LABELS[each.kind][each.part], book.form(bold=first, indent=0 if first else 1))
+            for level, value in each.values.items():
+                put(sheet, row, 1 + self.levels.index(level), value, book.form("um", **CHANGEABLE))
+            if first:
+                steps = self.limits.rules[each.kind]
+                put(sheet, row, origin, steps.origin, book.wrapped)
+                put_text(sheet, row, origin + 1, steps.source, book.wrapped, 64)
+        row = len(self._rows) + 2
+        put(sheet, row, 0, _NOTE)
+        book.pairs(sheet, row + 1, [("limit set", self.limits.name), ("note", self.limits.note)])
+        sheet.set_column(0, 0, 46)
+        sheet.set_column(1, origin - 1, 12)
+        sheet.set_column(origin, origin, 24)
+        sheet.set_column(origin + 1, origin + 1, 70)
+
+
+def _rows(kind: RuleKind, steps: Steps) -> Iterable[_Row]:
+    """Return the rows of one quantity: its limits first, then what else a level asks for."""
+    yield _Row(kind, "limit", {level: limit * kind.factor for level, limit in steps.levels if limit})
+    at_least = {level: value * UM for level, value in steps.at_least.items()}
+    growth = {level: grown * PERCENT for level, (grown, _) in steps.growth.items()}
+    added = {level: points * PERCENT for level, (_, points) in steps.growth.items()}
+    others: tuple[tuple[Part, dict[Level, float]], ...] = (("at_least", at_least), ("growth", growth), ("added", added))
+    for part, values in others:
+        if values:
+            yield _Row(kind, part, values)

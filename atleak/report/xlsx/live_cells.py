@@ -1,0 +1,133 @@
+"""Define what the sheets that compute have in common: cells, conditions and the formulas that several of them use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE
+from atleak.catalogue.instruments import Part
+from atleak.diagnosis import Diagnosis
+from atleak.engine.projection import Projection
+from atleak.look import INPUT
+from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula, put
+from atleak.verdicts import BANDS, VERDICTS, Verdict
+from atleak.wording import signed
+
+CHANGEABLE = {"font_color": INPUT}  # numbers that an auditor may change
+AFTER_A_NUMBER = {"align": "left", "indent": 1}  # text to the right of a column of numbers
+RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
+_SHEET_NAME = 31  # characters that Excel allows in a sheet's name
+
+ColumnKey = str | tuple[str, str]  # a name, or a name and the prefix of a condition
+PER_KELVIN = 1e6  # expansions are shown in 1e-6/K
+EXPANSIONS: Mapping[Part, ColumnKey] = {"spool": "beta_s", "sleeve": "beta_k"}  # columns of the sheet of lands
+
+
+@dataclass(frozen=True)
+class Cell:
+    """The content of a cell: a value and, where it follows from other cells, the formula that gives it."""
+
+    kind: str  # of number, one of the workbook's formats
+    value: Any
+    formula: str | None = None
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+
+def write_cell(book: Book, sheet: Worksheet, row: int, column: int, content: Cell) -> None:
+    """Write a cell; a formula that gives nothing known is left out."""
+    form = book.form(content.kind, **content.look)
+    if content.formula is None:
+        put(sheet, row, column, content.value, form)
+    elif content.value is not None:
+        formula(sheet, row, column, content.formula, content.value, form)
+
+
+@dataclass(frozen=True)
+class SheetCondition:
+    """One condition of the workbook: its projection, the prefix of its names and its sheet of gaps."""
+
+    projection: Projection
+    new: Projection  # of the same unit new
+    prefix: str
+    sheet: str
+    title: str
+
+    def __call__(self, name: str) -> str:
+        """Return the workbook's name for one of the condition's quantities."""
+        return f"{self.prefix}_{name}"
+
+
+def sheet_conditions(diagnosis: Diagnosis) -> list[SheetCondition]:
+    """Return every condition of a diagnosis with names that Excel takes, in the order in which people read them."""
+    made: list[SheetCondition] = []
+    for at in diagnosis.presented:
+        new = diagnosis.new_at(at)
+        if at is diagnosis.projection:
+            made.append(SheetCondition(at, new, "stated", "Gaps", "stated condition"))
+            continue
+        name = at.condition.name
+        prefix = f"_{name}" if name[0].isdigit() else name
+        sheet = _free_name(f"Gaps {name.replace('_', ' ')}", made)
+        made.append(SheetCondition(at, new, prefix, sheet, at.condition.label))
+    return made
+
+
+def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
+    """Return the name of a new sheet of gaps: the one wanted, cut and numbered where it is too long or taken."""
+    taken = {each.sheet for each in made}
+    name, number = wanted[:_SHEET_NAME], 1
+    while name in taken:
+        number += 1
+        ending = f" {number}"
+        name = wanted[: _SHEET_NAME - len(ending)] + ending
+    return name
+
+
+# --- formulas
+
+
+def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:
+    """Return the formula of a verdict's sign and word, by its rank among those that can be given."""
+    words = ",".join(f'"{signed(verdict)}"' for verdict in (fine, *RANKED[1:]))
+    return f"CHOOSE({rank},{words})"
+
+
+def band_of_rank(rank: str) -> str:
+    """Return the formula of a total's band, by the rank of the verdict that it counts as."""
+    bands = ([band for band in BANDS if band.verdict.rank <= verdict.rank][-1] for verdict in RANKED)
+    words = ",".join(f'"{band}"' for band in bands)
+    return f"CHOOSE({rank},{words})"
+
+
+def share_of(leakage: str, capacity: str) -> str:
+    """Return the formula of a share [%]: 0 without leakage, infinite where a pump without flow feeds any leakage."""
+    return f"IF({capacity}>0,{leakage}/{capacity}*100,IF({leakage}>0,{exact(NO_DELIVERY)},0))"
+
+
+def warm_clearance(cold: str, spool: str, sleeve: str, expansions: tuple[str, str], temperature: str) -> str:
+    """Return the formula of a mean clearance [µm] at a temperature [°C], eq. (2): zero where the spool binds.
+
+    ``expansions`` are those of body and spool, the diameters those at the reference temperature.
+    """
+    body, of_spool = expansions
+    opening = f"({body}*{sleeve}-{of_spool}*{spool})/2"
+    return f"MAX({cold}+{opening}*({temperature}-{exact(REFERENCE_TEMPERATURE)})*0.001,0)"
+
+
+def largest_of(terms: Sequence[str]) -> str:
+    """Return the formula of the largest of some terms; one term is itself."""
+    return terms[0] if len(terms) == 1 else f"MAX({','.join(terms)})"
+
+
+def address(row: int, column: int) -> str:
+    """Return the address of a cell of the same sheet, free to move with its row."""
+    return cell(row, column).replace("$", "")
+
+
+def cells_of_row(row: int, columns: Mapping[Any, int]) -> Callable[[Any], str]:
+    """Return what gives the address of a cell of one row by the key of its column."""
+    return lambda key: address(row, columns[key])
