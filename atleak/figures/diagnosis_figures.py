@@ -14,7 +14,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from atleak.catalogue.limits import Limits
+from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.events import Event
@@ -267,7 +267,7 @@ def _instants(figure: go.Figure, series: RoadSeries) -> None:
 
 
 def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:
-    """Draw the wear of every measured land against the limits of the set, the most worn on top."""
+    """Draw the wear of every measured land against the limits that apply to it, the most worn on top."""
     chosen = diagnosis.lands if lands is None else lands
     worn = [(land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
@@ -283,11 +283,17 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
                 marker={"color": look_of(verdict).screen, "symbol": look_of(verdict).marker, "size": 11},
                 hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
             )
-    for name, level in diagnosis.limits.wear.levels if diagnosis.limits.wear else ():
-        figure.add_vline(
-            x=level * PERCENT, line={"color": look_of(name).screen, "dash": "dot"},
-            annotation={"text": f"{name} {level * PERCENT:g} %"},
-        )  # fmt: skip
+    rules = [(rule, land) for _, land in worn for rule in land.rules if rule.kind is RuleKind.WEAR]
+    for level in dict.fromkeys(level for rule, _ in rules for level, _ in rule.steps.levels):
+        limits = [(rule.steps.limit_of(level), land) for rule, land in rules]
+        figure.add_scatter(
+            x=[limit * PERCENT for limit, _ in limits if limit is not None],
+            y=[land_name(land) for limit, land in limits if limit is not None],
+            mode="markers",
+            name=f"{level} from here",
+            marker={"symbol": f"{look_of(level).marker}-open", "color": look_of(level).screen, "size": 9},
+            hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
+        )
     figure.update_xaxes(title="wear against the mounting clearance [%]")
     return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18)
 

@@ -10,7 +10,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.wording import value_names
-from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, RPM, UM
+from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
 
 Tables = dict[str, list[dict[str, Any]]]
 FOLDERS = MappingProxyType({"controller": "controllers", "fluid": "fluids", "limits": "limits"})
@@ -121,12 +121,17 @@ def limit_tables(limits: Limits) -> Tables:
     rows = []
     for name, steps in limits.rules.items():
         for level, limit in steps.levels:
+            growth, added = steps.growth.get(level, (None, None))
+            at_least = steps.at_least.get(level)
             rows.append(
                 {
                     "rule": name.replace("_", " "),
                     "from here": str(level),
-                    "limit": limit * name.factor,
-                    "unit": name.unit,
+                    "limit": limit * name.factor if limit else None,
+                    "unit": name.unit if limit else None,
+                    "at least [µm]": None if at_least is None else at_least * UM,
+                    "growth over new [%]": None if growth is None else growth * PERCENT,
+                    "added [points of pump flow]": added * PERCENT if added else None,
                     "origin": str(steps.origin),
                     "source": steps.source,
                 }

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from atleak.catalogue.fluid import USED_THINNER
-from atleak.catalogue.limits import LimitOrigin, RuleKind, Steps
+from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import unknown
 from atleak.job.record import RepairDecision
@@ -18,7 +18,7 @@ from atleak.version import __version__
 from atleak.views.road_series import RoadSeries
 from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.wording import isolated
-from atleak.workshop_units import G_CM3, MM, MM2_S, UM
+from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
 
 SECTIONS = (
     "picture",
@@ -374,9 +374,22 @@ class Body:
     def _levels(self, kind: RuleKind, steps: Steps) -> str:
         say = self.say
         return joined(
-            say("rules.level", level=say.level(level), limit=f"{say.plain(limit * kind.factor)}\u00a0{kind.unit}")
-            for level, limit in steps.levels
+            say("rules.level", level=say.level(level), limit=say("rules.and").join(self._asked(kind, steps, level)))
+            for level, _ in steps.levels
         )
+
+    def _asked(self, kind: RuleKind, steps: Steps, level: Level) -> Iterable[str]:
+        """Return all that a level asks for: its limit, a least growth in µm, growth over the same land or unit new."""
+        say, limit = self.say, dict(steps.levels)[level]
+        if limit:
+            yield f"{say.plain(limit * kind.factor)}\u00a0{kind.unit}"
+        if level in steps.at_least:
+            yield say("rules.at_least", um=say.plain(steps.at_least[level] * UM))
+        if level in steps.growth:
+            growth, added = steps.growth[level]
+            yield say("rules.growth", growth=say.plain(growth * PERCENT))
+            if added:
+                yield say("rules.added", points=say.plain(added * PERCENT))
 
     def _assumptions(self, charts: dict[str, str]) -> Iterable[Block]:
         say, diagnosis = self.say, self.diagnosis

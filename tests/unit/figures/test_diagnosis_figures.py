@@ -194,3 +194,13 @@ def test_bands_of_the_totals_are_named_under_their_sign(sample: Diagnosis) -> No
     notes = [note.text for note in figures.total_share(sample).layout.annotations]
     bands = ["● green", "▲ amber", "■ red", "✖ critical"] * len(sample.reported)
     assert all(band.startswith(note) and band[0] == note[0] for band, note in zip(bands, notes, strict=True))
+
+
+def test_wear_stands_beside_the_limits_of_its_own_land(sample: Diagnosis) -> None:
+    """A tenth of 24.5 µm is less than the 4 µm that are asked for, so that limits differ from land to land."""
+    figure = figures.wear(sample)
+    watch = trace(figure, "watch from here")
+    limits = dict(zip(watch.y, watch.x, strict=True))
+    for land in sample.lands:
+        expected = max(10.0, 100.0 * 4e-6 / land.state.land.mounting_high)
+        assert limits[figures.land_name(land)] == pytest.approx(expected, rel=1e-9, abs=0.0)
