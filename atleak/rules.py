@@ -48,7 +48,7 @@ class Rule:
 
     @property
     def limit(self) -> float:
-        """Return the limit that was reached, or the first one where none was; in the value's unit."""
+        """Return the limit that was reached, or the lowest one where none was; in the value's unit."""
         return self._judged[1]
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -27,7 +28,7 @@ class LevelDecision:
 
 @dataclass(frozen=True)
 class RuleDecision:
-    """The decision on a rule: its value against the limit it reached, or its first limit where it reached none.
+    """The decision on a rule: its value against the limit it reached, or its lowest limit where it reached none.
 
     ``limit`` and ``standard_uncertainty`` are in SI or fractions, as the rule's value is.
     """
@@ -52,20 +53,24 @@ class RuleDecision:
 
     @property
     def about(self) -> Level:
-        """Name the level whose limit the decision is about."""
-        return next(level.level for level in self.levels if level.limit == self.limit)
+        """Name the level whose limit the decision is about; of levels that begin together the worst."""
+        return self.levels[self._number].level
+
+    @property
+    def _number(self) -> int:
+        return _number_of(self.limit, self.levels)
 
     @property
     def at_next_level(self) -> RuleDecision | None:
         """Return the decision on the same value against the limit above; None where there is none."""
         above = (number for number, level in enumerate(self.levels) if level.limit > self.limit)
-        number = next(above, None)
+        number = next((number for number in above if number > self._number), None)
         return None if number is None else self._at(number)
 
     @property
     def at_first_level(self) -> RuleDecision:
         """Return the decision on the same value against the lowest limit."""
-        return self._at(0)
+        return self._at(_number_of(min(level.limit for level in self.levels), self.levels))
 
     def _at(self, number: int) -> RuleDecision:
         level = self.levels[number]
@@ -135,6 +140,11 @@ def decide(
     return "fail" if sure_above else "conditional_fail"
 
 
+def _number_of(limit: float, levels: Sequence[LevelDecision]) -> int:
+    """Return the place of the worst level that begins at a limit."""
+    return max(number for number, level in enumerate(levels) if level.limit == limit)
+
+
 def decide_rule(
     rule: Rule,
     standard_uncertainties: tuple[float, ...],
@@ -147,7 +157,7 @@ def decide_rule(
         LevelDecision(name, limit, decide(rule.value, limit, u, guard_factor, p if skewed else None), p)
         for (name, limit), u, p in zip(rule.steps.levels, standard_uncertainties, probabilities, strict=True)
     )
-    index = next(number for number, level in enumerate(levels) if level.limit == rule.limit)
+    index = _number_of(rule.limit, levels)
     return RuleDecision(
         rule=rule,
         limit=levels[index].limit,

@@ -15,7 +15,7 @@ from atleak.errors import DomainError, InputError
 from atleak.rules import Rule
 from atleak.uncertainty import Assumptions, decide
 from atleak.uncertainty.decision import decide_rule
-from atleak.verdicts import Verdict
+from atleak.verdicts import Band, Verdict
 
 from .conftest import a_sheet, new_at, two_instruments
 
@@ -78,6 +78,23 @@ def test_a_rule_is_about_the_limit_it_reached() -> None:
     assert above.at_next_level is None
     low = decide_rule(Rule(RuleKind.WEAR, None, 3.0, steps), (2.0, 3.0), (0.0, 0.0), 1.645, skewed=False)
     assert (low.rule.verdict, low.about, low.decision) == ("ok", "watch", "pass")
+
+
+def test_of_two_levels_that_begin_together_the_worse_one_is_named() -> None:
+    steps = Steps(((Verdict.WATCH, 0.625), (Verdict.REPLACE, 0.625)), LimitOrigin.PROJECT, "")
+    decided = decide_rule(Rule(RuleKind.WEAR, None, 0.64, steps), (0.1, 0.2), (0.6, 0.55), 1.645, skewed=False)
+    assert (decided.rule.verdict, decided.about, decided.standard_uncertainty) == ("replace", "replace", 0.2)
+    assert decided.at_next_level is None
+
+
+def test_a_fixed_limit_under_those_of_growth_is_the_first_to_be_reached() -> None:
+    steps = Steps(((Band.AMBER, 0.525), (Band.RED, 0.63), (Band.CRITICAL, 0.5)), LimitOrigin.PROJECT, "")
+    below = decide_rule(Rule(RuleKind.TOTAL_SHARE, None, 0.49, steps), (0.03,) * 3, (0.1, 0.0, 0.4), 1.645, skewed=True)
+    assert (below.rule.level, below.about, below.limit) == ("green", "critical", 0.5)
+    assert (below.decision, below.probability_over_limit) == ("conditional_pass", 0.4)
+    assert below.at_first_level == below
+    past = decide_rule(Rule(RuleKind.TOTAL_SHARE, None, 0.51, steps), (0.03,) * 3, (0.3, 0.0, 0.6), 1.645, skewed=True)
+    assert (past.rule.level, past.at_next_level) == ("critical", None)
 
 
 def _limits(limits: Limits, clearance: float) -> Limits:
