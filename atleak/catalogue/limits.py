@@ -117,7 +117,7 @@ class Steps:
     def judge(self, value: float, below: Level) -> tuple[Level, float]:
         """Return the level that a value has reached and its limit; ``below`` and the lowest limit under all of them.
 
-        The lowest limit is not always the first: growth over a unit that draws much when new can begin above a fixed one.
+        The lowest is not always the first: growth over a unit that draws much when new can begin above a fixed limit.
 
         >>> steps = Steps(((Verdict.WATCH, 10.0), (Verdict.REPLACE, 50.0)), LimitOrigin.PUBLISHED, "")
         >>> level, limit = steps.judge(50.0, Verdict.OK)

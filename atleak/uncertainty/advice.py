@@ -125,6 +125,8 @@ def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_
     text = f"{name} is {side} the {limit_text}, but within what {tools} can tell ({guard_text})"
     if way.reading_part < 0.5:
         rest = "the mounting clearance" if rule.rule.kind is RuleKind.WEAR else "fluid, pressure and pump"
+        if rule.rule.steps.growth:
+            rest = f"what the pair was when new, wear to one side, {rest}"
         return (
             f"{text}: the readings carry only {_percent(way.reading_part)} of the uncertainty, the rest is {rest}. "
             "Measuring again will not settle it."

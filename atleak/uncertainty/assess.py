@@ -407,9 +407,8 @@ def _decided(
     if rule.kind is RuleKind.PAIR_SHARE:
         assert rule.condition is not None
         share = spreads[rule.condition].share_spread
-        us = (share.standard_uncertainty,) * len(reached)
         skewed = share.standard_uncertainty > 0.0
-        return decide_rule(rule, us, share.probabilities, guard_factor, skewed=skewed)
+        return decide_rule(rule, share.level_uncertainties, share.probabilities, guard_factor, skewed=skewed)
     worn = rule.kind is RuleKind.WEAR
     us = _wear_uncertainties(land, limits) if worn else (land.standard_uncertainty,) * len(reached)
     each = tuple(probability_over(rule.value, reached, us).tolist())
@@ -494,7 +493,8 @@ def _lower_bound(state: LandClearance) -> bool:
 def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor: float) -> TotalUncertainty:
     condition, share, bands = projection.condition, projection.share, rule.steps.levels
     u = spread.share_spread.standard_uncertainty
-    decision = decide_rule(rule, (u,) * len(bands), spread.share_spread.probabilities, guard_factor, skewed=u > 0.0)
+    us, probabilities = spread.share_spread.level_uncertainties, spread.share_spread.probabilities
+    decision = decide_rule(rule, us, probabilities, guard_factor, skewed=u > 0.0)
     names = (Band.GREEN, *(Band(band) for band, _ in bands))
     return TotalUncertainty(
         condition=condition.name,

@@ -61,6 +61,7 @@ class Spread:
     standard_uncertainty: float
     interval: tuple[float, float]
     probabilities: tuple[float, ...]  # that the quantity has reached each of the limits
+    level_uncertainties: tuple[float, ...]  # of the quantity over each limit, which may follow what was new
 
 
 @dataclass(frozen=True)
@@ -355,10 +356,12 @@ def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
 def _spread(values: np.ndarray, limits: Sequence[Any], coverage: float) -> Spread:
     finite = bool(np.isfinite(values).all())
     reached = tuple(float(np.count_nonzero(values >= limit)) / values.size for limit in limits)
+    u = float(values.std()) if finite else math.inf
     return Spread(
-        float(values.std()) if finite else math.inf,
+        u,
         _quantiles(values, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
         reached,
+        tuple(float((values - limit).std()) if finite and np.ndim(limit) else u for limit in limits),
     )
 
 

@@ -126,6 +126,28 @@ def test_over_the_limit_but_within_what_the_instruments_can_tell(
     assert (("sleeve", "air gauge"),) in remedy.instruments
 
 
+def test_no_gauge_is_advised_where_it_is_open_what_the_pair_was_when_new(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    growth = {Verdict.WATCH: (0.25, 0.0)}
+    steps = Steps(((Verdict.WATCH, 1e-6),), LimitOrigin.PROJECT, "", growth=growth)
+    of_growth = replace(limits, wear=None, clearance=None, pair_share=steps)
+    by_range = replace(
+        four_speed, lands=tuple(replace(land, mounting_clearance=(6.4 * UM, 20 * UM)) for land in four_speed.lands)
+    )
+    sheet = a_sheet(four_speed, clearance=13 * UM)
+    exact = two_instruments(calibration=0.01 * UM)
+    case = judge(sheet, controller=by_range, instruments=exact, limits=of_growth)
+    land = next(land for land in case.unit.lands if land.deciding and land.deciding.value > 0.0)
+    # cold, 13 µm leaks 1.25 times what 12.07 µm leak, under which 42 % of the range lie; warm it is a little less
+    assert land.probability_over_limit == pytest.approx(0.40, abs=0.01)
+    remedy = land.remedy(land.deciding)
+    assert (land.deciding.decision, remedy.repeats, remedy.instruments) == ("conditional_pass", None, ())
+    assert remedy.reading_part < 0.01
+    assert "what the pair was when new" in land.advice
+    assert "Measuring again will not settle it" in land.advice
+
+
 def test_repeats_settle_what_repeats_can_settle(judge: Callable, four_speed: Controller, limits: Limits) -> None:
     noisy = two_instruments(calibration=0.2 * UM, repeatability=1.5 * UM)
     sheet = a_sheet(four_speed, clearance=29 * UM)
