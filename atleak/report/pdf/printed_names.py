@@ -142,21 +142,27 @@ class PrintedNames:
         guard = self._value(rule, uncertainty.guard_factor * decided.standard_uncertainty)
         limit = self._value(rule, decided.limit)
         name = self._rule(rule)
-        sentence = say(f"advice.{side}", rule=name, value=self._value(rule, decided.value), limit=limit, guard=guard)
-        if remedy.reading_part < _MOSTLY:
+        said = side if remedy.measurable else "not_measurable"
+        sentence = say(f"advice.{said}", rule=name, value=self._value(rule, decided.value), limit=limit, guard=guard)
+        if remedy.measurable and remedy.reading_part < _MOSTLY:
             return f"{sentence} {say('advice.elsewhere', fraction=say.percent(remedy.reading_part, 0))}"
-        if remedy.first is not None:
+        if remedy.measurable and remedy.first is not None:
             part, fraction = say(f"advice.{remedy.first}"), say.percent(remedy.fraction, 0)
             sentence += f" {say('advice.first', part=part, fraction=fraction)}"
         ways = []
         if remedy.repeats is not None:
             parts = say("advice.and").join(say(f"advice.{part}") for part in remedy.repeat_parts)
             ways.append(say("advice.repeats", count=remedy.repeats, parts=parts))
+        if remedy.directions:
+            parts = say("advice.and").join(say(f"advice.{part}") for part in remedy.directions)
+            ways.append(say("advice.directions", parts=parts))
         for choice in remedy.instruments:
             tools = (say("advice.tool", instrument=tool, part=say(f"advice.{part}")) for part, tool in choice)
             ways.append(say("advice.and").join(tools))
         if ways:
             return f"{sentence} {say('advice.settled', ways=say('advice.or').join(ways))}"
+        if remedy.form > _MOSTLY:
+            return f"{sentence} {say('advice.form', fraction=say.percent(remedy.form, 0))}"
         return f"{sentence} {say('advice.judgement')}"
 
     def reason(self, land: LandDiagnosis) -> str:

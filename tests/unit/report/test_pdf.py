@@ -29,6 +29,7 @@ from atleak.repair import plan_repairs
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.pdf.pictures import printable_picture
+from atleak.uncertainty import Assumptions
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.wording import languages, wording
 
@@ -418,6 +419,42 @@ def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
         say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
         in text
     )
+
+
+def in_doubt_for_its_form(worn, ovality, residual):
+    """The worn unit with oval bores of which two directions leave so much open, and the remedies its PDF prints."""
+    readings = tuple(
+        replace(each, diameter=each.diameter + ovality * (each.part == "sleeve" and each.direction > 0.0))
+        for each in worn.readings.readings
+    )
+    oval = diagnose(
+        worn.controller,
+        worn.fluid,
+        worn.limits,
+        readings=replace(worn.readings, readings=readings),
+        assumptions=Assumptions(form_residual=residual),
+    )
+    doubtful = [land for land in oval.flagged if land.decision in {"conditional_pass", "conditional_fail"}]
+    return oval, [land.uncertainty.remedy(land.uncertainty.deciding) for land in doubtful]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_verdict_that_the_form_leaves_open_asks_for_more_directions(worn, language):
+    oval, remedies = in_doubt_for_its_form(worn, 6e-6, 0.4)
+    formed = [each for each in remedies if each.directions or (each.form > 0.5 and not each.instruments)]
+    assert formed
+    text = text_of(write_pdf(oval, language=language, sections=["again"]))
+    assert text.count("(0, 45, 90") == len(formed)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_limit_finer_than_the_gauge_is_called_so_in_print(worn, language):
+    oval, remedies = in_doubt_for_its_form(worn, 6e-6, 1.2)
+    too_fine = [each for each in remedies if not each.measurable]
+    assert too_fine
+    text = text_of(write_pdf(oval, language=language, sections=["again"]))
+    begins = wording(language)("advice.not_measurable", rule="#", limit="#", guard="#").split("#")[2].strip(" .(±")
+    assert text.count(begins) == len(too_fine)
 
 
 def test_a_pump_that_delivers_nothing_and_another_controller(worn):
