@@ -446,6 +446,10 @@ def _mounting(entry: ControllerFile, table: LandTable, where: str, path: Path) -
             raise catalogue_error(path, where, "mounting_tolerance_um", problem, value=tolerance, expected=expected)
         return _Mounting((given[0] * 1e-6, given[1] * 1e-6), None, NewOrigin.USED_UNIT if used else NewOrigin.RANGE)
     tolerance = defaults.mounting_tolerance_um if tolerance is None else tolerance
+    if tolerance is not None and tolerance >= given:
+        problem = f"land {table.land} has a tolerance that its mounting clearance of {given:g} µm does not exceed"
+        expected = "a tolerance that leaves every new pair open, or a range of mounting clearances"
+        raise catalogue_error(path, where, "mounting_tolerance_um", problem, value=tolerance, expected=expected)
     origin = NewOrigin.PAIR if tolerance is None else NewOrigin.TYPE
     return _Mounting(
         given * 1e-6, None if tolerance is None else tolerance * 1e-6, NewOrigin.USED_UNIT if used else origin

@@ -212,8 +212,10 @@ class LevelLimit(Strict):
 
 def _a_number_or_a_table(value: object) -> object:
     """Take a plain number as the limit itself."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if value is None or isinstance(value, dict | LevelLimit):
         return value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError("a number greater than 0, or a table such as { percent = 10.0 }")
     if not value > 0.0:
         raise ValueError("a number greater than 0")
     return {"percent": float(value)}
@@ -250,6 +252,11 @@ class LevelTable(Strict):
         stated = self.stated()
         if not stated:
             raise ValueError("at least one limit")
+        for (low_name, low_level), (high_name, high_level) in pairwise(
+            (name, each.growth) for name, each in stated.items() if each.growth is not None
+        ):
+            if any(high < low for low, high in zip(low_level, high_level, strict=True)):
+                raise ValueError(f"growth and added points of {high_name} not below those of {low_name}")
         limits = {name: each.percent for name, each in stated.items() if each.percent is not None}
         for (low_name, low), (high_name, high) in pairwise(limits.items()):
             if high <= low:

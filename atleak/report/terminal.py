@@ -217,6 +217,8 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
 
 
 def _grown(growth: float) -> str:
+    if abs(growth) < 0.5 / PERCENT:
+        return "not grown"
     return f"grown by {growth * PERCENT:.0f} %" if growth >= 0.0 else f"{-growth * PERCENT:.0f} % less than new"
 
 
@@ -233,7 +235,7 @@ def _flagged(lands: Sequence[LandDiagnosis]) -> Table:
             Text(f"{component}/{number}"),
             f"{land.state.radial_clearance * UM:.1f}",
             "–".join(f"{end * UM:.1f}" for end in land.state.land.mounting_ends),
-            "–" if land.wear is None else f"{land.wear * PERCENT:.0f}",
+            "–" if land.wear is None else wording("en").number(land.wear * PERCENT, 0),
             Text("" if rule is None else f"{rule.label} ({rule.origin})"),
         )
     return table

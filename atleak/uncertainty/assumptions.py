@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
@@ -48,7 +49,7 @@ class Assumptions:
         Raises
         ------
         InputError
-            unknown name, or not a number of zero or more.
+            unknown name, or a number below zero or above what there can be.
 
         Examples
         --------
@@ -62,8 +63,10 @@ class Assumptions:
                 raise unknown("no such assumption", key, names)
             name = names[key]
             number = decimal_number(str(given))
-            if number is None or number < 0.0:
-                raise InputError(f"assumption {key} does not take this value", value=given, expected="0 or more")
+            most = _MOST.get(name, math.inf)
+            if number is None or not 0.0 <= number * _UNITS[name][1] <= most:
+                expected = "0 or more" if math.isinf(most) else f"a number from 0 to {most / _UNITS[name][1]:g}"
+                raise InputError(f"assumption {key} does not take this value", value=given, expected=expected)
             changes[name] = number * _UNITS[name][1]
         return replace(self, **changes)
 
@@ -85,6 +88,8 @@ _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "slip_coefficient": ("percent", 1e-2),
     }
 )
+
+_MOST: Mapping[str, float] = MappingProxyType({"one_sided_wear": 1.0})  # no more than all wear lies to one side
 
 DEFAULTS = Assumptions()
 NOTHING_ELSE = Assumptions(**{field.name: 0.0 for field in fields(Assumptions)})  # only the instruments err

@@ -11,8 +11,11 @@ from atleak.workshop_units import PERCENT
 def positions(diagnosis: Diagnosis, projection: Projection) -> str:
     """Say in English for which position of the spools flows are given, and the total share as they may lie."""
     band = position_band(diagnosis, projection)
-    lie = "" if band is None else f", {band[0] * PERCENT:.0f} to {band[1] * PERCENT:.0f} % as they may lie"
-    return f"{spools_taken(diagnosis.profile)}{lie}"
+    if band is None:
+        return spools_taken(diagnosis.profile)
+    low, high = (each * PERCENT for each in band)
+    digits = 0 if high >= 10.0 else 1  # a small share rounded to 0 would say that nothing leaks
+    return f"{spools_taken(diagnosis.profile)}, {low:.{digits}f} to {high:.{digits}f} % as they may lie"
 
 
 def spools_taken(profile: Profile) -> str:

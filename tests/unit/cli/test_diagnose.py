@@ -62,6 +62,13 @@ def test_every_condition_is_printed_and_the_worst_is_named(run: Run, sample_read
     assert "The plan ends green at every condition." in said
 
 
+def test_small_shares_are_not_rounded_to_nothing(run: Run, small_sheet: SmallSheet) -> None:
+    _, out, _ = run("diagnose", small_sheet(sleeve=11.032), "--controller", "minimal_example")
+    said = " ".join(out.split())
+    assert "1. driving in second, 80 °C: 0.5 % of the pump's flow, green; 0.5 % when new, not grown" in said
+    assert "spools concentric, 0.5 to 1.1 % as they may lie" in said
+
+
 def test_many_conditions_are_printed_a_few_abreast(run: Run, small_sheet: SmallSheet, tmp_path: Path) -> None:
     """Eight columns of shares would not fit a terminal: no number of any may be cut."""
     text = catalogue_files("controllers")["minimal_example"].read_text(encoding="utf-8")

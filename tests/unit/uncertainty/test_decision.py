@@ -244,6 +244,7 @@ def test_half_a_pair_is_not_suspect(judge: Callable, four_speed: Controller, lim
         ({"viscosity_percent": -1}, "0 or more"),
         ({"viscosity": 3}, "viscosity_percent"),
         ({"temperature_k": "x"}, "0 or"),
+        ({"one_sided_wear_percent": 300}, "a number from 0 to 100"),
     ],
 )
 def test_assumptions_refuse_what_they_do_not_know(setting: dict, said: str) -> None:
