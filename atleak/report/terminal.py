@@ -25,7 +25,7 @@ from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
-from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature
+from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature, tighter_than_new
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -62,6 +62,9 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         measured += f" in {readings.file}; temperature of measuring: {at}"
     console.print(Text(measured))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
+    tight = tighter_than_new(diagnosis, wording("en"))
+    if tight is not None:
+        console.print(Text(tight))
     for line in _complaint(diagnosis):
         console.print(Text(line))
     for number, projection in enumerate(diagnosis.presented, start=1):

@@ -12,7 +12,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.clearance import one_sided_moments
 from atleak.equations.gap import ECCENTRIC_GAIN, eccentricity_factor
-from atleak.uncertainty.sources import LandSources
+from atleak.uncertainty.sources import MOUNTING, LandSources
 
 #: Part of the wear to one side that the directions of a sheet show at least. Two directions at a right angle never show
 #: less than π/4. One alone, laid across the worn side, shows nothing of it, which no interval can bound: the clearance
@@ -30,10 +30,19 @@ class Bore:
 
 
 def measured_clearance(
-    stream: np.random.Generator, land: LandSources, common: dict[str, np.ndarray], draws: int
+    stream: np.random.Generator, land: LandSources, common: dict[str, np.ndarray], new: np.ndarray
 ) -> np.ndarray:
-    """Draw what the mean clearance may be that the diameters show [m]; ``common`` are the errors that lands share."""
-    own = [source for source in land.sources if source.group is None]
+    """Draw what the mean clearance may be that the diameters show [m].
+
+    Parameters
+    ----------
+    common
+        the errors that lands share, each of shape (draws,).
+    new
+        what the pair had when new [m], shape (draws,): a sleeve that was not measured is as it was then.
+    """
+    draws = new.size
+    own = [source for source in land.sources if source.group is None and source.kind != MOUNTING]
     normal = math.fsum(source.standard_uncertainty**2 for source in own if source.shape == "normal")
     clearance = stream.standard_normal(draws)
     clearance *= math.sqrt(normal)
@@ -44,6 +53,8 @@ def measured_clearance(
     for name, u in land.groups.items():
         if u:
             clearance += u * common[name]
+    if any(source.kind == MOUNTING for source in land.sources):
+        clearance += new - land.state.land.new_clearance
     return clearance
 
 

@@ -279,7 +279,7 @@ def propagate(
         # what was not measured is as new: the same in every trial
         bore = new
         if land.state.measured:
-            measured = measured_clearance(stream, land, common, draws)
+            measured = measured_clearance(stream, land, common, new.clearance)
             bore = worn_bore(stream, land, measured, new.clearance, fraction)
         nominal = land.state.land.contact_length
         length: float | np.ndarray = nominal

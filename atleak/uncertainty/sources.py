@@ -28,6 +28,7 @@ from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
 MEASURING_TEMPERATURE = "measuring temperature"  # group of the error that all lands share
+MOUNTING: Literal["mounting clearance"] = "mounting clearance"  # kind of the source: what the pair was when new
 SourceKind = Literal[
     "common calibration",
     "calibration",
@@ -275,15 +276,14 @@ def _land_sources(
     plans: dict[Part, _MeasuringPlan] = {}
     mounting = mounting_uncertainty(state.land, assumptions)
     if not state.measured:
-        sources.append(UncertaintySource("mounting clearance", None, mounting))
+        sources.append(UncertaintySource(MOUNTING, None, mounting))
     else:
         for part in PARTS:
             stations = groups.get(part)
             if not stations:
-                nominal = assumptions.nominal_diameter
-                # a sleeve's nominal diameter is the spool's and twice the mounting clearance
-                u = nominal if part == "spool" else math.hypot(nominal, 2.0 * mounting)
-                sources.append(UncertaintySource("nominal diameter", part, 0.5 * u))
+                sources.append(UncertaintySource("nominal diameter", part, 0.5 * assumptions.nominal_diameter))
+                if part == "sleeve":  # its nominal diameter is the spool's and twice the mounting clearance
+                    sources.append(UncertaintySource(MOUNTING, None, mounting))
                 continue
             plans[part] = _plan(stations, spreads[part].resolution)
             sources += _part_sources(

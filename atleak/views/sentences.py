@@ -32,6 +32,12 @@ def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
     return say(f"facts.temperature_{said}", **values)
 
 
+def tighter_than_new(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say how many lands measure tighter than a new pair can be; None where none does."""
+    count = sum(land.suspect for land in diagnosis.lands)
+    return say("sentences.tighter_than_new", count=count) if count else None
+
+
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
     """Say at which mileage the land reaches the wear limit for replacing, to two digits; None where none is projected.
 

@@ -11,6 +11,7 @@ from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.views.positions import position_band
+from atleak.views.sentences import tighter_than_new
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
@@ -86,6 +87,9 @@ class Front:
         more = []
         if decided_by is not None and not isinstance(decided_by, Rule):
             more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
+        tight = tighter_than_new(diagnosis, say)
+        if tight is not None:
+            more.append(tight)
         speed = say.number(at.minimum_speed * RPM, 0)
         more.append(say("sentences.holds", speed=speed, left_out=say("texts.left_out_of_speed")))
         more += self._positions(at)

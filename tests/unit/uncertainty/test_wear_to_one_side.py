@@ -64,3 +64,17 @@ def test_one_direction_alone_doubts_the_wear_by_no_more_than_twice(worn: Callabl
     _, _, with_two = worn((0.0, 90.0))
     # nine times would be the cube of a clearance of which a tenth of the wear shows
     assert with_two < high < leakage * one_sided_over_even(twenty_lands, np.array([0.5]), 0.0)
+
+
+def test_a_sleeve_that_was_not_measured_is_as_it_was_when_new(judge: Callable, twenty_lands: Controller) -> None:
+    """What a range leaves open of it is the same error now and when new: it is no growth."""
+    by_range = replace(
+        twenty_lands, lands=tuple(replace(land, mounting_clearance=(6.4e-6, 20e-6)) for land in twenty_lands.lands)
+    )
+    sheet = a_sheet(twenty_lands, step=1e-9)
+    spools = replace(sheet, readings=tuple(each for each in sheet.readings if each.part == "spool"))
+    perfect = two_instruments(calibration=1e-9, repeatability=1e-9)
+    total = judge(spools, controller=by_range, instruments=perfect).unit.totals[0]
+    assert total.growth_interval == pytest.approx((0.0, 0.0), abs=0.01)
+    low, high = total.leakage_interval
+    assert high > 1.2 * low

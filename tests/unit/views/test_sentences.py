@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Callable
 from dataclasses import replace
 
 import pandas as pd
 import pytest
 
-from atleak.diagnosis import Diagnosis, LandDiagnosis, ReplaceMileage
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
+from atleak.diagnosis import Diagnosis, LandDiagnosis, ReplaceMileage, diagnose
+from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from atleak.views.sentences import replace_at
+from atleak.views.sentences import replace_at, tighter_than_new
 from atleak.wording import wording
 
 INFINITE = float("inf")
@@ -59,3 +64,25 @@ def test_the_workbook_gives_words_and_no_figure_beyond_what_a_vehicle_runs(sampl
     said = {str(value).replace("\u00a0", " ") for value in lands[column].dropna()}
     assert "not foreseeable" in said
     assert any(value.endswith(")") and " km (" in value for value in said)
+
+
+def test_a_verdict_on_pairs_tighter_than_new_says_so_at_once(
+    sample: Diagnosis,
+    four_speed: Controller,
+    hipol: Fluid,
+    limits: Limits,
+    readings_of: Callable,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    half = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 1.04 * land.new_clearance)
+        for land in four_speed.lands
+    }
+    tight = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, half))
+    said = "47 measured lands are tighter than new ones, which wear cannot do: they are not passed."
+    assert (tighter_than_new(tight, wording("en")) or "").startswith(said)
+    assert "47" in (tighter_than_new(tight, wording("de")) or "")
+    print_diagnosis(tight)
+    head = " ".join(capsys.readouterr().out.split())
+    assert head.index("unit: ● ok") < head.index(said) < head.index("driving in second")
+    assert tighter_than_new(sample, wording("en")) is None
