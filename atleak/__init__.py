@@ -28,6 +28,7 @@ if TYPE_CHECKING:  # for type checkers; `_MODULES` says the same to the interpre
     from atleak.intake.road_test import read_road_test as read_road_test
     from atleak.readings import Readings as Readings
     from atleak.readings import clearances as clearances
+    from atleak.repair import plan_repairs as plan_repairs
     from atleak.road_test import RoadTest as RoadTest
     from atleak.views.diagnosis_record import diagnosis_record as diagnosis_record
 
@@ -49,6 +50,7 @@ _MODULES = {
     "load_controller": "catalogue.controller",
     "load_fluid": "catalogue.fluid",
     "load_limits": "catalogue.limits",
+    "plan_repairs": "repair",
     "read_readings": "intake.readings",
     "read_road_test": "intake.road_test",
 }

@@ -65,7 +65,8 @@ def _count_land(counts: Counter[str], simulated: worlds.Simulated, pair: Pair, l
     truth = {"wear": pair.wear / pair.mounting, "clearance": pair.clearance, "share": share}
     for rule in land.rules:
         kind = COUNTED[rule.rule.kind]
-        _count_rule(counts, kind, rule, truth[kind])
+        if truth[kind] > 0.0:
+            _count_rule(counts, kind, rule, truth[kind])
 
 
 def _width(total: TotalUncertainty) -> float:

@@ -27,7 +27,7 @@ from pages.shared.words import land_name, listed, pair
 
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
 _PAIR, _ELSEWHERE, _STEP = "a pair", "leaks elsewhere", "a step"  # no condition's name has a blank
-_COLUMN = 104  # pixels of a condition: two of them stand beside the pair on a phone
+CONDITION_WIDTH = 104  # pixels of a condition: two of them stand beside the pair on a phone
 
 
 def complaint(diagnosis: Diagnosis) -> None:
@@ -93,12 +93,14 @@ def matrix(diagnosis: Diagnosis) -> None:
     config: dict[str, Any] = {
         each.condition.name: st.column_config.Column(
             f"{number} · {each.condition.label}",
-            width=_COLUMN,
+            width=CONDITION_WIDTH,
             help=f"share of the pump's flow [%], {each.condition.label}",
         )
         for number, each in enumerate(diagnosis.presented, start=1)
     }
-    config[_PAIR] = st.column_config.TextColumn("Pair", width=126, pinned=True, help="component, land and name")
+    config[_PAIR] = st.column_config.TextColumn(
+        "Pair", width=show.WIDTHS["Pair"], pinned=True, help="component, land and name"
+    )
     config[_ELSEWHERE] = None if not any(frame[_ELSEWHERE]) else st.column_config.TextColumn("Elsewhere", width=300)
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
     st.caption(
@@ -152,7 +154,7 @@ def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         rows.append({_STEP: name, **_totals(each.after for each in step.conditions)})
     config: dict[str, Any] = {
         each.condition.name: st.column_config.TextColumn(
-            f"{number} · {each.condition.label}", width=_COLUMN, help=each.condition.label
+            f"{number} · {each.condition.label}", width=CONDITION_WIDTH, help=each.condition.label
         )
         for number, each in enumerate(diagnosis.presented, start=1)
     }

@@ -14,6 +14,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from pages.shared.conditions import CONDITION_WIDTH
 from pages.shared.show import WIDTHS
 
 Visit = Callable[[str], Page]
@@ -265,11 +266,15 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert {"■ replace", "25 · 1 main pressure valve"} <= set(cells(page))
     for shown, wanted in (
         (table, ["Verdict", "Pair", "Wear [%]", "Share [%]"]),
-        (page.get_by_test_id("stDataFrame").nth(1), ["No.", "Pair", "Before [%]", "After [%]"]),
+        (page.get_by_test_id("stDataFrame").nth(2), ["No.", "Pair", "Before [%]", "After [%]"]),
     ):
         headings = [text.strip() for text in shown.locator("thead th").all_inner_texts()]
         assert headings[:4] == wanted
         assert sum(WIDTHS[name] for name in wanted) <= shown.bounding_box()["width"] + 2.0
+    matrix = page.get_by_test_id("stDataFrame").nth(1)
+    headings = [text.strip() for text in matrix.locator("thead th").all_inner_texts()]
+    assert headings[:3] == ["Pair", "1 · driving in second, 80 °C", "2 · hot idle in drive, 100 °C"]
+    assert WIDTHS["Pair"] + 2 * CONDITION_WIDTH <= matrix.bounding_box()["width"] + 2.0
 
 
 @pytest.mark.parametrize("address", ["Diagnosis", "Readings", "Uncertainty", "Road_test", "Report", "Catalogue"])

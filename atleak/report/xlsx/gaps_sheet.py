@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from xlsxwriter.worksheet import Worksheet
 
@@ -56,9 +57,7 @@ class GapCells:
         law, gaps = self.diagnosis.model.law, self._gaps[at.prefix]
         for row, (leak, new) in enumerate(gaps, start=1):
             land = leak.gap.key
-            content = GapRow(
-                leak, new, at, law, lambda key, land=land: of_land(land, key), cells_of_row(row, GAP_COLUMN_OF)
-            )
+            content = GapRow(leak, new, at, law, partial(of_land, land), cells_of_row(row, GAP_COLUMN_OF))
             for number, column in enumerate(GAP_COLUMNS):
                 write_cell(book, sheet, row, number, column.cell(content))
         sheet.set_column(0, len(GAP_COLUMNS) - 1, 13)

@@ -20,6 +20,7 @@ from atleak.report.xlsx.live_cells import (
     Cell,
     ColumnKey,
     SheetCondition,
+    fine_of,
     share_of,
     verdict_of_rank,
     warm_clearance,
@@ -78,10 +79,8 @@ def land_columns(sheet: LandSheet) -> list[LandColumn]:
 def _names(sheet: LandSheet) -> Iterable[LandColumn]:
     def verdict(row: LandRow) -> Cell:
         land = row.land
-        # half a pair is never called ok
-        fine = Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
         ranks = sheet.rules.ranks_of(land.key)
-        formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine)
+        formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine_of(land))
         return Cell("plain", signed(land.verdict), formula, {"bold": True})
 
     yield LandColumn("component", "component", 12, lambda row: Cell("plain", row.land.key[0], look={"bold": True}))
@@ -180,8 +179,8 @@ def _at_condition(sheet: LandSheet, condition: SheetCondition) -> Iterable[LandC
     at, prefix = condition.projection, condition.prefix
 
     def effective_clearance(row: LandRow) -> Cell:
-        of_land = (row.here(key) for key in ("c_r", "spool", "sleeve"))
-        formula = warm_clearance(*of_land, (row.here("beta_k"), row.here("beta_s")), condition("T"))
+        expansions = row.here("beta_k"), row.here("beta_s")
+        formula = warm_clearance(row.here("c_r"), row.here("spool"), row.here("sleeve"), expansions, condition("T"))
         return Cell("um", row.land.state.effective_clearance(at.condition.temperature) * UM, formula)
 
     def leakage(row: LandRow) -> Cell:

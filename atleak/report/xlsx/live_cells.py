@@ -10,15 +10,15 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.instruments import Part
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.look import INPUT
 from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula, put
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.wording import signed
 
-CHANGEABLE = {"font_color": INPUT}  # numbers that an auditor may change
-AFTER_A_NUMBER = {"align": "left", "indent": 1}  # text to the right of a column of numbers
+CHANGEABLE: Mapping[str, Any] = {"font_color": INPUT}  # numbers that an auditor may change
+AFTER_A_NUMBER: Mapping[str, Any] = {"align": "left", "indent": 1}  # text to the right of a column of numbers
 RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict != Verdict.NOT_MEASURED)
 _SHEET_NAME = 31  # characters that Excel allows in a sheet's name
 
@@ -88,6 +88,11 @@ def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
 
 
 # --- formulas
+
+
+def fine_of(land: LandDiagnosis) -> Verdict:
+    """Return the verdict of a land that has reached no limit: half a pair is never called ok."""
+    return Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
 
 
 def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:

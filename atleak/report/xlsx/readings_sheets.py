@@ -16,13 +16,14 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Land
 from atleak.catalogue.instruments import Part
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.readings import Reading, Station
-from atleak.report.xlsx.book import Book, exact, put, span
+from atleak.report.xlsx.book import Book, exact, formula, put, span
 from atleak.report.xlsx.live_cells import (
     CHANGEABLE,
     EXPANSIONS,
     PER_KELVIN,
     Cell,
     ColumnKey,
+    address,
     cells_of_row,
     write_cell,
 )
@@ -30,7 +31,7 @@ from atleak.rules import LandKey
 from atleak.workshop_units import MM, UM
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
-_DIAMETER = 6  # column of the sheet of readings
+_DIAMETER, _COORDINATES = 6, 7  # columns of the sheet of readings
 _Place = tuple[LandKey, Part, str, float | None]  # land, part, plane and direction of some readings
 
 
@@ -48,7 +49,7 @@ class ReadingCells:
         lands = {land.key: number for number, land in enumerate(diagnosis.lands)}
         found = diagnosis.readings.readings if diagnosis.readings else ()
         known = [(reading, diagnosis.controller.land_of_plane(reading.component, reading.plane)) for reading in found]
-        known.sort(key=lambda pair: _order(*pair, lands))
+        known.sort(key=lambda pair: _order(pair[0], pair[1], lands))
         self.lines: list[tuple[Reading, Land | None]] = known
         self._rows: dict[_Place, list[int]] = {}
         for row, (reading, land) in enumerate(known, start=1):
@@ -101,13 +102,16 @@ def write_readings(book: Book, sheet: Worksheet, cells: ReadingCells) -> None:
     book.headings(sheet, 0, names)
     form, mm = book.form(), book.form("mm", **CHANGEABLE)
     for row, (reading, land) in enumerate(cells.lines, start=1):
-        low, high = reading.coordinates or (None, None)
         values = (reading.component, land.land if land else None, reading.part, reading.plane, reading.direction)
         for column, value in enumerate((*values, reading.repeat)):
             put(sheet, row, column, value, form)
-        put(sheet, row, _DIAMETER, reading.diameter * MM, mm)
-        put(sheet, row, 7, None if low is None else low * MM, book.form("mm"))
-        put(sheet, row, 8, None if high is None else high * MM, book.form("mm"))
+        if reading.coordinates is None:
+            put(sheet, row, _DIAMETER, reading.diameter * MM, mm)
+        else:
+            for column, coordinate in enumerate(reading.coordinates, start=_COORDINATES):
+                put(sheet, row, column, coordinate * MM, mm)
+            ends = (address(row, _COORDINATES + end) for end in (0, 1))
+            formula(sheet, row, _DIAMETER, f"ABS({'-'.join(ends)})", reading.diameter * MM, book.form("mm"))
         for column, value in enumerate((reading.place.sheet, reading.place.row, reading.place.column), start=9):
             put(sheet, row, column, value, form)
     sheet.set_column(0, len(names), 13)

@@ -11,7 +11,15 @@ from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.report.xlsx.book import Book, cell, formula, put, span
 from atleak.report.xlsx.limit_cells import LimitCells
-from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, RANKED, ColumnKey, SheetCondition, verdict_of_rank
+from atleak.report.xlsx.live_cells import (
+    AFTER_A_NUMBER,
+    CHANGEABLE,
+    RANKED,
+    ColumnKey,
+    SheetCondition,
+    fine_of,
+    verdict_of_rank,
+)
 from atleak.rules import LandKey, Rule
 from atleak.verdicts import FLAGGED, VERDICTS, Band, Verdict
 from atleak.wording import signed
@@ -58,8 +66,8 @@ class RuleCells:
         return None if rows is None else span(*rows, _RANK, _SHEET)
 
     def verdict(self, land: LandDiagnosis, rule: Rule) -> str:
-        """Return the cell with the verdict of one of a land's rules."""
-        return cell(self._of_land[land.key][0] + land.rules.index(rule), _VERDICT, _SHEET)
+        """Return the formula of what one rule says of a land; half a pair is never called ok."""
+        return verdict_of_rank(cell(self._of_land[land.key][0] + land.rules.index(rule), _RANK, _SHEET), fine_of(land))
 
     def of_total(self, at: SheetCondition) -> tuple[dict[Level, str], str]:
         """Return the cells with the limits of the total at a condition, by band, and with its rank."""

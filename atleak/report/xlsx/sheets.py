@@ -19,7 +19,7 @@ from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, verdict_of_
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
-from atleak.views.measure_first import measure_first, reason
+from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_rows
@@ -94,10 +94,14 @@ class Sheets:
         diagnosis = self.diagnosis
         if diagnosis.complaint is None:
             return []
-        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each)}" for each in measure_first(diagnosis)]
-        first = [("measure first" if number == 0 else f"then {number + 1}.", text) for number, text in enumerate(lands)]
-        shows = "; ".join(each.condition.label for each in diagnosis.complained)
-        return [("complaint", diagnosis.complaint.label), ("shows at", shows), *first[:MEASURE_FIRST]]
+        ranked = measure_first(diagnosis)
+        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each)}" for each in ranked[:MEASURE_FIRST]]
+        return [
+            ("complaint", diagnosis.complaint.label),
+            ("shows at", "; ".join(each.condition.label for each in diagnosis.complained)),
+            ("lands behind it", head(ranked)),
+            *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
+        ]
 
     def _verdict(self, sheet: Worksheet, row: int) -> None:
         """Write the verdict of the unit as it follows from the workbook's rules, and below it the one issued."""
@@ -145,7 +149,7 @@ class Sheets:
                 headings = [_ISSUED.get(name) or quantities[name].heading for name in _TOTALS]
                 book.headings(sheet, first - 1, ["condition", *headings], lines=5)
             worst = at.projection is self.diagnosis.worst and len(live.conditions) > 1
-            put(sheet, row, 0, at.projection.condition.label + " (the worst, as issued)" * worst)
+            put(sheet, row, 0, at.projection.condition.label + "; the worst, as issued" * worst)
             for column, name in enumerate(_TOTALS, start=1):
                 if name in _ISSUED:
                     put(sheet, row, column, issued.get(name), book.form("flow", **left))
@@ -249,9 +253,9 @@ class Sheets:
             for column, (at, judged) in enumerate(zip(live.conditions, each.cells, strict=True)):
                 share = cell(place, live.column_of["share", at.prefix], "Lands")
                 formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("share"))
-                if judged.rule is not None:
-                    source = live.rules.verdict(each.land, judged.rule)
-                    formula(sheet, row, 4 + 2 * column, source, signed(judged.rule.verdict))
+                if judged.rule is not None and judged.verdict is not None:
+                    verdict = live.rules.verdict(each.land, judged.rule)
+                    formula(sheet, row, 4 + 2 * column, verdict, signed(judged.verdict))
             put(sheet, row, len(names), each.elsewhere or None)
         book.colour_words(sheet, (1, 4), (len(rows), len(names) - 1), VERDICTS)
         sheet.set_column(0, 0, 12)

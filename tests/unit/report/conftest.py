@@ -3,16 +3,64 @@
 from __future__ import annotations
 
 import importlib.util
+import shutil
+import subprocess
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
+import openpyxl
 import pytest
+from openpyxl.utils.cell import coordinate_to_tuple
+from python_calamine import CalamineWorkbook
 
 
 @pytest.fixture(scope="session")
-def calculator() -> type:
-    """The referee that calculates a workbook's formulas."""
+def referee() -> ModuleType:
+    """What judges a workbook: a calculator of its own, and the comparison with what atleak gives."""
     path = Path(__file__).with_name("sheet_calculator.py")
     spec = importlib.util.spec_from_file_location("sheet_calculator", path)
     module = importlib.util.module_from_spec(spec)  # type: ignore[arg-type]
     spec.loader.exec_module(module)  # type: ignore[union-attr]
-    return module.SheetCalculator
+    return module
+
+
+@pytest.fixture(scope="session")
+def calculator(referee) -> type:
+    """The referee that calculates a workbook's formulas."""
+    return referee.SheetCalculator
+
+
+@pytest.fixture(scope="session")
+def convert(tmp_path_factory):
+    """LibreOffice, writing a workbook anew beside itself; its profile, which takes it longest, is made once."""
+    soffice = shutil.which("soffice") or shutil.which("libreoffice")
+    if soffice is None:
+        pytest.skip("LibreOffice is not installed; the independent calculator checks the same cells")
+    profile = tmp_path_factory.mktemp("office").as_uri()
+
+    def run(workbook, kind):
+        command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", kind]
+        subprocess.run([*command, "--outdir", workbook.parent, workbook], check=True, capture_output=True, timeout=600)
+
+    return run
+
+
+@pytest.fixture
+def recalculated(tmp_path, convert) -> Callable[[openpyxl.Workbook], Callable[[str, str], Any]]:
+    """LibreOffice again: it gets formulas without cached values, and says what each cell gives."""
+
+    def run(book):
+        book.save(tmp_path / "in.xlsx")  # openpyxl writes no cached values
+        convert(tmp_path / "in.xlsx", "ods")
+        sheets = CalamineWorkbook.from_path(tmp_path / "in.ods")
+        rows = {name: sheets.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in sheets.sheet_names}
+
+        def value(sheet, address):
+            row, column = coordinate_to_tuple(address)
+            return rows[sheet][row - 1][column - 1]
+
+        return value
+
+    return run

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ _FUNCTIONS = {
     "SUMPRODUCT": lambda *v: math.fsum(math.prod(terms) for terms in zip(*map(_flat, zip(v)), strict=True)),
     "COUNTIF": lambda cells, key: sum(cell == key for cell in _flat((cells,))),
     "CHOOSE": lambda n, *v: v[int(n) - 1],
+    "ABS": abs,
     "PI": lambda: math.pi,
     "LOG10": math.log10,
     "EXP": math.exp,
@@ -56,6 +58,12 @@ class SheetCalculator:
             for cell in row
             if cell.data_type == "f"
         ]
+
+    def wrong(self) -> list[Any]:
+        """The formulas that do not give their cached value."""
+        assert self.formulas()
+        found = [(*at, self.value(*at), self.cached[at[0]][at[1]].value) for at in self.formulas()]
+        return [each for each in found if not same(*each[2:])]
 
     def set(self, sheet: str, address: str, value: Any) -> None:
         self.book[sheet][address].value = value
@@ -102,3 +110,27 @@ class SheetCalculator:
             return self.value(name, address.partition(":")[0])
         cells = self.book[name].iter_rows(top, bottom, left, right)
         return [self.value(name, cell.coordinate) for row in cells for cell in row]
+
+
+def differing(book: openpyxl.Workbook, value: Callable[[str, str], Any], expected: openpyxl.Workbook) -> list[Any]:
+    """The formulas that do not give what another workbook holds, but for lists that stay as issued."""
+    wrong, compared = [], 0
+    for sheet in book:
+        last = sheet.max_row
+        if sheet.title == "Summary":
+            last = next(row[0].row for row in sheet.iter_rows() if str(row[0].value).startswith("Flagged lands"))
+        for cells in sheet.iter_rows(max_row=last):
+            for cell in cells:
+                if cell.data_type == "f":
+                    compared += 1
+                    found, wanted = value(sheet.title, cell.coordinate), expected[sheet.title][cell.coordinate].value
+                    if not same(found, wanted):
+                        wrong.append((sheet.title, cell.coordinate, found, wanted))
+    assert compared > 300
+    return wrong
+
+
+def same(left: object, right: object) -> bool:
+    if isinstance(left, int | float) and isinstance(right, int | float):
+        return abs(left - right) <= 1e-9 * max(abs(left), abs(right)) + 1e-9
+    return left == right
