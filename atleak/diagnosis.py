@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from atleak.catalogue.complaints import Complaint
-from atleak.catalogue.controller import HOT_IDLE, Controller, NewOrigin, OperatingPoint
+from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, NewOrigin, OperatingPoint
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
@@ -18,9 +18,10 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, project, project_new
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
-from atleak.readings import LandClearance, Readings, clearances
+from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
+from atleak.sheet_checks import sheet_messages
 from atleak.uncertainty import (
     DECISIONS,
     DEFAULTS,
@@ -78,8 +79,12 @@ class LandDiagnosis:
     @property
     def decision(self) -> Decision | None:
         """Say how sure the verdict is, about the limit of the rule that gave it; None where not measured."""
-        decided = self.deciding_uncertainty
-        return decided.decision if decided and self.verdict != Verdict.NOT_MEASURED else None
+        return self.uncertainty.decision if self.uncertainty and self.verdict != Verdict.NOT_MEASURED else None
+
+    @property
+    def suspect(self) -> bool:
+        """Return whether the pair measures tighter than a new one can be."""
+        return self.uncertainty is not None and self.uncertainty.suspect
 
     @property
     def probability_over_limit(self) -> float | None:
@@ -106,6 +111,7 @@ class Diagnosis:
     """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more."""
 
     readings: Readings | None
+    measured_at: MeasuringTemperature | None  # of gauge and parts; None without readings
     controller: Controller
     fluid: Fluid  # in its state
     fluid_state_assumed: bool  # nobody said whether it is fresh or used, and fresh is taken
@@ -264,6 +270,7 @@ def diagnose(
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
+    measuring_temperature: float | None = None,
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
     guard_factor: float = GUARD_FACTOR,
@@ -285,6 +292,8 @@ def diagnose(
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
         mileage of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
+    measuring_temperature
+        that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
     instruments, assumptions
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
     guard_factor
@@ -300,11 +309,15 @@ def diagnose(
         a fluid that its data describe as used, taken as fresh.
     RoadTestError
         a road test without usable main pressure.
+    ReadingsError
+        a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
     condition = condition or controller.operating_points[0]
     fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
     fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
-    states = clearances(readings, controller)
+    measured_at = None if readings is None else readings.measured_at(measuring_temperature)
+    temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
+    states = clearances(readings, controller, temperature=temperature, instruments=instruments)
     model = LeakageModel(controller, states, fluid, profile)
     conditions = [condition]
     conditions += [point for point in controller.operating_points if point != condition]
@@ -313,8 +326,9 @@ def diagnose(
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
     rules = unit_rules(states, projections, when_new, limits)
-    uncertainty = None
-    if readings is not None:
+    uncertainty: UnitUncertainty | None = None
+    of_sheet: tuple[Message, ...] = ()
+    if readings is not None and measured_at is not None:
         uncertainty = assess(
             model,
             states,
@@ -326,14 +340,16 @@ def diagnose(
             assumptions=assumptions,
             guard_factor=guard_factor,
         )
+        of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
-        messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
+        messages = list(dict.fromkeys([*messages, *of_sheet, *uncertainty.messages]))
     return Diagnosis(
         readings=readings,
+        measured_at=measured_at,
         controller=controller,
         fluid=fluid,
         fluid_state_assumed=fluid_state_assumed,

@@ -7,6 +7,7 @@ missing.
 
 from __future__ import annotations
 
+import datetime as dt
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -14,9 +15,9 @@ from statistics import fmean
 from typing import Literal
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
-from atleak.catalogue.instruments import Part
+from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.equations import clearance as clearance_equations
-from atleak.errors import Message, Place
+from atleak.errors import Message, Place, ReadingsError
 
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
@@ -62,6 +63,34 @@ class Readings:
     layout: Literal["table", "tidy", "columns"]  # coordinates; one diameter a row; several diameters a row
     readings: tuple[Reading, ...]
     messages: tuple[Message, ...] = ()
+    temperature: float | None = None  # [°C] of gauge and parts, as the sheet's head states it
+    date: dt.date | None = None  # of the measurement, as the sheet's head states it
+
+    def measured_at(self, stated: float | None = None) -> MeasuringTemperature:
+        """Return the temperature of measuring: as stated for the job [°C], else as in the sheet, else 20 °C."""
+        if stated is not None:
+            return MeasuringTemperature(stated, "job")
+        if self.temperature is not None:
+            return MeasuringTemperature(self.temperature, "sheet")
+        return MeasuringTemperature(REFERENCE_TEMPERATURE, "assumed")
+
+
+@dataclass(frozen=True)
+class MeasuringTemperature:
+    """The temperature that gauge and parts had when they were measured, and who states it."""
+
+    value: float  # [°C]
+    origin: Literal["job", "sheet", "assumed"]
+
+    @property
+    def assumed(self) -> bool:
+        """Return whether nobody stated it."""
+        return self.origin == "assumed"
+
+    @property
+    def corrects(self) -> bool:
+        """Return whether diameters change by being corrected to the reference temperature."""
+        return self.value != REFERENCE_TEMPERATURE
 
 
 @dataclass(frozen=True)
@@ -81,7 +110,7 @@ class Station:
 
 @dataclass(frozen=True)
 class LandClearance:
-    """The clearance of one land, cold, and the readings it rests on.
+    """The clearance of one land at 20 °C, and the readings it rests on.
 
     ``spool_diameter``, ``sleeve_diameter`` and ``radial_clearance`` are means [m] over repeats, then directions, then
     planes. A part that was not measured has its nominal diameter, and ``status`` says so; a land that was not measured
@@ -165,8 +194,27 @@ class _PartMean:
     repeats: int
     messages: tuple[Message, ...]
 
+    def at_reference(self, part_expansion: float, gauge_expansion: float, rise: float) -> _PartMean:
+        """Return the same mean, read ``rise`` [K] above the reference temperature, as it is at that temperature."""
 
-def clearances(readings: Readings | None, controller: Controller) -> tuple[LandClearance, ...]:
+        def corrected(diameter: float) -> float:
+            return clearance_equations.diameter_at_reference(diameter, part_expansion, gauge_expansion, rise)
+
+        return replace(
+            self,
+            diameter=corrected(self.diameter),
+            by_station={station: corrected(diameter) for station, diameter in self.by_station.items()},
+            by_plane={plane: corrected(diameter) for plane, diameter in self.by_plane.items()},
+        )
+
+
+def clearances(
+    readings: Readings | None,
+    controller: Controller,
+    *,
+    temperature: float = REFERENCE_TEMPERATURE,
+    instruments: Instruments | None = None,
+) -> tuple[LandClearance, ...]:
     """Work out the clearance of every land of the controller, measured or not, in the controller's order.
 
     Parameters
@@ -175,6 +223,10 @@ def clearances(readings: Readings | None, controller: Controller) -> tuple[LandC
         as from `atleak.intake.readings.read_readings`; None computes every land at its mounting clearance.
     controller
         the controller with its lands. Readings of planes it does not know are left out.
+    temperature
+        that of gauge and parts when they were measured [°C].
+    instruments
+        those that measured, of which the expansion counts here; the catalogue's defaults unless given.
 
     Returns
     -------
@@ -182,25 +234,41 @@ def clearances(readings: Readings | None, controller: Controller) -> tuple[LandC
         one per land. A clearance can be negative only where the readings say the sleeve is smaller than the spool,
         which `read_readings` refuses.
 
+    Raises
+    ------
+    ReadingsError
+        a sleeve that is smaller than its spool only after the correction to 20 °C.
+
     Notes
     -----
-    Radial clearance is half the difference of the mean diameters, eq. (28) of the source study. Repeats with the two
-    coordinates swapped, as in the study's Table 1, or copied unchanged are no independent repeats: they count for the
-    mean, which they leave as it is, not for the spread.
+    The readings stay as they were read; each mean diameter is corrected to 20 °C by the different expansion of part
+    and gauge (`atleak.equations.clearance.diameter_at_reference`). Radial clearance is half the difference of the mean
+    diameters, eq. (28) of the source study. Repeats with the two coordinates swapped, as in the study's Table 1, or
+    copied unchanged are no independent repeats: they count for the mean, which they leave as it is, not for the spread.
     """
     parts: dict[tuple[str, int], dict[Part, list[Reading]]] = defaultdict(lambda: {"spool": [], "sleeve": []})
     for reading in readings.readings if readings else ():
         land = controller.land_of_plane(reading.component, reading.plane)
         if land is not None:
             parts[land.key][reading.part].append(reading)
-    return tuple(_land_clearance(land, parts[land.key]) for land in controller.lands)
+    gauges = None if temperature == REFERENCE_TEMPERATURE else instruments or load_instruments()
+    return tuple(_land_clearance(land, parts[land.key], temperature, gauges) for land in controller.lands)
 
 
-def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClearance:
+def _land_clearance(
+    land: Land, parts: Mapping[Part, list[Reading]], temperature: float, gauges: Instruments | None
+) -> LandClearance:
     means = {
         part: _part_mean(land, part, part_readings) if part_readings else None for part, part_readings in parts.items()
     }
+    if gauges is not None:
+        rise = temperature - REFERENCE_TEMPERATURE
+        means = {
+            part: mean and mean.at_reference(land.expansion_of(part), gauges.of(part).expansion, rise)
+            for part, mean in means.items()
+        }
     spool, sleeve = means["spool"], means["sleeve"]
+    place = next((reading.place for part_readings in parts.values() for reading in part_readings), None)
     status: Status = (
         "not_measured"
         if spool is None and sleeve is None
@@ -212,6 +280,14 @@ def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClea
     )
     spool_diameter = land.nominal_diameter if spool is None else spool.diameter
     sleeve_diameter = land.nominal_sleeve_diameter if sleeve is None else sleeve.diameter
+    if gauges is not None and sleeve_diameter < spool_diameter:
+        raise ReadingsError(
+            f"component {land.component} land {land.land}: corrected from {temperature:g} to "
+            f"{REFERENCE_TEMPERATURE:g} °C the sleeve is smaller than the {land.part}",
+            place=place,
+            value=f"{_mm(sleeve_diameter)} and {_mm(spool_diameter)} mm",
+            expected="the temperature that gauge and parts had when they were measured",
+        )
     clearance = land.new_clearance if status == "not_measured" else _clearance(sleeve_diameter, spool_diameter)
     stations = _stations(spool, sleeve, spool_diameter, sleeve_diameter)
     radial_clearances = [station.radial_clearance for station in stations] or [clearance]
@@ -238,7 +314,6 @@ def _land_clearance(land: Land, parts: Mapping[Part, list[Reading]]) -> LandClea
         spool_repeats=spool.repeats if spool else 0,
         sleeve_repeats=sleeve.repeats if sleeve else 0,
     )
-    place = next((reading.place for part_readings in parts.values() for reading in part_readings), None)
     messages = (
         *(spool.messages if spool else ()),
         *(sleeve.messages if sleeve else ()),
@@ -391,23 +466,14 @@ def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Messag
             "wear is not seen",
             place,
         )
-    elif state.status == "measured":
-        if state.radial_clearance < 0.5 * land.mounting_range[0]:
-            yield Message(
-                "warning",
-                "tighter_than_new",
-                f"{name}: radial clearance {_um(state.radial_clearance)} µm is less than half the mounting clearance "
-                f"of {_um(land.mounting_range[0])} µm: check the readings",
-                place,
-            )
-        if state.min_clearance < 0.0 <= state.radial_clearance:
-            yield Message(
-                "warning",
-                "tight_direction",
-                f"{name}: in one direction the sleeve measures {_um(-2.0 * state.min_clearance)} µm smaller than the "
-                f"{land.part}",
-                place,
-            )
+    elif state.status == "measured" and state.min_clearance < 0.0 <= state.radial_clearance:
+        yield Message(
+            "warning",
+            "tight_direction",
+            f"{name}: in one direction the sleeve measures {_um(-2.0 * state.min_clearance)} µm smaller than the "
+            f"{land.part}",
+            place,
+        )
 
 
 def _clearance(sleeve_diameter: float, spool_diameter: float) -> float:

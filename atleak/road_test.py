@@ -5,6 +5,7 @@ Nothing here knows a file format. ``atleak.intake.road_test`` makes a `RoadTest`
 
 from __future__ import annotations
 
+import datetime as dt
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -148,6 +149,7 @@ class RoadTest:
     delimiter: str | None = None
     decimal: str | None = None
     refused: Mapping[str, str] = field(default_factory=dict)
+    date: dt.date | None = None  # of the first sample, where the log states it beyond doubt
     _held: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
 
     @property

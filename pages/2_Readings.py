@@ -5,6 +5,8 @@ import streamlit as st
 from atleak.figures import diagnosis_figures as figures
 from atleak.report.measuring_sheet import write_template
 from atleak.views.clearances import clearance_rows
+from atleak.views.sentences import measuring_temperature
+from atleak.wording import wording
 from pages.shared import panel, sheet_form, show, words
 
 case, diagnosis = panel.shown()
@@ -17,6 +19,8 @@ else:
     unit = f"{readings.unit} (assumed from the nominal diameters)" if readings.unit_assumed else readings.unit
     said = f"{len(readings.readings)} readings in {unit}; {diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     st.markdown(f"**{show.plain(readings.file)}**{show.plain(where)}: {show.plain(said)}.")
+    at = measuring_temperature(diagnosis, wording("en"))
+    st.caption(f"Temperature of measuring: {at}. It is stated in the job record, page Report, or in the sheet's head.")
 st.download_button(
     "Measuring sheet to fill in",
     lambda: write_template(controller),

@@ -26,6 +26,7 @@ from atleak.catalogue.controller_tables import (
     RelationTable,
 )
 from atleak.catalogue.entries import Origin, catalogue_error, catalogue_files, read_entry
+from atleak.catalogue.instruments import Part
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import pressure as pressure_equations
 from atleak.equations import pump as pump_equations
@@ -127,6 +128,10 @@ class Land:
     def nominal_sleeve_diameter(self) -> float:
         """Return the nominal spool diameter plus twice the clearance of a new pair [m]."""
         return self.nominal_diameter + 2.0 * self.new_clearance
+
+    def expansion_of(self, part: Part) -> float:
+        """Return the coefficient of expansion of the spool or of the body round it [1/K]."""
+        return self.spool_expansion if part == "spool" else self.body_expansion
 
     def thermal_rate(self, spool_diameter: float, sleeve_diameter: float) -> float:
         """Return how fast the radial clearance grows with temperature [m/K]: eq. (2), body and spool equally warm."""

@@ -14,6 +14,7 @@ from atleak.errors import InputError
 Part = Literal["spool", "sleeve"]
 DEFAULT_SPOOL_INSTRUMENT = "workshop_microscope"  # as in the source study
 DEFAULT_SLEEVE_INSTRUMENT = "bore_gauge"
+STEEL_EXPANSION = 11.5e-6  # [1/K] of gauge blocks, (11.5 ± 1.0)·10⁻⁶: ISO 3650. Taken where a file states none
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,8 @@ class Instrument:
     ``common_part`` is the part of the calibration's variance that every reading of this instrument shares (its zero,
     its setting ring, its scale): the correlation of two readings. The rest differs from place to place but is
     the same for all readings of one part of one land. ``repeatability`` is the standard deviation of one reading, used
-    where a sheet has too few independent repeats to tell; None where it is not known.
+    where a sheet has too few independent repeats to tell; None where it is not known. ``expansion`` is that of its
+    scale, or of the masters it is set with: away from 20 °C a part is compared with those.
     """
 
     id: str
@@ -39,6 +41,7 @@ class Instrument:
     alike_inside_and_outside: bool  # its common error is one and the same in a bore and on a spool
     representative: tuple[str, ...]
     origin: Origin | None = None
+    expansion: float = STEEL_EXPANSION  # [1/K]
 
     @property
     def common(self) -> float:
@@ -107,6 +110,7 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
         alike_inside_and_outside=entry.alike_inside_and_outside,
         representative=tuple(entry.representative),
         origin=origin,
+        expansion=entry.expansion_per_k,
     )
 
 
@@ -139,4 +143,7 @@ class InstrumentFile(Entry):
     common_part: float = Field(ge=0, le=1)
     repeatability_um: NonNegative | None = None
     alike_inside_and_outside: bool = True
-    representative: list[Literal["resolution_um", "calibration_um", "common_part", "repeatability_um"]] = []
+    expansion_per_k: NonNegative = STEEL_EXPANSION
+    representative: list[
+        Literal["resolution_um", "calibration_um", "common_part", "repeatability_um", "expansion_per_k"]
+    ] = []

@@ -85,6 +85,7 @@ def _instruments(options: argparse.Namespace) -> int:
             "calibration_um": instrument.calibration * 1e6,
             "common_part": instrument.common_part,
             "repeatability_um": None if instrument.repeatability is None else instrument.repeatability * 1e6,
+            "expansion_per_k": instrument.expansion,
             "representative": list(instrument.representative),
             "note": instrument.note or None,
             "source": instrument.source,

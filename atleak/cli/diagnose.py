@@ -22,7 +22,7 @@ from atleak.cli.shared import (
 )
 from atleak.errors import InputError, unknown
 from atleak.verdicts import FLAGGED
-from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
+from atleak.written_numbers import ENGINE_SPEED, MEASURING_TEMPERATURE, MILEAGE, TEMPERATURE
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
@@ -73,6 +73,12 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--temperature", metavar="C", type=number_of(TEMPERATURE), help="of the stated condition [°C]")
     parser.add_argument("--rpm", metavar="N", type=number_of(ENGINE_SPEED), help="engine speed of the stated condition")
     parser.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
+    parser.add_argument(
+        "--measuring-temperature",
+        metavar="C",
+        type=number_of(MEASURING_TEMPERATURE),
+        help="of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given",
+    )
     parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
     parser.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
     parser.add_argument(
@@ -136,6 +142,8 @@ def run(options: argparse.Namespace) -> int:
         job = load_job(options.job)
         if options.mileage is None:
             options.mileage = job.vehicle.mileage_km
+        if options.measuring_temperature is None:
+            options.measuring_temperature = job.measuring_temperature_c
     case = _case(options)
     diagnosis = case.diagnose()
     written = _write_reports(diagnosis, job, case, options)
@@ -162,6 +170,7 @@ def _case(options: argparse.Namespace) -> Case:
         engine_speed=None if options.rpm is None else options.rpm / 60.0,
         gear=options.gear,
         mileage=options.mileage,
+        measuring_temperature=options.measuring_temperature,
         sheet_name=options.sheet,
         sheet_unit=options.sheet_unit,
         sheet_where=tuple(options.where),

@@ -1,4 +1,4 @@
-"""Compute clearances from diameters, cold and warm (equations 1, 2 and 28)."""
+"""Compute clearances from diameters, as read, cold and warm (equations 1, 2 and 28)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,55 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from atleak.equations._domain import not_negative, pair_of_diameters, positive, result, values
+
+
+def diameter_at_reference(
+    diameter: ArrayLike, part_expansion: ArrayLike, gauge_expansion: ArrayLike, temperature_rise: ArrayLike
+) -> Any:
+    """Correct a diameter that was read away from the reference temperature, ``D (1 − (β_part − β_gauge) ΔT)``.
+
+    Part and gauge are at one temperature: a warm gauge has grown too, and what both share does not show.
+
+    Parameters
+    ----------
+    diameter : float or array
+        D, as read [m].
+    part_expansion : float or array
+        β_part, of the measured part [1/K].
+    gauge_expansion : float or array
+        β_gauge, of the gauge's scale, or of the master it is set with [1/K].
+    temperature_rise : float or array
+        ΔT, of part and gauge above the reference temperature of 20 °C [K].
+
+    Returns
+    -------
+    float or ndarray
+        Diameter at the reference temperature [m].
+
+    Raises
+    ------
+    DomainError
+        A diameter not positive; a negative expansion coefficient.
+
+    Notes
+    -----
+    To the first order in β ΔT. The second is under 2 nm for 20 mm of aluminium at 40 °C.
+
+    References
+    ----------
+    JCGM 100:2008, eq. (H.2), with gauge and part at one temperature; ISO 1:2022 for the reference temperature.
+
+    Examples
+    --------
+    An aluminium bore, read at 35 °C with a gauge set in a steel ring, measures 1.5 µm more than at 20 °C:
+
+    >>> round((0.010 - diameter_at_reference(0.010, 21.5e-6, 11.5e-6, 15.0)) * 1e6, 6)
+    1.5
+    """
+    read = positive("diameter", diameter, "m")
+    part = not_negative("expansion of the part", part_expansion, "1/K")
+    gauge = not_negative("expansion of the gauge", gauge_expansion, "1/K")
+    return result(read * (1.0 - (part - gauge) * values(temperature_rise)))
 
 
 def radial_clearance(sleeve_diameter: ArrayLike, spool_diameter: ArrayLike) -> Any:

@@ -29,9 +29,9 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
 from atleak.errors import InputError, Place
+from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, understand
-from atleak.intake.road_test.names.matching import words
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
@@ -162,6 +162,7 @@ class Case:
     gear: int | None = None
     point: OperatingPoint | None = None  # used instead of the controller's first operating point
     mileage: float | None = None  # [km]
+    measuring_temperature: float | None = None  # [°C] of gauge and parts; None: as the sheet's head states it
     sheet_name: str | None = None  # of the workbook, where several hold readings
     sheet_unit: str | None = None  # of the diameters, where the sheet does not say
     sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
@@ -262,6 +263,7 @@ class Case:
             profile=self.engine_profile,
             condition=self.condition(controller),
             mileage=self.mileage,
+            measuring_temperature=self.measuring_temperature,
             instruments=Instruments(spool, sleeve).checked,
             assumptions=DEFAULTS.with_settings(dict(self.assumptions)),
             guard_factor=GUARD_FACTOR if self.guard_factor is None else self.guard_factor,

@@ -21,7 +21,7 @@ from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
-from atleak.job.record import Job, picture_name, without_surrogates
+from atleak.job.record import Job, MeasuringCelsius, picture_name, without_surrogates
 from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__
@@ -152,9 +152,9 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         options=diagnosis.profile.options,
         condition=Condition(**settings_of(diagnosis.projection.condition)),
         mileage=diagnosis.mileage,
+        readings=_reading_choices(case) if sheet else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
-        readings=ReadingChoices(**case.sheet_choices) if sheet else ReadingChoices(),
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else {},
         guard_factor=uncertainty.guard_factor if uncertainty else None,
@@ -228,7 +228,7 @@ def _job_file(entries: dict[str, bytes], name: str) -> JobFile:
     pictures = {
         entry.removeprefix("pictures/"): content for entry, content in entries.items() if entry.startswith("pictures/")
     }
-    return JobFile(choices.job.with_pictures(pictures), choices.case(sources), result, name)
+    return JobFile(choices.record.with_pictures(pictures), choices.case(sources), result, name)
 
 
 # --- the content of job.json
@@ -259,11 +259,12 @@ class Condition(_Strict):
 
 
 class ReadingChoices(_Strict):
-    """The choices by which `read_readings` read the measuring sheet."""
+    """The choices by which `read_readings` read the measuring sheet, and the temperature at which it was filled in."""
 
     sheet: str | None = None
     unit: str | None = None
     where: dict[str, str] = {}
+    measuring_temperature_c: MeasuringCelsius | None = None
 
 
 _LogChoices = dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None]
@@ -287,6 +288,12 @@ class Choices(_Strict):
     guard_factor: float | None = None
     files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
 
+    @property
+    def record(self) -> Job:
+        """Return the job record with the measuring temperature that was chosen, where one was."""
+        chosen = self.readings.measuring_temperature_c
+        return self.job if chosen is None else self.job.model_copy(update={"measuring_temperature_c": chosen})
+
     def case(self, sources: Mapping[str, SourceFile]) -> Case:
         """Return the case that these choices and files make up; nothing that this computer remembers is used."""
         profile = find_profile(self.profile, {name: str(value) for name, value in self.options.items()})
@@ -295,6 +302,7 @@ class Choices(_Strict):
             options=differing_options(profile),
             point=OperatingPoint(**self.condition.model_dump()),
             mileage=self.mileage,
+            measuring_temperature=self.record.measuring_temperature_c,
             fluid_state=self.fluid_state,
             complaint=self.complaint,
             sheet_name=self.readings.sheet,
@@ -307,6 +315,10 @@ class Choices(_Strict):
             assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
             guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
         ).with_files(sources)
+
+
+def _reading_choices(case: Case) -> ReadingChoices:
+    return ReadingChoices(**case.sheet_choices, measuring_temperature_c=case.measuring_temperature)
 
 
 def _log_choices(case: Case) -> _LogChoices:

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
-from atleak.written_numbers import MILEAGE, TEMPERATURE, AskedNumber, read_number
+from atleak.written_numbers import MEASURING_TEMPERATURE, MILEAGE, AskedNumber, read_number
 
 RepairState = Literal["proposed", "done", "declined", "deferred"]
 Grade = Literal["none", "light", "moderate", "heavy"]
@@ -74,10 +74,10 @@ Kilometres = Annotated[
     BeforeValidator(partial(_number, MILEAGE)),
     Field(ge=MILEAGE.limits[0], le=MILEAGE.limits[1], allow_inf_nan=False),
 ]
-Celsius = Annotated[
+MeasuringCelsius = Annotated[
     float,
-    BeforeValidator(partial(_number, TEMPERATURE)),
-    Field(ge=TEMPERATURE.limits[0], le=TEMPERATURE.limits[1], allow_inf_nan=False),
+    BeforeValidator(partial(_number, MEASURING_TEMPERATURE)),
+    Field(ge=MEASURING_TEMPERATURE.limits[0], le=MEASURING_TEMPERATURE.limits[1], allow_inf_nan=False),
 ]
 
 
@@ -194,7 +194,7 @@ class Job(Record):
     fault_codes: tuple[CleanText, ...] = ()
     fluid_condition: FluidCondition = FluidCondition()
     contamination: Contamination = Contamination()
-    measuring_temperature_c: Celsius | None = None
+    measuring_temperature_c: MeasuringCelsius | None = None  # of gauge and parts
     instruments: tuple[InstrumentUsed, ...] = ()
     scratches: tuple[Scratch, ...] = ()
     photos: tuple[Photo, ...] = ()

@@ -43,13 +43,27 @@ _HEADINGS = (  # heading, width in characters
     ("Nominal values\nare", 24),
     ("Deviation from\nnominal [µm]", 14),
 )
-FIELDS = ("Job", "Vehicle", "Mileage", "Date", "Measured by", "Instrument")
+_FIELD_PLACES = {  # row, column of the label, first and last column of the field; from 0
+    "Job": (3, 0, 1, 1),
+    "Vehicle": (3, 3, 5, 6),
+    "Mileage": (3, 8, 9, 10),
+    "Date": (4, 0, 1, 1),
+    "Measured by": (4, 3, 5, 6),
+    "Instrument": (4, 8, 9, 10),
+    "Measuring temperature": (4, 11, 12, 12),
+}
+FIELDS = tuple(_FIELD_PLACES)
 _HEADER = 6  # row of the headings, from 0
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
 
 _HOW_TO = (
     ("Before", "Clean and dry spools and bores. Let the parts and the instrument lie together at 20 °C for an hour."),
+    (
+        "Temperature",
+        "Where the room is not at 20 °C, write the temperature of parts and instrument at the head of the sheet, in "
+        "°C: the diameters are corrected to 20 °C. A bore of 15 mm in aluminium reads 2 µm more at 35 °C.",
+    ),
     (
         "Where",
         "Every row of the sheet names a component, its part (spool or piston, sleeve), a plane and a direction. "
@@ -141,7 +155,7 @@ def write_readings(
         to fill in; coordinates are written where a reading has them, its diameter otherwise. A reading of a plane that
         the controller does not have is left out.
     fields
-        what to write at the head of the sheet: "Job", "Vehicle", "Mileage", "Date", "Measured by", "Instrument".
+        what to write at the head of the sheet, by the names of `FIELDS`.
     blank_rows
         whether planes, directions and repeats without a reading get an empty row.
 
@@ -244,8 +258,7 @@ class _Sheet:
         sheet.write_string(1, 0, f"Controller {controller.id}. Yellow cells are to be filled in. All dimensions in mm")
         if controller.representative:
             sheet.write_string(2, 0, controller.representative, formats["note"])
-        for number, field in enumerate(FIELDS):
-            row, (label, first, last) = 3 + number // 3, ((0, 1, 1), (3, 5, 6), (8, 9, 11))[number % 3]
+        for field, (row, label, first, last) in _FIELD_PLACES.items():
             sheet.write_string(row, label, field, formats["label"])
             if last > first:
                 sheet.merge_range(row, first, row, last, "", formats["field"])

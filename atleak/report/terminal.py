@@ -25,7 +25,7 @@ from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
-from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state
+from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -57,7 +57,10 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     fluid = fluid_in_state(diagnosis, wording("en"))
     console.print(Text(f"{controller.name} · {fluid} · profile {diagnosis.profile.label}"))
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
-    console.print(Text(measured + (f" in {readings.file}" if readings else "")))
+    if readings is not None:
+        at = measuring_temperature(diagnosis, wording("en"))
+        measured += f" in {readings.file}; temperature of measuring: {at}"
+    console.print(Text(measured))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
     for line in _complaint(diagnosis):
         console.print(Text(line))

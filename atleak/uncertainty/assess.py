@@ -104,9 +104,15 @@ class LandUncertainty:
         return max(self.rules, key=lambda rule: rule.severity, default=None)
 
     @property
+    def suspect(self) -> bool:
+        """Return whether the pair measures tighter than a new one can be, so that no limit is surely kept."""
+        return self.sources.suspect
+
+    @property
     def decision(self) -> Decision | None:
-        """Return the decision about the limit of the deciding rule."""
-        return self.deciding.decision if self.deciding else None
+        """Return the decision about the limit of the deciding rule; a suspect pair is never a plain pass."""
+        decided = self.deciding.decision if self.deciding else None
+        return "conditional_pass" if decided == "pass" and self.suspect else decided
 
     @property
     def probability_over_limit(self) -> float | None:
@@ -163,7 +169,11 @@ class LandUncertainty:
         if rule is None:
             return None
         above = rule.at_next_level
-        return self.advice_on(rule) or (self.advice_on(above) if above else None)
+        advice = self.advice_on(rule) or (self.advice_on(above) if above else None)
+        if self.suspect:
+            tight = "tighter than when new, which wear cannot do: check the readings and the gauges, and measure again"
+            return f"{tight}; {advice}" if advice else f"{tight}."
+        return advice
 
     def _at(self, rule: Rule) -> AtCondition:
         """Return the condition at which a rule about a share holds."""

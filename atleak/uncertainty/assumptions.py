@@ -18,7 +18,7 @@ class Assumptions:
     The defaults are a choice of this project. Relative ones are fractions.
     """
 
-    room_temperature: float = 0.5  # [K] half width: the room is 20 °C within this, any value alike likely
+    room_temperature: float = 0.5  # [K] half width about the temperature of measuring, any value alike likely
     contact_length: float = 0.1e-3  # [m]
     mounting_clearance: float = 0.5e-6  # [m] of the catalogue's value, for this one pair
     nominal_diameter: float = 3.0e-6  # [m] of a part that was not measured

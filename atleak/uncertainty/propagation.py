@@ -39,7 +39,7 @@ from atleak.uncertainty.draws import (
     with_one_side,
     worn_bore,
 )
-from atleak.uncertainty.sources import ROOM_TEMPERATURE, LandSources
+from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
 
 SEED = 7667
 DRAWS = 20_000
@@ -253,7 +253,7 @@ def propagate(
     deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
     names = sorted({group for land in sources for group in land.groups})
     common = {
-        name: rectangular_draws(shared, draws) if name == ROOM_TEMPERATURE else shared.standard_normal(draws)
+        name: rectangular_draws(shared, draws) if name == MEASURING_TEMPERATURE else shared.standard_normal(draws)
         for name in names
     }
     # of all wear, how much lies to one side of the bores; the cube of the mean clearance knows no sides

@@ -1,7 +1,7 @@
 """Collect from instruments and readings what makes each clearance uncertain, source by source.
 
 Every source is stated as its standard uncertainty in the *radial clearance* (half of that in a diameter). A source
-with a ``group`` is one error that lands share: the instrument's common part, the temperature of the room.
+with a ``group`` is one error that lands share: the instrument's common part, the temperature of measuring.
 """
 
 from __future__ import annotations
@@ -27,19 +27,20 @@ from atleak.readings import LandClearance, Reading, Readings, independent_repeat
 from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
-ROOM_TEMPERATURE = "room temperature"  # group of the error that all lands share
+MEASURING_TEMPERATURE = "measuring temperature"  # group of the error that all lands share
 SourceKind = Literal[
     "common calibration",
     "calibration",
     "resolution",
     "repeats",
     "form",
-    "room temperature",
+    "measuring temperature",
     "nominal diameter",
     "mounting clearance",
 ]
 
 _ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
+_SUSPECT = 3.0  # standard uncertainties under the mounting clearance: choice of this project
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
 _STEP_TOLERANCE = 1e-9  # [m]
 _READINGS_THAT_SHOW_A_STEP = 12
@@ -167,6 +168,16 @@ class LandSources:
         """Return the standard uncertainty of the mounting clearance as this pair's own [m]."""
         return mounting_uncertainty(self.state.land, self.assumptions)
 
+    @property
+    def suspect(self) -> bool:
+        """Return whether the pair measures tighter than a new one, by more than the readings and c_m can be off.
+
+        Wear only opens a pair. Of a range the lower end counts, which new pairs do not pass.
+        """
+        low, high = self.state.land.mounting_range
+        u = math.hypot(self.standard_uncertainty, self.u_mounting if low == high else 0.0)
+        return self.state.status == "measured" and self.state.radial_clearance < low - _SUSPECT * u
+
     def variance_with(
         self,
         *,
@@ -278,8 +289,6 @@ def _land_sources(
             sources += _part_sources(
                 state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
             )
-        thermal = state.thermal_rate * rectangular(assumptions.room_temperature)
-        sources.append(UncertaintySource("room temperature", None, thermal, ROOM_TEMPERATURE, "rectangular"))
     return LandSources(state, tuple(sources), plans, spreads, instruments, assumptions)
 
 
@@ -305,7 +314,18 @@ def _part_sources(
         UncertaintySource("resolution", part, 0.5 * math.sqrt(resolution), None, "rectangular"),
         UncertaintySource("repeats", part, 0.5 * math.sqrt(repeats)),
         UncertaintySource("form", part, 0.5 * _form(state, part, plan, spread, assumptions)),
+        _temperature_source(state, part, sign, instrument, assumptions),
     ]
+
+
+def _temperature_source(
+    state: LandClearance, part: Part, sign: float, instrument: Instrument, assumptions: Assumptions
+) -> UncertaintySource:
+    """Return what an error of the measuring temperature does: part and gauge expand, and their difference is read."""
+    diameter = state.spool_diameter if part == "spool" else state.sleeve_diameter
+    rate = (state.land.expansion_of(part) - instrument.expansion) * diameter  # [m/K]
+    u = sign * rate * rectangular(assumptions.room_temperature)
+    return UncertaintySource("measuring temperature", part, u, MEASURING_TEMPERATURE, "rectangular")
 
 
 def _form(

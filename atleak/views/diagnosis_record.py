@@ -33,7 +33,7 @@ def to_json(record: Any) -> str:
 
 def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
-    readings, idle = diagnosis.readings, diagnosis.hot_idle
+    readings, measured_at, idle = diagnosis.readings, diagnosis.measured_at, diagnosis.hot_idle
     projection, plan = diagnosis.projection, plan_repairs(diagnosis)
     return {
         "format": FORMAT,
@@ -61,6 +61,9 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "readings": {
             "file": readings.file if readings else None,
             "sha256": readings.sha256 if readings else None,
+            "date": readings.date.isoformat() if readings and readings.date else None,
+            "measuring_temperature_c": measured_at.value if measured_at else None,
+            "measuring_temperature_assumed": measured_at.assumed if measured_at else None,
             "lands_measured": diagnosis.measured,
             "lands_total": len(diagnosis.lands),
         },
@@ -203,6 +206,7 @@ def _land(row: MatrixRow) -> dict[str, Any]:
         "share_percent": _finite(land.share * PERCENT),
         "verdict": land.verdict,
         "decision": land.decision,
+        "suspect": land.suspect,
         "probability_over_limit": land.probability_over_limit,
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": at.value if at else None,

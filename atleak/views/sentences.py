@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
@@ -16,6 +17,19 @@ def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
     fluid, (low, high) = diagnosis.fluid, USED_THINNER
     state = "fresh_assumed" if diagnosis.fluid_state_assumed else "used_estimated" if fluid.estimated else fluid.state
     return f"{isolated(fluid.name)}; {say(f'fluid_states.{state}', low=low, high=high)}"
+
+
+def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say at which temperature gauge and parts were measured: assumed, as stated, or corrected for; "" without a sheet.
+
+    In English ``35 °C, diameters corrected to 20 °C``.
+    """
+    measured_at = diagnosis.measured_at
+    if measured_at is None:
+        return ""
+    said = "assumed" if measured_at.assumed else "corrected" if measured_at.corrects else "stated"
+    values = {"temperature": say.plain(measured_at.value), "reference": say.plain(REFERENCE_TEMPERATURE)}
+    return say(f"facts.temperature_{said}", **values)
 
 
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:

@@ -39,8 +39,8 @@ class Reader:
             land = pair.land
             for part in PARTS:
                 tool = self.instruments.of(part)
-                expansion = land.spool_expansion if part == "spool" else land.body_expansion
-                offset = common[part] + error(self.calibration * tool.own) + pair.spool * expansion * too_warm
+                warm = pair.spool * (land.expansion_of(part) - tool.expansion) * too_warm  # the gauge expands too
+                offset = common[part] + error(self.calibration * tool.own) + warm
                 for place, plane in enumerate(land.planes):
                     along = place - 0.5 if len(land.planes) > 1 else 0.0
                     for direction in self.directions:

@@ -13,7 +13,9 @@ from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
 from atleak.job.record import Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
+from atleak.written_numbers import MEASURING_TEMPERATURE
 from pages.shared import fields, show
+from pages.shared.state import choose, session
 
 _TEXTS = {
     "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
@@ -41,10 +43,18 @@ def draw(controller: Controller) -> Job:
     record = job()
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
     with fields.fold("Job, vehicle and customer", key=key("fold-job"), opened=True):
-        first = st.columns(3)
+        first = st.columns(4)
         values["number"] = first[0].text_input("Job number", **fields.kept(key("number"), record.number))
         values["date"] = first[1].date_input("Date", format="YYYY-MM-DD", **fields.kept(key("date"), record.date))
         values["technician"] = first[2].text_input("Technician", **fields.kept(key("technician"), record.technician))
+        with first[3]:
+            values["measuring_temperature_c"] = fields.number(
+                "Measuring temperature",
+                MEASURING_TEMPERATURE,
+                record.measuring_temperature_c,
+                key=key("measuring-temperature"),
+                optional=True,
+            )
         for place, (title, (table, names)) in zip(st.columns(4), _TEXTS.items(), strict=True):
             place.markdown(f"**{title}**")
             values[table] = getattr(record, table).model_dump() | {
@@ -65,6 +75,9 @@ def draw(controller: Controller) -> Job:
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
     st.session_state["job"] = changed
+    if changed.measuring_temperature_c != session().case.measuring_temperature:
+        choose(measuring_temperature=changed.measuring_temperature_c)
+        st.rerun()  # what stands above this form was computed at the temperature before
     return changed
 
 

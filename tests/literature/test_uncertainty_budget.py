@@ -33,13 +33,14 @@ ASSUMED = Assumptions(
 )
 
 
-def _instrument(name: str, calibration: float, common_part: float) -> Instrument:
-    return Instrument(
+def _instrument(name: str, calibration: float, common_part: float, expansion: float) -> Instrument:
+    tool = Instrument(
         name, name, "test", "2026-01-01", "", ("spool", "sleeve"), 1e-9, calibration, common_part, 0.4 * UM, True, ()
     )
+    return replace(tool, expansion=expansion)
 
 
-TOOLS = Instruments(_instrument("outside", 0.6 * UM, 0.3), _instrument("inside", 0.9 * UM, 0.6))
+TOOLS = Instruments(_instrument("outside", 0.6 * UM, 0.3, 8e-6), _instrument("inside", 0.9 * UM, 0.6, 11.5e-6))
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +94,7 @@ def _referee(controller: Controller, hipol: Fluid) -> tuple[dict[str, object], d
     elementary = {
         "outside": GTC.ureal(0.0, TOOLS.spool.common, label="spool: common calibration"),
         "inside": GTC.ureal(0.0, TOOLS.sleeve.common, label="sleeve: common calibration"),
-        "room": GTC.ureal(0.0, ASSUMED.room_temperature / math.sqrt(3.0), label="room temperature"),
+        "room": GTC.ureal(0.0, ASSUMED.room_temperature / math.sqrt(3.0), label="measuring temperature"),
         "viscosity": GTC.ureal(1.0, ASSUMED.viscosity, label="viscosity"),
         "temperature": GTC.ureal(point.temperature, ASSUMED.temperature, label="temperature"),
         "main": GTC.ureal(p_g, ASSUMED.main_pressure * p_g, label="main pressure"),
@@ -123,8 +124,10 @@ def _referee(controller: Controller, hipol: Fluid) -> tuple[dict[str, object], d
         }
         spool = d_0 + own["spool"] + repeats["spool"] + elementary["outside"]
         sleeve = d_0 + 2 * CLEARANCES[name] + own["sleeve"] + repeats["sleeve"] + elementary["inside"]
-        rate = 0.5 * (land.body_expansion * (d_0 + 2 * CLEARANCES[name]) - land.spool_expansion * d_0)
-        cold[name] = 0.5 * (sleeve - spool) + rate * elementary["room"]
+        big_d = d_0 + 2 * CLEARANCES[name]
+        rate = 0.5 * (land.body_expansion * big_d - land.spool_expansion * d_0)
+        gauges = 0.5 * (TOOLS.sleeve.expansion * big_d - TOOLS.spool.expansion * d_0)  # they expand with the parts
+        cold[name] = 0.5 * (sleeve - spool) + (rate - gauges) * elementary["room"]
         hot = cold[name] + rate * (t - 20.0)
         length = GTC.ureal(land.contact_length, ASSUMED.contact_length, label="contact length")
         drop, viscous = 0.9 * elementary["main"], 12 * mu * length
@@ -189,7 +192,7 @@ def test_total_and_its_budget(assessed: UnitUncertainty, two_lands: Controller, 
             ("pump efficiency", "slip"),
             ("common to all lands: spool instrument", "outside"),
             ("common to all lands: sleeve instrument", "inside"),
-            ("common to all lands: room temperature", "room"),
+            ("common to all lands: measuring temperature", "room"),
         )
     }
     own = [GTC.component(total_share, u) ** 2 for name, u in elementary.items() if name[:2] in {"a ", "b "}]

@@ -42,6 +42,7 @@ FLOORS = (
     ("engine.series", "engine.projection"),
     ("engine.road_leakage", "rules"),
     ("uncertainty", "variants"),
+    ("sheet_checks",),
     ("diagnosis",),
     ("repair",),
     ("views", "intake"),

@@ -15,6 +15,7 @@ What happens to a file:
 6. `values` converts the numbers into metres, and finds the unit where none is stated.
 7. `unread` looks at all cells again: what has the size of a diameter (`sizes`) and was not read is named or refused.
 8. `agreement` compares the diameters with clearances and means on the sheet, `checks` with the controller.
+9. `head` reads the measuring temperature and the date that stand above the headings.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from atleak.intake.readings.checks import check
 from atleak.intake.readings.choice import Choice, choose, require_one_measurement
 from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.head import read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
@@ -101,7 +103,9 @@ def read_readings(
     problems += require_one_measurement(read, file)
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
+    head = read_head([rows.table for rows in read if rows.entries], sheets)
     account = _account(chosen, read, names, converted, given_unit)
+    account.take(head.cells)
     account.close([each for each in sheets if not each.hidden])
     read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
     result = Readings(
@@ -114,14 +118,17 @@ def read_readings(
         readings=tuple(converted.readings),
         messages=(
             *chosen.messages,
+            *head.messages,
             *(message for rows in read for message in rows.messages),
             *converted.messages,
             *_about_sheet(read, first.sheet),
             *account.messages,
             *_contradictions(read, converted),
         ),
+        temperature=head.temperature,
+        date=head.date,
     )
-    problems += [*converted.problems, *account.problems, *check(result, controller)]
+    problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
     for table in chosen.tables:
         other = agreement.other_controller(table.sheet, table.header, controller)
         if other is not None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from atleak.errors import Message, MessageLevel, Place, ReadingsError
@@ -109,6 +109,11 @@ class Account:
         if sizes:
             text = f"sheet {sheet.name!r} is left aside: {self._shown(sheet, sizes)}"
             self.messages.append(Message("info", "sheet_aside", text, Place(sheet.file, sheet.name)))
+
+    def take(self, cells: Iterable[tuple[str | None, int, int]]) -> None:
+        """Account for cells that were read outside of the tables, each by sheet, row and column."""
+        for name, row, column in cells:
+            self._done[name].add((row, column))
 
     def close(self, sheets: Sequence[Sheet]) -> None:
         """Name every number of the size of a diameter that is neither read nor left aside."""

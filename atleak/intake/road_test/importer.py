@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from atleak.errors import InputError, Message, Place, RoadTestError
+from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Ambiguous, Assigner, stated_units
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.reader import read_table
@@ -21,7 +22,6 @@ from atleak.intake.road_test.files.log_file import LogFile, open_source
 from atleak.intake.road_test.files.log_sheets import LogSheet, open_sheets
 from atleak.intake.road_test.mdf import understand_mdf
 from atleak.intake.road_test.names import memory
-from atleak.intake.road_test.names.matching import words
 from atleak.intake.road_test.outcome import Understood, finish, labels_of
 
 

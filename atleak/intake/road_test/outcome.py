@@ -73,6 +73,7 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
         blank.file, blank.sha256, reading.rows, timeline.duration, timeline.time, channels, timeline.segments,
         tuple(assigner.messages), blank.format, blank.encoding, blank.delimiter, blank.decimal,
         MappingProxyType({name: why for name, why in assigner.refused.items() if name not in channels}),
+        reading.clock.date,
     )  # fmt: skip
     return replace(
         blank,

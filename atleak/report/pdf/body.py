@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
@@ -17,7 +16,7 @@ from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.road_series import RoadSeries
-from atleak.views.sentences import fluid_in_state
+from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.wording import isolated
 from atleak.workshop_units import G_CM3, MM, MM2_S, PERCENT, UM
 
@@ -143,9 +142,11 @@ class Body:
         ]
         if items:
             yield {"kind": "list", "items": items}
-        unsure = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
-        if unsure:
-            yield text(say("texts.unsure", lands=joined(names.land_number(land) for land in unsure)))
+        within = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
+        for key, suspect in (("texts.unsure", False), ("texts.suspect", True)):
+            lands = [names.land_number(land) for land in within if land.suspect == suspect]
+            if lands:
+                yield text(say(key, lands=joined(lands)))
 
     def _all(self, charts: dict[str, str]) -> Iterable[Block]:
         say, names = self.say, self.names
@@ -331,9 +332,7 @@ class Body:
             if not each.empty
         ]
         measured = f"{diagnosis.measured} / {len(diagnosis.lands)}"
-        temperature = f"{say.plain(REFERENCE_TEMPERATURE)} °C"
-        if job.measuring_temperature_c is not None:
-            temperature = say("facts.not_corrected", temperature=say.plain(job.measuring_temperature_c))
+        temperature = measuring_temperature(diagnosis, say)
         options = joined(f"{name} = {_option(value)}" for name, value in diagnosis.profile.options.items())
         uncertainty = diagnosis.uncertainty
         taken = (
@@ -355,7 +354,7 @@ class Body:
                 [say("facts.profile"), diagnosis.profile.label],
                 [say("facts.options"), options],
                 [say("facts.measured"), measured],
-                [say("facts.measuring_temperature"), temperature],
+                *([[say("facts.measuring_temperature"), temperature]] if temperature else []),
                 *([[say("facts.instruments"), joined(instruments, "; ")]] if instruments else []),
                 *([[say("facts.uncertainty"), taken]] if taken else []),
             ]

@@ -15,6 +15,8 @@ from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
     CHANGEABLE,
+    EXPANSIONS,
+    PER_KELVIN,
     Cell,
     ColumnKey,
     SheetCondition,
@@ -30,8 +32,6 @@ from atleak.verdicts import Verdict
 from atleak.views.sentences import replace_at
 from atleak.wording import signed, value_names, wording
 from atleak.workshop_units import DM3_MIN, MM, PERCENT, UM
-
-_PER_KELVIN = 1e6  # expansions are shown in 1e-6/K
 
 
 @dataclass(frozen=True)
@@ -94,12 +94,14 @@ def _names(sheet: LandSheet) -> Iterable[LandColumn]:
 
 def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
     def spool_diameter(row: LandRow) -> Cell:
-        return Cell("mm", row.land.state.spool_diameter * MM, sheet.readings.mean(row.land.key, "spool"), CHANGEABLE)
+        mean = sheet.readings.mean(row.land.key, "spool", row.here(EXPANSIONS["spool"]))
+        return Cell("mm", row.land.state.spool_diameter * MM, mean, CHANGEABLE)
 
     def sleeve_diameter(row: LandRow) -> Cell:
         state = row.land.state
         as_new = f"{exact(state.land.nominal_diameter * MM)}+2*{row.here('c_n')}*0.001"  # of one that was not measured
-        return Cell("mm", state.sleeve_diameter * MM, sheet.readings.mean(row.land.key, "sleeve") or as_new, CHANGEABLE)
+        mean = sheet.readings.mean(row.land.key, "sleeve", row.here(EXPANSIONS["sleeve"]))
+        return Cell("mm", state.sleeve_diameter * MM, mean or as_new, CHANGEABLE)
 
     def radial_clearance(row: LandRow) -> Cell:
         formula = f"({row.here('sleeve')}-{row.here('spool')})/2*1000"
@@ -118,9 +120,9 @@ def _clearances(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         yield LandColumn("U", heading, 12, lambda row: Cell("um", row.record["uncertainty_um"]))
     yield from _when_new(sheet)
     yield LandColumn("wear", "wear Z [%]", 10, wear)
-    body = _changeable("plain", lambda land: land.state.land.body_expansion * _PER_KELVIN)
+    body = _changeable("plain", lambda land: land.state.land.body_expansion * PER_KELVIN)
     yield LandColumn("beta_k", "expansion of body β_k [1e-6/K]", 12, body)
-    spool = _changeable("plain", lambda land: land.state.land.spool_expansion * _PER_KELVIN)
+    spool = _changeable("plain", lambda land: land.state.land.spool_expansion * PER_KELVIN)
     yield LandColumn("beta_s", "expansion of spool β_s [1e-6/K]", 12, spool)
     for power, sign in ((2, "²"), (3, "³")):
         heading = f"form: mean of (c − c_r){sign} as measured [µm{sign}]"

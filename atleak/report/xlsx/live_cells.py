@@ -9,6 +9,7 @@ from typing import Any
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
+from atleak.catalogue.instruments import Part
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.look import INPUT
@@ -22,6 +23,8 @@ RANKED: tuple[Verdict, ...] = tuple(verdict for verdict in VERDICTS if verdict !
 _SHEET_NAME = 31  # characters that Excel allows in a sheet's name
 
 ColumnKey = str | tuple[str, str]  # a name, or a name and the prefix of a condition
+PER_KELVIN = 1e6  # expansions are shown in 1e-6/K
+EXPANSIONS: Mapping[Part, ColumnKey] = {"spool": "beta_s", "sleeve": "beta_k"}  # columns of the sheet of lands
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,21 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.controller import Land
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Land
 from atleak.catalogue.instruments import Part
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.readings import Reading, Station
-from atleak.report.xlsx.book import Book, formula, put, span
-from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, address, cells_of_row, write_cell
+from atleak.report.xlsx.book import Book, exact, formula, put, span
+from atleak.report.xlsx.live_cells import (
+    CHANGEABLE,
+    EXPANSIONS,
+    PER_KELVIN,
+    Cell,
+    ColumnKey,
+    address,
+    cells_of_row,
+    write_cell,
+)
 from atleak.rules import LandKey
 from atleak.workshop_units import MM, UM
 
@@ -27,9 +36,16 @@ _Place = tuple[LandKey, Part, str, float | None]  # land, part, plane and direct
 
 
 class ReadingCells:
-    """Where every reading stands on its sheet, sorted by land, and the means over them as formulas."""
+    """Where every reading stands on its sheet, sorted by land, and the means over them as formulas.
+
+    The readings are as they were read. A mean is corrected to 20 °C from the measuring temperature; ``expansion`` is
+    the cell of the part's coefficient [1e-6/K].
+    """
 
     def __init__(self, diagnosis: Diagnosis) -> None:
+        measured_at, uncertainty = diagnosis.measured_at, diagnosis.uncertainty
+        self._gauges = uncertainty.instruments if uncertainty and measured_at and measured_at.corrects else None
+        self._rise = measured_at.value - REFERENCE_TEMPERATURE if measured_at else 0.0  # [K]
         lands = {land.key: number for number, land in enumerate(diagnosis.lands)}
         found = diagnosis.readings.readings if diagnosis.readings else ()
         known = [(reading, diagnosis.controller.land_of_plane(reading.component, reading.plane)) for reading in found]
@@ -40,21 +56,26 @@ class ReadingCells:
             if land is not None:
                 self._rows.setdefault((land.key, reading.part, reading.plane, reading.direction), []).append(row)
 
-    def mean(self, key: LandKey, part: Part) -> str | None:
+    def mean(self, key: LandKey, part: Part, expansion: str) -> str | None:
         """Return the formula of a part's mean diameter over repeats, then directions, then planes."""
         planes = dict.fromkeys(plane for at, of, plane, _ in self._rows if (at, of) == (key, part))
-        return _average([self._of_plane(key, part, plane) for plane in planes])
+        return self._corrected(_average([self._of_plane(key, part, plane) for plane in planes]), part, expansion)
 
     def _of_plane(self, key: LandKey, part: Part, plane: str) -> str | None:
         rows = [rows for place, rows in self._rows.items() if place[:3] == (key, part, plane)]
         return _average([_average([span(each[0], each[-1], _DIAMETER, "Readings")]) for each in rows])
 
-    def at(self, key: LandKey, part: Part, station: Station) -> str | None:
+    def at(self, key: LandKey, part: Part, station: Station, expansion: str) -> str | None:
         """Return the formula of a part's diameter at one place, as far as it was read there; else in its plane."""
         rows = self._rows.get((key, part, station.plane, station.direction))
-        if rows is None:
-            return self._of_plane(key, part, station.plane)
-        return _average([span(rows[0], rows[-1], _DIAMETER, "Readings")])
+        here = None if rows is None else _average([span(rows[0], rows[-1], _DIAMETER, "Readings")])
+        return self._corrected(here or self._of_plane(key, part, station.plane), part, expansion)
+
+    def _corrected(self, mean: str | None, part: Part, expansion: str) -> str | None:
+        if mean is None or self._gauges is None:
+            return mean
+        gauge = exact(self._gauges.of(part).expansion * PER_KELVIN)
+        return f"{mean}*(1-({expansion}-{gauge})*1E-6*{exact(self._rise)})"
 
 
 def _order(reading: Reading, land: Land | None, lands: dict[LandKey, int]) -> tuple[Any, ...]:
@@ -143,13 +164,16 @@ def write_directions(
     sheet: Worksheet,
     directions: DirectionCells,
     readings: ReadingCells,
-    of_land: Callable[[LandKey, Part], str],
+    of_land: Callable[[LandKey, ColumnKey], str],
 ) -> None:
-    """Write the clearance in every direction; ``of_land`` gives the cell of a land's mean diameter."""
+    """Write the clearance in every direction; ``of_land`` gives the cells of a land."""
     book.headings(sheet, 0, _COLUMNS.values(), lines=3)
     for row, (land, station) in enumerate(directions.lines, start=1):
         rows = directions.rows[land.key]
-        diameters = {part: readings.at(land.key, part, station) or of_land(land.key, part) for part in _PARTS}
+        diameters = {
+            part: readings.at(land.key, part, station, of_land(land.key, EXPANSIONS[part])) or of_land(land.key, part)
+            for part in _PARTS
+        }
         for column, content in enumerate(_direction(land, station, row, rows, diameters)):
             write_cell(book, sheet, row, column, content)
     sheet.set_column(0, len(_COLUMNS), 14)

@@ -24,7 +24,7 @@ from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
-from atleak.views.sentences import fluid_in_state
+from atleak.views.sentences import fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
@@ -77,6 +77,7 @@ class Sheets:
             ("limits", record["limits"]["name"]),
             ("profile", diagnosis.profile.label),
             ("measuring sheet", record["readings"]["file"]),
+            ("measured at", measuring_temperature(diagnosis, wording("en"))),
             ("road test", record["road_test"]["file"] if record["road_test"] else None),
             ("representative", record["controller"]["representative_note"]),
             *self._complaint(),
@@ -354,7 +355,7 @@ class Sheets:
                         row += 1
             else:
                 put(sheet, row, 0, _words(name), self.book.heading)
-                row = put_text(sheet, row, 1, _field(name, value), self.book.wrapped, 84) + 2
+                row = put_text(sheet, row, 1, str(value), self.book.wrapped, 84) + 2
 
     def write_messages(self, sheet: Worksheet) -> None:
         rows = [
@@ -398,13 +399,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return ", ".join(map(str, value))
     return value if value is None or isinstance(value, int | float | str) else str(value)
-
-
-def _field(name: str, value: Any) -> str:
-    if name == "measuring_temperature_c":
-        say = wording("en")
-        return say("facts.not_corrected", temperature=say.plain(value))
-    return str(value)
 
 
 def _words(name: str) -> str:

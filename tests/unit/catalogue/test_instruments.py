@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.instruments import instruments, load_instrument, load_instruments
+from atleak.catalogue.instruments import STEEL_EXPANSION, instruments, load_instrument, load_instruments
 from atleak.errors import CatalogueError, InputError
 
 
@@ -19,7 +19,9 @@ def test_shipped_instruments_state_their_source_and_what_is_representative() -> 
         assert 0.0 < instrument.resolution <= 1e-6
         assert instrument.common**2 + instrument.own**2 == pytest.approx(instrument.calibration**2, rel=1e-12, abs=0.0)
         assert instrument.representative, instrument.id
+        assert 5e-6 < instrument.expansion < 15e-6
     assert "resolution_um" not in shipped["workshop_microscope"].representative  # published by the source study
+    assert "expansion_per_k" in shipped["workshop_microscope"].representative  # a scale of its own
     assert shipped["workshop_microscope"].resolution == pytest.approx(1e-6, rel=1e-12, abs=0.0)
 
 
@@ -47,6 +49,7 @@ def test_a_mistyped_instrument_names_the_nearest() -> None:
         ("calibration_um = -1.0", "calibration_um"),
         ("resolution_um = 0", "resolution_um"),
         ('representative = ["age"]', "representative"),
+        ("expansion_per_k = -1e-6", "expansion_per_k"),
         ("colour = 3", "colour"),
     ],
 )
@@ -66,6 +69,7 @@ def test_a_wrong_value_is_named(tmp_path: Path, line: str, said: str) -> None:
     file.write_text("\n".join(f"{name} = {value}" for name, value in good.items()), encoding="utf-8")
     own = load_instrument(file)
     assert own.repeatability is None
+    assert own.expansion == STEEL_EXPANSION == 11.5e-6
     assert own.calibration == pytest.approx(0.8e-6, rel=1e-12, abs=0.0)
     rest = [f"{name} = {value}" for name, value in good.items() if name != key]
     file.write_text("\n".join([*rest, line]), encoding="utf-8")

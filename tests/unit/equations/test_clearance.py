@@ -22,6 +22,16 @@ def test_clearance_of_the_diameters_it_makes(spool: float, c: float) -> None:
     assert clearance.radial_clearance(spool + 2 * c, spool) == pytest.approx(c, rel=1e-9, abs=0.0)
 
 
+@given(spools, expansions, expansions, st.floats(-25.0, 40.0))
+def test_a_diameter_is_corrected_as_gauge_and_part_shrink_back(
+    diameter: float, part: float, gauge: float, rise: float
+) -> None:
+    exact = diameter * (1.0 + gauge * rise) / (1.0 + part * rise)  # the gauge's step has grown, and so has the part
+    corrected = clearance.diameter_at_reference(diameter, part, gauge, rise)
+    assert corrected == pytest.approx(exact, abs=1.01 * diameter * (part + gauge) * part * rise**2 + 1e-15)
+    assert clearance.diameter_at_reference(diameter, part, part, rise) == diameter
+
+
 def test_equal_diameters_leave_no_clearance() -> None:
     assert clearance.radial_clearance(0.01, 0.01) == 0.0
 

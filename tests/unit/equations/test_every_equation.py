@@ -29,6 +29,7 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (gap.reynolds_number, (8e-7, 0.010, 1e-5)),
     (referees.taper_cube, (20e-6, 40e-6)),
     (referees.oval_cube, (30e-6, 10e-6)),
+    (clearance.diameter_at_reference, (0.010, 21.5e-6, 11.5e-6, 15.0)),
     (clearance.radial_clearance, (0.01006, 0.010)),
     (clearance.worn_clearance, (24e-6, 12e-6)),
     (clearance.wear, (36e-6, 24e-6)),

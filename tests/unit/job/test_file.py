@@ -265,3 +265,34 @@ def test_a_file_of_the_job_that_cannot_be_used_is_named_with_its_zip(content):
     broken = changed(content, **{"catalogue/fluid.toml": b"deep = " + b"[" * 5000})
     with pytest.raises(InputError, match=r"^shop\.zip: mobil_atf_220\.toml: is not valid TOML"):
         read_job_file(broken, name="shop.zip").diagnose()
+
+
+# --- the temperature of measuring
+
+
+@pytest.mark.parametrize("chosen", [None, 35.0])
+def test_the_measuring_temperature_is_kept(chosen):
+    case = replace(Case(readings=SourceFile("sheet.csv", SHEET)), measuring_temperature=chosen)
+    made = case.diagnose()
+    opened = read_job_file(write_job_file(made, Job(number="7"), case))
+    assert opened.case.measuring_temperature == opened.job.measuring_temperature_c == chosen
+    again = opened.diagnose()
+    assert again.measured_at == made.measured_at
+    assert [land.state for land in again.lands] == [land.state for land in made.lands]
+    assert again.measured_at.origin == ("assumed" if chosen is None else "job")
+
+
+def test_a_job_file_of_earlier_versions_is_measured_as_its_record_says():
+    case = Case(readings=SourceFile("sheet.csv", SHEET))
+    content = write_job_file(case.diagnose(), Job(measuring_temperature_c=35.0), case)
+    assert "readings" not in json.loads(zipfile.ZipFile(io.BytesIO(content)).read("job.json"))  # no choice of its own
+    assert read_job_file(content).diagnose().measured_at.value == 35.0
+
+
+def test_another_measuring_temperature_is_another_result():
+    case = Case(readings=SourceFile("sheet.csv", SHEET))
+    warm = replace(case, measuring_temperature=35.0)
+    assert warm.key != case.key
+    assert warm.diagnose().lands[0].state == case.diagnose().lands[0].state  # not measured
+    cold, hot = ({land.key: land.state for land in each.diagnose().lands} for each in (case, warm))
+    assert hot["6", 1].radial_clearance < cold["6", 1].radial_clearance

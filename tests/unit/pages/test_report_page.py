@@ -56,6 +56,24 @@ def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
     assert job.number == "A-17"
 
 
+def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTest) -> None:
+    def measured() -> str:
+        go(app, "2_Readings")
+        (said,) = [caption.value for caption in app.caption if "Temperature of measuring" in caption.value]
+        go(app, "5_Report")
+        return said
+
+    assert "assumed 20 °C" in measured()
+    field(app, "Measuring temperature [°C]").set_value("35,0").run()
+    assert not app.exception
+    assert app.session_state["job"].measuring_temperature_c == 35.0
+    assert app.session_state["atleak"].good.measuring_temperature == 35.0
+    assert "35 °C, diameters corrected to 20 °C" in measured()
+    assert field(app, "Measuring temperature [°C]").value == "35,0"
+    field(app, "Measuring temperature [°C]").set_value("").run()
+    assert "assumed 20 °C" in measured()
+
+
 def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
     field(app, "Fault codes, separated by commas").set_value("P0730, P0741")
     key = "job0-repair_decisions"

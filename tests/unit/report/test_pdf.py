@@ -434,18 +434,25 @@ def test_a_pump_that_delivers_nothing_and_another_controller(worn):
 
 
 @pytest.mark.parametrize(
-    ("language", "said"),
+    ("language", "assumed", "corrected"),
     [
-        ("en", "23.5 °C (noted, not corrected)"),
-        ("pl", "23,5 °C (odnotowano, bez korekty wyników)"),
-        ("de", "23,5 °C (vermerkt, nicht korrigiert)"),
+        ("en", "assumed 20 °C, none is stated", "35.5 °C, diameters corrected to 20 °C"),
+        ("pl", "przyjęto 20 °C, brak danych", "35,5 °C, średnice przeliczone na 20 °C"),
+        ("de", "20 °C angenommen, keine Angabe", "35,5 °C, Durchmesser auf 20 °C umgerechnet"),
     ],
 )
-def test_a_measuring_temperature_is_noted_and_not_corrected(unmeasured, language, said):
-    printed = write_pdf(unmeasured, Job(measuring_temperature_c=23.5), language=language, sections=["conditions"])
-    assert said in text_of(printed)
-    unknown = write_pdf(unmeasured, Job(number="1"), language=language, sections=["conditions"])
-    assert said.partition("(")[2] not in text_of(unknown)
+def test_the_measuring_temperature_is_assumed_or_corrected_for(worn, unmeasured, language, assumed, corrected):
+    def printed(temperature):
+        warm = diagnose(
+            worn.controller, worn.fluid, worn.limits, readings=worn.readings, measuring_temperature=temperature
+        )
+        return text_of(write_pdf(warm, language=language, sections=["conditions"]))
+
+    label = wording(language)("facts.measuring_temperature")
+    assert f"{label} {assumed}" in printed(None)
+    assert f"{label} {corrected}" in printed(35.5)
+    assert f"{label} 20 °C" in printed(20.0)
+    assert label not in text_of(write_pdf(unmeasured, language=language, sections=["conditions"]))
 
 
 def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):

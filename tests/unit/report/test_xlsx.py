@@ -169,10 +169,25 @@ def test_every_number_format_keeps_the_sign_of_a_negative_number():
     assert [name for name, parts in several.items() if not parts[1].startswith("[<0]-")] == []
 
 
-def test_a_measuring_temperature_is_noted_and_not_corrected(unmeasured):
-    content = io.BytesIO(write_workbook(unmeasured, Job(measuring_temperature_c=23.5)))
-    job = pd.read_excel(content, sheet_name="Job", header=None, engine="calamine")
-    assert "23.5 °C (noted, not corrected)" in job[1].tolist()
+def test_a_measuring_temperature_is_in_the_formulas_of_the_diameters(worn, calculator):
+    warm = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, measuring_temperature=35.0)
+    content = write_workbook(warm)
+    summary = pd.read_excel(io.BytesIO(content), sheet_name="Summary", header=None, engine="calamine")
+    assert "35 °C, diameters corrected to 20 °C" in summary[1].tolist()
+    sheets = calculator(content)
+    for heading, part in (("spool diameter", "spool_diameter"), ("sleeve diameter", "sleeve_diameter")):
+        at = f"{column_of(sheets.book, 'Lands', heading)}2"
+        assert sheets.value("Lands", at) == pytest.approx(getattr(warm.lands[0].state, part) * 1e3, abs=1e-12)
+    beta = f"{column_of(sheets.book, 'Lands', 'expansion of body')}2"
+    before = sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'sleeve diameter')}2")
+    sheets.set("Lands", beta, sheets.value("Lands", beta) + 1.0)  # 1e-6/K more
+    after = sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'sleeve diameter')}2")
+    assert after == pytest.approx(before * (1 - 15e-6), rel=1e-8, abs=0.0)
+
+
+def test_without_a_measuring_temperature_the_workbook_says_that_20_degrees_are_assumed(content):
+    summary = pd.read_excel(io.BytesIO(content), sheet_name="Summary", header=None, engine="calamine")
+    assert "assumed 20 °C, none is stated" in summary[1].tolist()
 
 
 def test_nothing_a_user_typed_becomes_a_formula(worn, hostile):

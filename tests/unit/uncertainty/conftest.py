@@ -44,6 +44,11 @@ def two_instruments(**changed: Any) -> Instruments:
     return Instruments(an_instrument(id="outside", **changed), an_instrument(id="inside", **changed))
 
 
+def new_at(controller: Controller, clearance: float) -> Controller:
+    """The same controller with one mounting clearance [m] for all its lands."""
+    return replace(controller, lands=tuple(replace(land, mounting_clearance=clearance) for land in controller.lands))
+
+
 def a_sheet(
     controller: Controller,
     *,

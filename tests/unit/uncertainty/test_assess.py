@@ -25,7 +25,7 @@ from atleak.uncertainty import DEFAULTS, NOTHING_ELSE, Assumptions, assess
 from atleak.verdicts import Band, Verdict
 from atleak.views.uncertainty_rows import budget_rows
 
-from .conftest import a_sheet, two_instruments
+from .conftest import a_sheet, new_at, two_instruments
 
 UM = 1e-6
 # eq. (4) with the spool's diameter is a pure cube; the paper profile's viscosity, pump and draw do not matter here
@@ -146,14 +146,15 @@ def test_draws_below_zero_leak_nothing(judge: Callable, twenty_lands: Controller
 def test_probability_and_decision_follow_the_reading(judge: Callable, four_speed: Controller, limits: Limits) -> None:
     steps = Steps(((Verdict.REPLACE, 30 * UM),), LimitOrigin.WORKSHOP, "")
     only = replace(limits, wear=None, clearance=steps, pair_share=None)
-    seen = []
+    seen, new = [], new_at(four_speed, 24 * UM)
     for clearance in (27.0, 29.5, 30.5, 33.0):
-        land = judge(a_sheet(four_speed, clearance=clearance * UM), limits=only).unit.lands[0]
+        land = judge(a_sheet(new, clearance=clearance * UM), controller=new, limits=only).unit.lands[0]
         expected = equations.probability_over(clearance, 30.0, land.u_clearance / UM)
         assert land.probability_over_limit == pytest.approx(expected, abs=1e-6)
         seen.append(land.decision)
     assert seen == ["pass", "conditional_pass", "conditional_fail", "fail"]
-    firm = judge(a_sheet(four_speed, clearance=29.5 * UM), limits=only, guard_factor=0.1).unit.lands[0]
+    sheet = a_sheet(new, clearance=29.5 * UM)
+    firm = judge(sheet, controller=new, limits=only, guard_factor=0.1).unit.lands[0]
     assert firm.decision == "pass"
 
 

@@ -17,7 +17,7 @@ from atleak.uncertainty import Assumptions, decide
 from atleak.uncertainty.decision import decide_rule
 from atleak.verdicts import Verdict
 
-from .conftest import a_sheet, two_instruments
+from .conftest import a_sheet, new_at, two_instruments
 
 UM = 1e-6
 
@@ -91,7 +91,9 @@ def test_over_the_limit_but_within_what_the_instruments_can_tell(
     sleeve_worse = two_instruments(calibration=1.0 * UM)
     sleeve_worse = replace(sleeve_worse, sleeve=replace(sleeve_worse.sleeve, calibration=1.53 * UM))
     sheet = a_sheet(four_speed, clearance=31 * UM)
-    case = judge(sheet, instruments=sleeve_worse, limits=_limits(limits, 30 * UM))
+    case = judge(
+        sheet, controller=new_at(four_speed, 24 * UM), instruments=sleeve_worse, limits=_limits(limits, 30 * UM)
+    )
     land = case.unit.lands[0]
     rule = land.deciding
     assert rule.decision == "conditional_fail"
@@ -110,7 +112,7 @@ def test_over_the_limit_but_within_what_the_instruments_can_tell(
 def test_repeats_settle_what_repeats_can_settle(judge: Callable, four_speed: Controller, limits: Limits) -> None:
     noisy = two_instruments(calibration=0.2 * UM, repeatability=1.5 * UM)
     sheet = a_sheet(four_speed, clearance=29 * UM)
-    case = judge(sheet, instruments=noisy, limits=_limits(limits, 30 * UM))
+    case = judge(sheet, controller=new_at(four_speed, 24 * UM), instruments=noisy, limits=_limits(limits, 30 * UM))
     land = case.unit.lands[0]
     rule = land.deciding
     assert rule.decision == "conditional_pass"
@@ -147,7 +149,8 @@ def test_measuring_again_does_not_help_where_the_fluid_is_the_trouble(
 
 
 def test_a_settled_land_says_nothing(judge: Callable, four_speed: Controller, limits: Limits) -> None:
-    case = judge(a_sheet(four_speed, clearance=20 * UM), limits=_limits(limits, 30 * UM))
+    new = new_at(four_speed, 20 * UM)
+    case = judge(a_sheet(new), controller=new, limits=_limits(limits, 30 * UM))
     for land in case.unit.lands:
         assert land.decision == "pass"
         assert land.advice is None
@@ -157,9 +160,43 @@ def test_a_settled_land_says_nothing(judge: Callable, four_speed: Controller, li
 def test_a_verdict_that_may_be_worse_says_so(judge: Callable, four_speed: Controller, limits: Limits) -> None:
     steps = Steps(((Verdict.WATCH, 20 * UM), (Verdict.REPLACE, 32 * UM)), LimitOrigin.WORKSHOP, "")
     near = replace(limits, wear=None, clearance=steps, pair_share=None)
-    land = judge(a_sheet(four_speed, clearance=31 * UM), limits=near).unit.lands[0]
+    sheet = a_sheet(four_speed, clearance=31 * UM)
+    land = judge(sheet, controller=new_at(four_speed, 24 * UM), limits=near).unit.lands[0]
     assert land.decision == "fail"  # over the limit to watch, without doubt
     assert "under the replace limit of 32.0 µm" in land.advice
+
+
+def test_a_pair_tighter_than_new_is_suspect_and_never_a_plain_pass(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    new = new_at(four_speed, 24 * UM)
+    only = _limits(limits, 40 * UM)
+    u = judge(a_sheet(new), controller=new, limits=only).unit.lands[0].u_clearance
+    for under, suspect in ((2.9 * u, False), (3.1 * u, True), (12 * UM, True)):
+        land = judge(a_sheet(new, clearance=24 * UM - under), controller=new, limits=only).unit.lands[0]
+        assert land.deciding.decision == "pass"
+        assert (land.suspect, land.decision) == (suspect, "conditional_pass" if suspect else "pass")
+        assert ("tighter than when new" in (land.advice or "")) is suspect
+
+
+def test_what_is_known_of_the_mounting_clearance_decides_who_is_suspect(
+    judge: Callable, four_speed: Controller, limits: Limits
+) -> None:
+    sheet, only = a_sheet(four_speed, clearance=12 * UM), _limits(limits, 40 * UM)
+    by_value = new_at(four_speed, 24 * UM)
+    by_type = replace(by_value, lands=tuple(replace(land, mounting_tolerance=8 * UM) for land in by_value.lands))
+    by_range = new_at(four_speed, (6.4 * UM, 24 * UM))
+    for controller, suspect in ((by_value, True), (by_type, False), (by_range, False)):
+        lands = judge(sheet, controller=controller, limits=only).unit.lands
+        assert {land.suspect for land in lands} == {suspect}
+    tight = a_sheet(four_speed, clearance=1 * UM)
+    assert all(land.suspect for land in judge(tight, controller=by_range, limits=only).unit.lands)
+
+
+def test_half_a_pair_is_not_suspect(judge: Callable, four_speed: Controller, limits: Limits) -> None:
+    sheet = a_sheet(four_speed, clearance=10 * UM)
+    sleeves = replace(sheet, readings=tuple(each for each in sheet.readings if each.part == "sleeve"))
+    assert not any(land.suspect for land in judge(sleeves, limits=_limits(limits, 40 * UM)).unit.lands)
 
 
 @pytest.mark.parametrize(

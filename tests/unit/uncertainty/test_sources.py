@@ -144,11 +144,29 @@ def test_what_was_not_measured_has_the_uncertainty_of_its_catalogue_value(four_s
     assert land.standard_uncertainty == pytest.approx(0.5 * UM, rel=1e-9, abs=0.0)
 
 
-def test_the_rooms_temperature_is_one_error_for_all_lands(four_speed: Controller) -> None:
+def test_the_measuring_temperature_is_one_error_for_all_lands_and_parts(four_speed: Controller) -> None:
     given = replace(NOTHING_ELSE, room_temperature=5.0)
-    land, _ = _found(four_speed, a_sheet(four_speed), two_instruments(calibration=0.0), given)
-    rate = land.state.land.thermal_rate(land.state.spool_diameter, land.state.sleeve_diameter)
-    assert land.groups["room temperature"] == pytest.approx(rate * 5.0 / math.sqrt(3.0), rel=1e-12, abs=0.0)
+    glass = two_instruments(calibration=0.0, expansion=8e-6)
+    land, _ = _found(four_speed, a_sheet(four_speed), glass, given)
+    state = land.state
+    body, spool = state.land.body_expansion - 8e-6, state.land.spool_expansion - 8e-6
+    rate = 0.5 * (body * state.sleeve_diameter - spool * state.spool_diameter)
+    assert land.groups["measuring temperature"] == pytest.approx(rate * 5.0 / math.sqrt(3.0), rel=1e-12, abs=0.0)
+
+
+def test_a_gauge_that_expands_as_the_part_does_hides_the_temperature(four_speed: Controller) -> None:
+    given = replace(NOTHING_ELSE, room_temperature=5.0)
+    sheet = a_sheet(four_speed)
+    only_spools = replace(sheet, readings=tuple(r for r in sheet.readings if r.part == "spool"))
+    steel, _ = _found(four_speed, only_spools, two_instruments(calibration=0.0, expansion=12e-6), given)
+    assert steel.state.land.spool_expansion == 12e-6
+    assert steel.groups["measuring temperature"] == 0.0
+    # another gauge may expand otherwise: what if it had measured counts that too
+    glass = two_instruments(calibration=0.0, expansion=8e-6)
+    other = steel.variance_with(instruments={"spool": glass.spool})
+    alone, _ = _found(four_speed, only_spools, glass, given)
+    assert other == pytest.approx(alone.standard_uncertainty**2, rel=1e-12, abs=0.0)
+    assert other > steel.standard_uncertainty**2
 
 
 def test_what_if_agrees_with_measuring_so(four_speed: Controller) -> None:

@@ -252,7 +252,15 @@ def test_json_refuses_what_is_no_json() -> None:
 def test_unknown_is_null(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
     only = replace(four_speed, operating_points=four_speed.operating_points[:1])
     record = diagnosis_record(diagnose(only, hipol, limits, profile=PAPER))
-    assert record["readings"] == {"file": None, "sha256": None, "lands_measured": 0, "lands_total": 47}
+    assert record["readings"] == {
+        "file": None,
+        "sha256": None,
+        "date": None,
+        "measuring_temperature_c": None,
+        "measuring_temperature_assumed": None,
+        "lands_measured": 0,
+        "lands_total": 47,
+    }
     assert record["hot_idle"] is record["road_test"] is record["mileage_km"] is None
     assert record["verdict"] == "not_measured"
     assert record["repair_plan"] == []

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.errors import Message, MessageLevel, Place, RoadTestError, unknown
+from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.layout import Heading
-from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit, words
+from atleak.intake.road_test.names.matching import Match, Tier, match_name, name_kind, split_unit
 from atleak.intake.road_test.names.unit_choice import Fit, fit, given
 from atleak.road_test import QUANTITIES, ChannelKind
 

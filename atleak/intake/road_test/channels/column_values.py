@@ -6,13 +6,14 @@ import numpy as np
 import pandas as pd
 
 from atleak.errors import Place, RoadTestError
+from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, plain_name
 from atleak.intake.road_test.channels.protocol import LogTable
 from atleak.intake.road_test.files.cells import MISSING, Decimal, is_clock, is_destroyed
 from atleak.intake.road_test.files.delimited import numbers, words_of
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names import words_as_numbers
-from atleak.intake.road_test.names.matching import match_name, split_unit, words
+from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.road_test import QUANTITIES
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import Assigner, Candidate, find_candidates, map_columns
 from atleak.intake.road_test.channels.protocol import LogTable, TableResult
 from atleak.intake.road_test.channels.timing import clock_of, no_time, runs
@@ -17,7 +18,7 @@ from atleak.intake.road_test.files.cells import kind_of
 from atleak.intake.road_test.files.delimited import numbers
 from atleak.intake.road_test.files.layout import Heading
 from atleak.intake.road_test.names import words_as_numbers
-from atleak.intake.road_test.names.matching import match_name, split_unit, words
+from atleak.intake.road_test.names.matching import match_name, split_unit
 from atleak.road_test import QUANTITIES, Segment
 
 _NAME_HEADERS = {

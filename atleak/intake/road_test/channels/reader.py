@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.errors import Place, RoadTestError
+from atleak.intake.plain_words import words
 from atleak.intake.road_test.channels.assign import (
     Assigner,
     Candidate,
@@ -22,7 +23,7 @@ from atleak.intake.road_test.clock.clocks import Clock, Motion
 from atleak.intake.road_test.clock.timeline import build as build_timeline
 from atleak.intake.road_test.files.cells import is_clock
 from atleak.intake.road_test.files.layout import Heading, named_by_a_date
-from atleak.intake.road_test.names.matching import clean_unit, words
+from atleak.intake.road_test.names.matching import clean_unit
 from atleak.intake.units import kinds_of
 from atleak.road_test import QUANTITIES
 

@@ -39,7 +39,10 @@ def clock_of(
     if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
         unit = stated.name
     if column.dtype.kind == "M" or _typed(column):
-        return Clock(clocks.from_datetimes(column.tolist()), "clock", False, "date and time")
+        cells = column.tolist()
+        # a cell of a time alone is a datetime in the year 1899 or 1900
+        first = next((cell.date() for cell in cells if isinstance(cell, dt.datetime) and cell.year > 1900), None)
+        return Clock(clocks.from_datetimes(cells), "clock", False, "date and time", date=first)
     if column.dtype.kind not in "fiub":
         texts = column.dropna().astype("str")
         probe = texts.iloc[:200].tolist() + texts.iloc[-50:].tolist()

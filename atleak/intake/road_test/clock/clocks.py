@@ -5,15 +5,16 @@ from __future__ import annotations
 import datetime as dt
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.clock.dates import day_number, half_day, likely_order
-from atleak.intake.units import find_unit
+from atleak.intake.dates import day_number, half_day, likely_order, sure_date
+from atleak.intake.units import Unit, find_unit
 
 DAY = 86400.0
+_FIRST_EXCEL_DAY = dt.date(1899, 12, 30)
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class Clock:
     form: str = "number"
     notes: tuple[str, ...] = ()
     absolute: bool = False
+    date: dt.date | None = None  # of the first stamp, where it cannot be mistaken
 
 
 @dataclass(frozen=True)
@@ -63,23 +65,26 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
     if known is None and epoch:
         known = find_unit(epoch, "time")
         assert known is not None
-        return Clock(_from(values, known.factor), known.name, False, f"epoch {known.name}", (), True)
+        return _epoch_clock(values, known)
     if known is None and _excel_days(finite):
-        return Clock(np.round((values - first) * DAY, 6), "d", False, "Excel days", (), True)
+        day = _FIRST_EXCEL_DAY + dt.timedelta(int(first))
+        return Clock(np.round((values - first) * DAY, 6), "d", False, "Excel days", (), True, day)
     if known is not None:
         if epoch:
-            return Clock(_from(values, known.factor), known.name, False, f"epoch {known.name}", (), True)
+            return _epoch_clock(values, known)
         return Clock(values if known.factor == 1.0 else values * known.factor, known.name)
     name, sure = _guess(finite, values, motions)
     factor = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[name]
     return Clock(values if factor == 1.0 else values * factor, name, not sure)
 
 
-def _from(values: np.ndarray, factor: float) -> np.ndarray:
+def _epoch_clock(values: np.ndarray, unit: Unit) -> Clock:
     finite = values[np.isfinite(values) & (values > 0)]
     start = float(finite[0]) if len(finite) else 0.0
-    seconds = np.round((values - start) * factor, 6)  # an epoch in double precision is good for a microsecond
-    return np.where(values > 0, seconds, np.nan)  # an epoch of zero: the clock was not set yet
+    seconds = np.round((values - start) * unit.factor, 6)  # an epoch in double precision is good for a microsecond
+    seconds = np.where(values > 0, seconds, np.nan)  # an epoch of zero: the clock was not set yet
+    day = dt.date(1970, 1, 1) + dt.timedelta(seconds=start * unit.factor) if start else None
+    return Clock(seconds, unit.name, False, f"epoch {unit.name}", (), True, day)
 
 
 def _epoch(value: float) -> str | None:
@@ -162,9 +167,11 @@ def text_clock(column: pd.Series) -> Clock | None:
     halves = [half_day(text) for text in read.texts]
     used = {int(index) for index in np.unique(read.dates[good])}
     dated = bool(used) and all(days[index] is not None for index in used)
-    if parts == 3:
-        return _three_parts(read, good, days if dated else None, halves)
-    return _two_parts(read, good, days if dated else None, halves)
+    as_parts = _three_parts if parts == 3 else _two_parts
+    clock = as_parts(read, good, days if dated else None, halves)
+    if clock is None or not dated:
+        return clock
+    return replace(clock, date=sure_date([read.texts[index] for index in sorted(used)]))
 
 
 def _three_parts(

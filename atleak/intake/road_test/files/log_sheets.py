@@ -13,10 +13,11 @@ import pandas as pd
 from atleak.errors import RoadTestError
 from atleak.intake.native.process import WORKBOOK, read_apart
 from atleak.intake.native.workbooks import log_rows, stray_cells
+from atleak.intake.plain_words import words
 from atleak.intake.road_test.files.cells import MISSING, Decimal
 from atleak.intake.road_test.files.layout import Heading, Layout, Row, find_table
 from atleak.intake.road_test.files.log_file import LogFile
-from atleak.intake.road_test.names.matching import match_name, split_unit, words
+from atleak.intake.road_test.names.matching import match_name, split_unit
 
 _SAMPLE_ROWS = 2000
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from atleak.errors import OutputError, Place
-from atleak.intake.road_test.names.matching import words
+from atleak.intake.plain_words import words
 from atleak.system.files import PRIVATE, replace_file
 
 _PATIENCE = 30  # [s] to wait for other writers

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from atleak.intake.road_test.names.matching import words
+from atleak.intake.plain_words import words
 
 _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 _GEARS: dict[str, float] = {

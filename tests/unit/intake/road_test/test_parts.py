@@ -11,9 +11,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from atleak.intake.dates import day_number, likely_order, month
+from atleak.intake.road_test import read_road_test
 from atleak.intake.road_test.channels import suspects
 from atleak.intake.road_test.clock.clocks import Motion, numeric_clock, text_clock
-from atleak.intake.road_test.clock.dates import day_number, likely_order, month
 from atleak.intake.road_test.clock.timeline import build, gap_limit
 from atleak.intake.road_test.files.decoding import to_text
 from atleak.intake.road_test.files.layout import find_dialect
@@ -183,6 +184,36 @@ def test_dates() -> None:
         None,
         None,
     ]
+
+
+@pytest.mark.parametrize(
+    ("stamps", "date"),
+    [
+        (["2026-03-14 07:08:00", "2026-03-14 07:08:01"], "2026-03-14"),
+        (["14/03/2026 07:08:00", "14/03/2026 07:08:01"], "2026-03-14"),
+        (["04.03.2026 23:59:59", "05.03.2026 00:00:00"], "2026-03-04"),
+        (["27-Sep-2014 07:08:00", "27-Sep-2014 07:08:01"], "2014-09-27"),
+        (["03/04/2026 07:08:00", "03/04/2026 07:08:01"], None),  # March or April
+        (["07:08:00", "07:08:01"], None),
+    ],
+)
+def test_the_date_of_a_log_is_taken_where_it_cannot_be_mistaken(stamps: list[str], date: str | None) -> None:
+    clock = text_clock(pd.Series(stamps))
+    assert (clock.date and clock.date.isoformat()) == date
+
+
+def test_the_date_of_a_log_by_numbers() -> None:
+    day = 1_773_446_400.0  # 2026-03-14, 00:00 UTC
+    epochs = {"s": day, "ms": day * 1e3, "µs": day * 1e6}
+    for factor, first in epochs.items():
+        step = {"s": 1.0, "ms": 1e3, "µs": 1e6}[factor]
+        clock = numeric_clock(first + step * np.arange(1.0, 40.0), None)
+        assert (clock.unit, clock.date.isoformat()) == (factor, "2026-03-14")
+    assert numeric_clock(46095.0 + np.arange(40) / 86400.0, None).date.isoformat() == "2026-03-14"
+    assert numeric_clock(np.arange(40) / 10.0, None).date is None
+    text = "".join(f"2026-03-14 07:08:{second:02d},{800 + second},{500 + second}\n" for second in range(40))
+    assert read_road_test(f"Time,RPM,Line Pressure (kPa)\n{text}".encode()).date.isoformat() == "2026-03-14"
+    assert read_road_test(f"Time,RPM,Line Pressure (kPa)\n{text.replace('2026-03-14 ', '')}".encode()).date is None
 
 
 # --- segments -----------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Reads the date beside a time of day, in the languages that loggers write."""
+"""Reads dates, alone or beside a time of day, in the languages that people and loggers write."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Literal
 
-from atleak.intake.road_test.names.matching import words
+from atleak.intake.plain_words import words
 
 Order = Literal["dmy", "mdy"]
 
@@ -89,6 +89,27 @@ def day_number(text: str, order: Order = "dmy") -> int | None:
         return _day(text, order)
     except ValueError:
         return None
+
+
+def sure_date(texts: Sequence[str]) -> dt.date | None:
+    """Return the earliest of some dates written alike.
+
+    None where one of them is none or lacks its year, or where day and month may be swapped.
+
+    >>> sure_date(["2026-03-04"]), sure_date(["4.3.2026"]), sure_date(["03/04/2026"])
+    (datetime.date(2026, 3, 4), datetime.date(2026, 3, 4), None)
+    >>> sure_date(["03/04/2026", "03/14/2026"])
+    datetime.date(2026, 3, 4)
+    """
+    if any(len(_numbers(text)) < 2 and not re.search(r"\d{8}", text) for text in texts):
+        return None  # "27 Sep"
+    dotted = any(re.search(r"(?<!\d)\d{1,2}\.\d{1,2}\.\d{2}", text) for text in texts)  # the day stands first
+    orders: tuple[Order, ...] = ("dmy",) if dotted else ("dmy", "mdy")
+    read = [[day_number(text, order) for text in texts] for order in orders]
+    first = {
+        min(days) for each in read if (days := [day for day in each if day is not None]) and len(days) == len(each)
+    }
+    return dt.date.fromordinal(first.pop()) if len(first) == 1 else None
 
 
 def _day(text: str, order: Order) -> int | None:

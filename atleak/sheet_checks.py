@@ -1,0 +1,232 @@
+"""Judge a measuring sheet as a whole: what no single land can show.
+
+All pairs moved alike, pairs tighter than new ones can be, spools and sleeves measured unequally often, a temperature
+that job and sheet state differently, a sheet older than the road test. Nothing is corrected: each finding is a message.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from atleak.catalogue.instruments import Part
+from atleak.errors import Message, Place
+from atleak.readings import LandClearance, MeasuringTemperature, Readings
+from atleak.road_test import RoadTest
+from atleak.uncertainty.sources import LandSources
+from atleak.workshop_units import UM
+
+# All choices of this project; benchmarks/common_shift.py says how often they are right.
+FEWEST_PAIRS = 5  # that show a common shift; all of them must agree with it, within twice their own uncertainty
+OTHERS = 0.2  # of the pairs beyond those may be worn besides
+FAR = 3.0  # standard uncertainties from zero: of the instruments' common error, and of the estimate itself
+RESOLVED = 2.5  # times its own uncertainty by which a pair must have opened, so that wear would show by its spread
+DAYS_OLDER = 30  # than the road test, from where on a sheet may be of another state
+_KEPT = 2.5  # standard uncertainties within which a pair counts for the estimate
+_ROUNDS = 20
+_NAMED = 12  # pairs that a message lists
+
+
+@dataclass(frozen=True)
+class CommonShift:
+    """A shift of all measured pairs against their mounting clearances, as the pairs themselves estimate it."""
+
+    shift: float  # [m] in the radial clearance
+    standard_uncertainty: float  # [m] of the estimate
+    common_error: float  # [m] standard uncertainty that the instruments leave to all pairs together
+    pairs: int
+    agreeing: int  # within twice their own uncertainty
+
+
+def sheet_messages(
+    readings: Readings,
+    measured_at: MeasuringTemperature,
+    lands: Sequence[LandSources],
+    road_test: RoadTest | None,
+) -> tuple[Message, ...]:
+    """Return what is to be said of a sheet as a whole.
+
+    Parameters
+    ----------
+    readings
+        the sheet.
+    measured_at
+        the measuring temperature that was used.
+    lands
+        the sources of the uncertainty of every land.
+    road_test
+        the log that is diagnosed with the sheet, if any.
+    """
+    place = Place(readings.file, readings.sheet)
+    return (
+        *_other_temperature(readings, measured_at, place),
+        *_older(readings, road_test, place),
+        *_shifted(lands, place),
+        *_suspect(lands, readings, place),
+        *_unequal_repeats([land.state for land in lands], place),
+    )
+
+
+# --- all pairs moved alike
+
+
+def common_shift(lands: Sequence[LandSources]) -> CommonShift | None:
+    """Return the shift by which all measured pairs moved alike; None where they did not.
+
+    Wear differs from pair to pair and only opens them; a setting ring or a temperature moves all by the same amount. A
+    shift is reported where most pairs agree with it within their own uncertainty, and it is far larger than both what
+    is uncertain of it and what the instruments' certificates leave to all pairs in common. A shift that opens the
+    pairs is none where a pair's own uncertainty could hide the spread of wear, or where the pairs have rather grown by
+    one and the same fraction. Lands of whose mounting clearance only a range is known say nothing.
+
+    Parameters
+    ----------
+    lands
+        the sources of the uncertainty of every land.
+    """
+    pairs = [land for land in lands if land.state.status == "measured" and _is_one_number(land)]
+    if len(pairs) < FEWEST_PAIRS:
+        return None
+    opened = [land.state.radial_clearance - land.state.land.new_clearance for land in pairs]
+    own = [math.hypot(math.sqrt(land.own_variance), land.u_mounting) for land in pairs]
+    if min(own) <= 0.0:
+        return None
+    shift, u_shift = _agreed(opened, own)
+    agreeing = sum(abs(each - shift) <= 2.0 * u for each, u in zip(opened, own, strict=True))
+    found = CommonShift(shift, u_shift, _common_error(pairs), len(pairs), agreeing)
+    others = len(pairs) - agreeing
+    if others > OTHERS * (len(pairs) - FEWEST_PAIRS) or abs(shift) <= FAR * math.hypot(found.common_error, u_shift):
+        return None
+    new = [land.state.land.new_clearance for land in pairs]
+    if shift > 0.0 and (shift < RESOLVED * median(own) or _is_growth(opened, own, new, shift)):
+        return None
+    return found
+
+
+def _is_one_number(land: LandSources) -> bool:
+    low, high = land.state.land.mounting_range
+    return low == high
+
+
+def _agreed(values: Sequence[float], own: Sequence[float]) -> tuple[float, float]:
+    """Return the weighted mean of the values that agree with each other, and its standard uncertainty."""
+    centre = median(values)
+    weight = 0.0
+    for _ in range(_ROUNDS):
+        kept = [(each, 1.0 / u**2) for each, u in zip(values, own, strict=True) if abs(each - centre) <= _KEPT * u]
+        if not kept:
+            return centre, max(own)
+        before, weight = centre, math.fsum(w for _, w in kept)
+        centre = math.fsum(each * w for each, w in kept) / weight
+        if centre == before:
+            break
+    return centre, weight**-0.5
+
+
+def _common_error(pairs: Sequence[LandSources]) -> float:
+    """Return the standard uncertainty [m] of the mean clearance that comes from errors which all pairs share."""
+    groups = {name for land in pairs for name in land.groups}
+    means = (math.fsum(land.groups.get(name, 0.0) for land in pairs) / len(pairs) for name in groups)
+    return math.sqrt(math.fsum(mean * mean for mean in means))
+
+
+def _is_growth(opened: Sequence[float], own: Sequence[float], new: Sequence[float], shift: float) -> bool:
+    """Return whether one fraction of their mounting clearances fits the pairs better than one amount does."""
+    growth, _ = _agreed([each / c for each, c in zip(opened, new, strict=True)], [
+        u / c for u, c in zip(own, new, strict=True)
+    ])  # fmt: skip
+
+    def misfit(expected: Sequence[float]) -> float:
+        squares = (((each - e) / u) ** 2 for each, e, u in zip(opened, expected, own, strict=True))
+        return math.fsum(min(square, _KEPT**2) for square in squares)
+
+    return misfit([growth * c for c in new]) < misfit([shift] * len(new))
+
+
+def _shifted(lands: Sequence[LandSources], place: Place) -> Iterator[Message]:
+    found = common_shift(lands)
+    if found is None:
+        return
+    way = "wider" if found.shift > 0.0 else "tighter"
+    text = (
+        f"All pairs moved alike: {found.agreeing} of {found.pairs} measure {abs(found.shift) * UM:.1f} ± "
+        f"{2.0 * found.standard_uncertainty * UM:.1f} µm {way} than their mounting clearance. Wear differs from pair "
+        "to pair; a setting ring, a zero or a temperature moves all by the same amount (the instruments' certificates "
+        f"allow {2.0 * found.common_error * UM:.1f} µm). Nothing was corrected: check the gauges and the mounting "
+        "clearances"
+    )
+    yield Message("warning", "pairs_moved_alike", text, place)
+
+
+# --- single pairs that cannot be so
+
+
+def _suspect(lands: Sequence[LandSources], readings: Readings, place: Place) -> Iterator[Message]:
+    suspects = [land for land in lands if land.suspect]
+    if not suspects:
+        return
+    named = [
+        f"{land.key[0]}/{land.key[1]} {land.state.radial_clearance * UM:.1f} µm "
+        f"(new {land.state.land.mounting_range[0] * UM:.1f})"
+        for land in suspects[:_NAMED]
+    ]
+    more = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in suspects[_NAMED:])
+    text = (
+        f"Tighter than a new pair, by more than three standard uncertainties: {', '.join(named)}"
+        f"{f'; and {more}' if more else ''}. Wear cannot do that, so these pairs are not passed: check the readings, "
+        "the gauges and the mounting clearance"
+    )
+    first, planes = suspects[0].key[0], suspects[0].state.land.planes
+    places = (each.place for each in readings.readings if each.component == first and each.plane in planes)
+    yield Message("warning", "tighter_than_new", text, next(places, place))
+
+
+def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[Message]:
+    measured = [state for state in states if state.status == "measured"]
+    unequal = [state for state in measured if state.spool_repeats != state.sleeve_repeats]
+    if 2 * len(unequal) <= len(measured):
+        return
+    counts = {(state.spool_repeats, state.sleeve_repeats) for state in unequal}
+    if len(counts) == 1:
+        ((spools, sleeves),) = counts
+        said = f"spools were measured {_times(spools)} in each place, sleeves {_times(sleeves)}"
+        fewer: Part | None = "spool" if spools < sleeves else "sleeve"
+    else:
+        each = ", ".join(f"{spools} and {sleeves}" for spools, sleeves in sorted(counts))
+        said, fewer = f"spools and sleeves were measured unequally often ({each} times)", None
+    which = f"the {fewer}" if fewer else "the part measured less often"
+    text = (
+        f"In {len(unequal)} of {len(measured)} pairs {said}, counting independent repeats: {which} limits what the "
+        "other's repeats can tell"
+    )
+    yield Message("info", "unequal_repeats", text, place)
+
+
+def _times(count: int) -> str:
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+# --- what the head of the sheet states
+
+
+def _other_temperature(readings: Readings, measured_at: MeasuringTemperature, place: Place) -> Iterator[Message]:
+    if readings.temperature is not None and readings.temperature != measured_at.value:
+        text = (
+            f"The head of the sheet states a measuring temperature of {readings.temperature:g} °C, the job "
+            f"{measured_at.value:g} °C: the job's is taken"
+        )
+        yield Message("warning", "measuring_temperature_differs", text, place)
+
+
+def _older(readings: Readings, road_test: RoadTest | None, place: Place) -> Iterator[Message]:
+    if road_test is None or road_test.date is None or readings.date is None:
+        return
+    days = (road_test.date - readings.date).days
+    if days > DAYS_OLDER:
+        text = (
+            f"The sheet is dated {readings.date}, the road test {road_test.file} {road_test.date}: {days} days later. "
+            "The clearances may be those of an earlier state"
+        )
+        yield Message("warning", "sheet_older_than_road_test", text, place)
