@@ -34,9 +34,16 @@ class Unit:
     readings: Readings
     limits: Limits
     fluid: Any
+    measured_at: float | None = None  # [°C]
 
     def diagnose(self) -> Diagnosis:
-        return diagnose(self.controller, self.fluid, self.limits, readings=self.readings)
+        return diagnose(
+            self.controller,
+            self.fluid,
+            self.limits,
+            readings=self.readings,
+            measuring_temperature=self.measured_at,
+        )
 
 
 def by_range(unit: Controller) -> Controller:
@@ -66,7 +73,7 @@ def units(readings_of, sample_readings, hipol, limits) -> dict[str, Unit]:
     return {
         "four_speed_2023": Unit(study, read_readings(sample_readings, study), limits, hipol),
         "minimal_example": Unit(minimal, sheet(minimal, (1.0, 1.35, 1.9, 1.1)), limits, hipol),
-        "known_by_range": Unit(ranged, sheet(ranged, (1.0, 1.2, 1.5, 1.1, 1.3)), limits, hipol),
+        "known_by_range": Unit(ranged, sheet(ranged, (1.0, 1.2, 1.5, 1.1, 1.3)), limits, hipol, measured_at=26.5),
     }
 
 
