@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from atleak.catalogue.controller import Controller, NewOrigin, load_controller
-from atleak.catalogue.limits import Limits, Steps
+from atleak.catalogue.limits import Limits, Steps, load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import WORKSHOP
 from atleak.intake.readings import read_readings
@@ -322,3 +322,25 @@ def test_every_limit_that_is_issued_follows_its_cell(units):
     stated = [cell for cell in values if cell.value is not None]
     assert len(stated) > 100
     assert [cell.coordinate for cell in stated if "Limits!" not in str(cell.value)] == []
+
+
+def test_a_limit_of_the_clearance_follows_its_cell_and_a_land_s_own_is_a_number_to_change(units, calculator):
+    unit = units["minimal_example"]
+    first, *others = unit.controller.lands
+    lands = (replace(first, clearance_limit=30 * UM), *others)
+    limits = load_limits("new_part_clearance")
+    unit = replace(unit, controller=replace(unit.controller, lands=lands), limits=limits)
+    sheets = calculator(write_workbook(unit.diagnose()))
+    assert sheets.wrong() == []
+    rules = sheets.book["Rules"]
+    heads = {cell.value: cell.column - 1 for cell in rules[1]}
+    of_clearance = [row for row in rules.iter_rows(min_row=2) if row[heads["rule"]].value == "radial clearance"]
+    own, another, *_ = of_clearance
+    assert own[heads["replace from"]].value == pytest.approx(30.0, abs=1e-12)
+    assert own[heads["watch from"]].value is None
+    verdict = another[heads["verdict"]].coordinate
+    before = sheets.value("Rules", verdict)
+    assert before == signed(Verdict.WATCH)
+    set_limit(sheets.book, "radial clearance", "watch", 500.0)
+    sheets.known.clear()
+    assert sheets.value("Rules", verdict) == signed(Verdict.OK)
