@@ -34,7 +34,7 @@ POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 EVENTS = 60  # most events of a log that are marked
 LABELLED = 20  # with more events the figure is too narrow for their names
 MARKED = 800  # most suspect samples and breaks of a log that are marked
-_NAMED = 0.06  # part of the axis from which on a band has room for its name beside its sign
+_NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _SYMBOLS = {
     "max_leakage_sustained": "diamond",

@@ -44,7 +44,7 @@ class World:
     directions: tuple[float, ...] = (0.0, 90.0)
     ovality: float = 4e-6  # [m] root mean square of the sleeves' difference of diameters
     room_temperature: float = 0.5  # [K] half width of its range
-    one_sided: float = 0.0  # fraction of every land's wear that is on one side
+    one_sided: float | None = 0.0  # fraction of every land's wear that is on one side; None: each land its own
     spools_anywhere: bool = False  # e/c of each component's spool anywhere from 0 to 1, and assessed as unknown
 
 
@@ -62,6 +62,8 @@ WRONG = (
     World("one direction, all wear to one side", directions=(0.0,), one_sided=1.0),
     World("one direction, ovality three times as assumed", directions=(0.0,), ovality=12e-6),
     World("room within 5 K instead of 0.5 K", room_temperature=5.0),
+    World("each land worn to one side by a part of its own", one_sided=None),
+    World("ovality three times as assumed", ovality=12e-6),
 )
 AS_ASSUMED = (AS_DECLARED, *ONE_SIDED, ANYWHERE)  # how much is worn to one side is nothing that is known
 WORLDS = (*AS_ASSUMED, *WRONG)
@@ -166,7 +168,7 @@ def _pairs(rng: np.random.Generator, world: World, controller: Controller) -> tu
                 spool=land.nominal_diameter + rng.normal(0.0, 2e-6),
                 mounting=mounting,
                 wear=mounting * rng.exponential(WEAR),
-                one_sided=world.one_sided,
+                one_sided=rng.uniform() if world.one_sided is None else world.one_sided,
                 side=rng.uniform(0.0, 2.0 * math.pi),
                 length=land.contact_length + rng.normal(0.0, u.contact_length),
                 forms=random_forms(rng, world.ovality),

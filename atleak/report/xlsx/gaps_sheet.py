@@ -11,7 +11,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
 from atleak.report.xlsx.book import Book, span
 from atleak.report.xlsx.gap_columns import DRAWN, GAP_COLUMN_OF, GAP_COLUMNS, GapRow
-from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, cells_of_row, write_cell
+from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, cells_of_row, component_width, write_cell
 from atleak.rules import LandKey
 from atleak.views.positions import spools_taken
 
@@ -60,6 +60,7 @@ class GapCells:
             content = GapRow(leak, new, at, law, partial(of_land, land), cells_of_row(row, GAP_COLUMN_OF))
             for number, column in enumerate(GAP_COLUMNS):
                 write_cell(book, sheet, row, number, column.cell(content))
-        sheet.set_column(0, len(GAP_COLUMNS) - 1, 13)
+        sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))
+        sheet.set_column(1, len(GAP_COLUMNS) - 1, 13)
         sheet.set_column(GAP_COLUMN_OF["drawn"], GAP_COLUMN_OF["drawn"], 20)
         sheet.autofilter(0, 0, max(len(gaps), 1), len(GAP_COLUMNS) - 1)

@@ -20,6 +20,7 @@ from atleak.report.xlsx.live_cells import (
     Cell,
     ColumnKey,
     SheetCondition,
+    component_width,
     fine_of,
     share_of,
     verdict_of_rank,
@@ -83,7 +84,8 @@ def _names(sheet: LandSheet) -> Iterable[LandColumn]:
         formula = None if ranks is None else verdict_of_rank(f"MAX({ranks})", fine_of(land))
         return Cell("plain", signed(land.verdict), formula, {"bold": True})
 
-    yield LandColumn("component", "component", 12, lambda row: Cell("plain", row.land.key[0], look={"bold": True}))
+    width = component_width(sheet.components)
+    yield LandColumn("component", "component", width, lambda row: Cell("plain", row.land.key[0], look={"bold": True}))
     yield LandColumn("name", "name", 26, lambda row: Cell("plain", sheet.components[row.land.key[0]]))
     yield LandColumn("land", "land", 7, lambda row: Cell("plain", row.land.key[1], look={"align": "center"}))
     yield LandColumn("verdict", "verdict", 15, verdict)
@@ -220,11 +222,11 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
 
     def decision(row: LandRow) -> Cell:
         name = row.record["decision"]
-        return Cell("plain", None if name is None else wording("en").get("decisions", name))
+        return Cell("plain", None if name is None else wording("en").get("decisions", name), look=AFTER_A_NUMBER)
 
     def because(row: LandRow) -> Cell:
         rule = row.land.deciding
-        return Cell("plain", rule.label if rule and row.land.verdict != Verdict.OK else None, look={"text_wrap": True})
+        return Cell("plain", rule.label if rule and row.land.verdict != Verdict.OK else None, look=AFTER_A_NUMBER)
 
     def mileage(row: LandRow) -> Cell:
         return Cell("plain", replace_at(row.land, wording("en")))
@@ -242,5 +244,5 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         yield LandColumn("probability", "probability over the limit as issued [%]", 14, over)
     if any(land.replace_mileage is not None for land in sheet.lands):
         yield LandColumn("mileage", "replace at (95 % interval), wear ∝ mileage, as issued", 30, mileage)
-    yield LandColumn("because", "rule that gave the verdict, as issued", 34, because)
+    yield LandColumn("because", "rule that gave the verdict, as issued", 46, because)
     yield LandColumn("representative", "representative values", 40, representative)

@@ -17,7 +17,15 @@ from atleak.report.xlsx.conditions_sheet import ConditionsSheet
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.land_columns import LandRow, LandSheet, land_columns
 from atleak.report.xlsx.limit_cells import LimitCells
-from atleak.report.xlsx.live_cells import Cell, ColumnKey, SheetCondition, cells_of_row, sheet_conditions, write_cell
+from atleak.report.xlsx.live_cells import (
+    Cell,
+    ColumnKey,
+    SheetCondition,
+    cells_of_row,
+    component_width,
+    sheet_conditions,
+    write_cell,
+)
 from atleak.report.xlsx.readings_sheets import DirectionCells, ReadingCells, write_directions, write_readings
 from atleak.report.xlsx.rules_sheet import RuleCells
 from atleak.rules import LandKey
@@ -67,7 +75,7 @@ class LiveSheets:
     def write_lands(self, sheet: Worksheet) -> None:
         """Write one row per land: D, d → c_r → c_re → q → share → verdict."""
         book, last = self.book, len(self.lands)
-        book.headings(sheet, 0, [column.heading for column in self.columns], lines=5)
+        book.headings(sheet, 0, [column.heading for column in self.columns], lines=6)
         sheet.repeat_columns(0, 3)
         sheet.fit_to_pages(2, 0)
         for land in self.lands:
@@ -103,7 +111,9 @@ class LiveSheets:
     def write_readings(self, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land; the lands' diameters are means of these cells."""
         write_readings(self.book, sheet, self.readings)
+        sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))
 
     def write_directions(self, sheet: Worksheet) -> None:
         """Write the clearance in every direction, from the readings; the lands' form follows from it."""
         write_directions(self.book, sheet, self.directions, self.readings, self.of_land)
+        sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))

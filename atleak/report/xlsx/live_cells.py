@@ -87,6 +87,11 @@ def _free_name(wanted: str, made: Iterable[SheetCondition]) -> str:
     return name
 
 
+def component_width(components: Mapping[str, str]) -> int:
+    """Return the width of a column with the components' numbers or names."""
+    return max(12, *(len(each) + 3 for each in components))
+
+
 # --- formulas
 
 

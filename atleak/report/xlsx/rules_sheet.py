@@ -17,6 +17,7 @@ from atleak.report.xlsx.live_cells import (
     RANKED,
     ColumnKey,
     SheetCondition,
+    component_width,
     fine_of,
     verdict_of_rank,
 )
@@ -92,7 +93,21 @@ class RuleCells:
         for land in self.diagnosis.lands:
             for row, rule in enumerate(land.rules, start=self._of_land.get(land.key, (0, 0))[0]):
                 self._write(book, sheet, row, self._line(land, rule, of_land))
-        for column, width in enumerate((12, 7, 48, 7, 12, 12, *(12 for _ in FLAGGED), 14, 7, 24, 60)):
+        for column, width in enumerate(
+            (
+                component_width(self.diagnosis.controller.components),
+                7,
+                48,
+                7,
+                12,
+                12,
+                *(12 for _ in FLAGGED),
+                14,
+                7,
+                24,
+                60,
+            )
+        ):
             sheet.set_column(column, column, width)
         sheet.autofilter(0, 0, self.last, len(names) - 1)
         sheet.print_area(0, 0, self.last, len(names) - 2)  # the sources stand beside the limits

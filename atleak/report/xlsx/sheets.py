@@ -15,7 +15,7 @@ from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, COVERS, DEMAND
 from atleak.report.xlsx.live import LiveSheets
-from atleak.report.xlsx.live_cells import ColumnKey, SheetCondition, verdict_of_rank
+from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, ColumnKey, SheetCondition, component_width, verdict_of_rank
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
@@ -255,10 +255,10 @@ class Sheets:
                 formula(sheet, row, 3 + 2 * column, share, judged.share * PERCENT, book.form("share"))
                 if judged.rule is not None and judged.verdict is not None:
                     verdict = live.rules.verdict(each.land, judged.rule)
-                    formula(sheet, row, 4 + 2 * column, verdict, signed(judged.verdict))
+                    formula(sheet, row, 4 + 2 * column, verdict, signed(judged.verdict), book.form(**AFTER_A_NUMBER))
             put(sheet, row, len(names), each.elsewhere or None)
         book.colour_words(sheet, (1, 4), (len(rows), len(names) - 1), VERDICTS)
-        sheet.set_column(0, 0, 12)
+        sheet.set_column(0, 0, component_width(self.diagnosis.controller.components))
         sheet.set_column(1, 1, 28)
         sheet.set_column(2, 2, 7)
         sheet.set_column(3, len(names) - 1, 16)

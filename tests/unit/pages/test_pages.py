@@ -13,61 +13,17 @@ from streamlit.testing.v1 import AppTest
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
 from atleak.figures.diagnosis_figures import leakage_ranking
-from atleak.job.case import SourceFile
 from atleak.look import PAPER
 from atleak.report.measuring_sheet import write_template
 from atleak.views.drawing import controller_svg, on_dark, spool_svg
 
-ROOT = Path(__file__).resolve().parents[3]
+from .conftest import ROOT, choice, flagged, go, number, texts, uploader
+
 PAGES = (
     "1_Diagnosis", "2_Readings", "3_Uncertainty", "4_Road_test", "5_Report", "6_Source_study", "7_Catalogue",
 )  # fmt: skip
-TWO_PRESSURES = (
-    "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
-    + "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
-)
 WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"  # of the default limits
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
-
-
-@pytest.fixture
-def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
-    """The dashboard, run once.
-
-    The harness takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one
-    that stands elsewhere and runs ``app.py``.
-    """
-    monkeypatch.syspath_prepend(str(ROOT))
-    for name in ("XDG_CONFIG_HOME", "APPDATA"):
-        monkeypatch.setenv(name, str(tmp_path))
-    main = tmp_path / "main.py"
-    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    return AppTest.from_file(str(main), default_timeout=240).run()
-
-
-def go(app: AppTest, page: str) -> AppTest:
-    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
-
-
-def texts(app: AppTest) -> str:
-    kinds = (*app.markdown, *app.caption, *app.error, *app.warning, *app.info, *app.success, *app.title)
-    return "\n".join(widget.value for widget in kinds).replace("\\", "")
-
-
-def uploader(app: AppTest, label: str):
-    return next(widget for widget in app.sidebar.file_uploader if widget.label == label)
-
-
-def choice(app: AppTest, label: str):
-    return next(widget for widget in app.sidebar.selectbox if widget.label == label)
-
-
-def number(app: AppTest, label: str):
-    return next(widget for widget in app.sidebar.text_input if widget.label == label)
-
-
-def flagged(app: AppTest) -> list[str]:
-    return [text.strip() for text in app.dataframe[0].value["Verdict"]]
 
 
 def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> None:
@@ -310,118 +266,6 @@ def test_an_own_files_name_is_shown_and_never_a_path(app: AppTest, name: str, mo
     assert any(name.replace("\n", "  \n") in widget.value.replace("\\", "") for widget in app.error)
     assert len(written) == 2
     assert {name} & set(written) == set()
-
-
-def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
-    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
-    assert "two.csv was not taken" in texts(app)
-    go(app, "4_Road_test")
-    assert not app.exception
-    assert "Which column is it?" in texts(app)
-    next(widget for widget in app.main.selectbox if widget.label.startswith("main")).select("line pressure 2 [kPa]")
-    next(widget for widget in app.button if widget.label.startswith("Use and remember")).click().run()
-    assert not app.exception
-    assert "not taken" not in texts(app)
-    taken = app.dataframe[0].value.set_index("quantity")["column"]
-    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
-
-
-def column_box(app: AppTest, start: str):
-    return next(widget for widget in app.main.selectbox if widget.label.startswith(start))
-
-
-def use_columns(app: AppTest) -> AppTest:
-    return next(widget for widget in app.button if widget.label.startswith("Use and remember")).click().run()
-
-
-def most_leakage(app: AppTest) -> float:
-    return go(app, "4_Road_test").dataframe[-1].value.set_index("what")["largest"]["leakage"]
-
-
-def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
-    log = TWO_PRESSURES.replace("line pressure 1", "main_pressure").encode()
-    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
-    first = most_leakage(app)
-    column_box(app, "main").select("line pressure 2 [kPa]")
-    use_columns(app)
-    second = most_leakage(app)
-    assert second > 1.2 * first  # 900 kPa at most, not 699
-    uploader(app, "Road-test log").set_value(None).run()
-    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
-    assert not app.exception
-    assert most_leakage(app) == second
-    assert column_box(app, "main").value == "line pressure 2 [kPa]"
-
-
-def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppTest) -> None:
-    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
-    go(app, "4_Road_test")
-    column_box(app, "main").select("line pressure 2 [kPa]")
-    use_columns(app)
-    uploader(app, "Road-test log").set_value(None).run()
-    uploader(app, "Road-test log").upload("again.csv", TWO_PRESSURES.encode(), "text/csv").run()
-    column_box(app, "converter").select("line pressure 1 [kPa]")
-    use_columns(app)
-    assert not app.exception
-    taken = app.dataframe[0].value.set_index("quantity")["column"]
-    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
-    assert taken["converter pressure"] == "line pressure 1 [kPa]"
-
-
-def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path: Path) -> None:
-    (tmp_path / "atleak").write_text("a file where the folder should be", encoding="utf-8")
-    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
-    go(app, "4_Road_test")
-    assert "for everyone who uses it" in texts(app)
-    column_box(app, "main").select("line pressure 2 [kPa]")
-    use_columns(app)
-    assert not app.exception
-    assert "could not be remembered" in texts(app)
-    taken = app.dataframe[0].value.set_index("quantity")["column"]
-    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
-
-
-def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.syspath_prepend(str(ROOT))
-    for name in ("XDG_CONFIG_HOME", "APPDATA"):
-        monkeypatch.setenv(name, str(tmp_path))
-    from pages.shared import cases
-
-    log = SourceFile("two.csv", TWO_PRESSURES.encode())
-    cases.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
-    chosen = cases.case_with_columns(cases.PageCase(road_test=log)).log_choices
-    assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}}
-
-
-def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
-    def largest() -> float:
-        return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
-
-    go(app, "4_Road_test")
-    assert largest() == pytest.approx(2.92, rel=0.02, abs=0.0)
-    app.main.slider[0].set_value((8.0, 12.0)).run()
-    assert not app.exception
-    less = largest()
-    assert less < 2.6
-    go(app, "1_Diagnosis")
-    go(app, "4_Road_test")
-    assert app.main.slider[0].value == (8.0, 12.0)
-    assert largest() == less
-
-
-def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) -> None:
-    go(app, "4_Road_test")
-    next(widget for widget in app.main.file_uploader if widget.label == "Other road-test log").upload(
-        "after.csv", sample_log.read_bytes(), "text/csv"
-    ).run()
-    next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
-    assert not app.exception
-    go(app, "1_Diagnosis")
-    go(app, "4_Road_test")
-    assert "after.csv" in texts(app)
-    assert next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").value == "1,25"
-    next(widget for widget in app.button if widget.label == "Take it away").click().run()
-    assert "after.csv" not in texts(app)
 
 
 def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, sample_readings: Path) -> None:

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from atleak.catalogue.controller import Controller, NewOrigin, load_controller
-from atleak.catalogue.limits import Limits, Steps
+from atleak.catalogue.limits import Limits, Steps, load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import WORKSHOP
 from atleak.intake.readings import read_readings
@@ -34,9 +34,16 @@ class Unit:
     readings: Readings
     limits: Limits
     fluid: Any
+    measured_at: float | None = None  # [°C]
 
     def diagnose(self) -> Diagnosis:
-        return diagnose(self.controller, self.fluid, self.limits, readings=self.readings)
+        return diagnose(
+            self.controller,
+            self.fluid,
+            self.limits,
+            readings=self.readings,
+            measuring_temperature=self.measured_at,
+        )
 
 
 def by_range(unit: Controller) -> Controller:
@@ -54,24 +61,19 @@ def by_type(unit: Controller) -> Controller:
 @pytest.fixture(scope="module")
 def units(readings_of, sample_readings, hipol, limits) -> dict[str, Unit]:
     def sheet(controller: Controller, worn: tuple[float, ...]) -> Readings:
-        """Every land but the last, in turn worn so many times its clearance as new."""
-        return readings_of(
-            controller,
-            {
-                land.key: (
-                    land.nominal_diameter,
-                    land.nominal_diameter + 2.0 * worn[number % len(worn)] * land.new_clearance,
-                )
-                for number, land in enumerate(controller.lands[:-1])
-            },
-        )
+        """Every land but the last, in turn worn so many times its clearance as new; of two of them only one part."""
+        found = {}
+        for number, land in enumerate(controller.lands[:-1]):
+            spool, clearance = land.nominal_diameter, worn[number % len(worn)] * land.new_clearance
+            found[land.key] = (spool if number != 2 else None, spool + 2.0 * clearance if number != 3 else None)
+        return readings_of(controller, found)
 
     study, minimal = load_controller("four_speed_2023"), by_type(load_controller("minimal_example"))
     ranged = by_range(study)
     return {
         "four_speed_2023": Unit(study, read_readings(sample_readings, study), limits, hipol),
         "minimal_example": Unit(minimal, sheet(minimal, (1.0, 1.35, 1.9, 1.1)), limits, hipol),
-        "known_by_range": Unit(ranged, sheet(ranged, (1.0, 1.2, 1.5, 1.1, 1.3)), limits, hipol),
+        "known_by_range": Unit(ranged, sheet(ranged, (1.0, 1.2, 1.5, 1.1, 1.3)), limits, hipol, measured_at=26.5),
     }
 
 
@@ -320,3 +322,25 @@ def test_every_limit_that_is_issued_follows_its_cell(units):
     stated = [cell for cell in values if cell.value is not None]
     assert len(stated) > 100
     assert [cell.coordinate for cell in stated if "Limits!" not in str(cell.value)] == []
+
+
+def test_a_limit_of_the_clearance_follows_its_cell_and_a_land_s_own_is_a_number_to_change(units, calculator):
+    unit = units["minimal_example"]
+    first, *others = unit.controller.lands
+    lands = (replace(first, clearance_limit=30 * UM), *others)
+    limits = load_limits("new_part_clearance")
+    unit = replace(unit, controller=replace(unit.controller, lands=lands), limits=limits)
+    sheets = calculator(write_workbook(unit.diagnose()))
+    assert sheets.wrong() == []
+    rules = sheets.book["Rules"]
+    heads = {cell.value: cell.column - 1 for cell in rules[1]}
+    of_clearance = [row for row in rules.iter_rows(min_row=2) if row[heads["rule"]].value == "radial clearance"]
+    own, another, *_ = of_clearance
+    assert own[heads["replace from"]].value == pytest.approx(30.0, abs=1e-12)
+    assert own[heads["watch from"]].value is None
+    verdict = another[heads["verdict"]].coordinate
+    before = sheets.value("Rules", verdict)
+    assert before == signed(Verdict.WATCH)
+    set_limit(sheets.book, "radial clearance", "watch", 500.0)
+    sheets.known.clear()
+    assert sheets.value("Rules", verdict) == signed(Verdict.OK)

@@ -1,0 +1,50 @@
+"""The dashboard in Streamlit's own test harness, and how its widgets are reached there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture
+def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+    """The dashboard, run once.
+
+    The harness takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one
+    that stands elsewhere and runs ``app.py``.
+    """
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    main = tmp_path / "main.py"
+    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
+    return AppTest.from_file(str(main), default_timeout=240).run()
+
+
+def go(app: AppTest, page: str) -> AppTest:
+    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+
+
+def texts(app: AppTest) -> str:
+    kinds = (*app.markdown, *app.caption, *app.error, *app.warning, *app.info, *app.success, *app.title)
+    return "\n".join(widget.value for widget in kinds).replace("\\", "")
+
+
+def uploader(app: AppTest, label: str):
+    return next(widget for widget in app.sidebar.file_uploader if widget.label == label)
+
+
+def choice(app: AppTest, label: str):
+    return next(widget for widget in app.sidebar.selectbox if widget.label == label)
+
+
+def number(app: AppTest, label: str):
+    return next(widget for widget in app.sidebar.text_input if widget.label == label)
+
+
+def flagged(app: AppTest) -> list[str]:
+    return [text.strip() for text in app.dataframe[0].value["Verdict"]]

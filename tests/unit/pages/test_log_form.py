@@ -1,0 +1,129 @@
+"""A road-test log in the dashboard: its form, its window, and what of it is remembered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.job.case import SourceFile
+
+from .conftest import ROOT, go, texts, uploader
+
+TWO_PRESSURES = (
+    "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
+    + "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
+)
+
+
+def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    assert "two.csv was not taken" in texts(app)
+    go(app, "4_Road_test")
+    assert not app.exception
+    assert "Which column is it?" in texts(app)
+    next(widget for widget in app.main.selectbox if widget.label.startswith("main")).select("line pressure 2 [kPa]")
+    next(widget for widget in app.button if widget.label.startswith("Use and remember")).click().run()
+    assert not app.exception
+    assert "not taken" not in texts(app)
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def column_box(app: AppTest, start: str):
+    return next(widget for widget in app.main.selectbox if widget.label.startswith(start))
+
+
+def use_columns(app: AppTest) -> AppTest:
+    return next(widget for widget in app.button if widget.label.startswith("Use and remember")).click().run()
+
+
+def most_leakage(app: AppTest) -> float:
+    return go(app, "4_Road_test").dataframe[-1].value.set_index("what")["largest"]["leakage"]
+
+
+def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
+    log = TWO_PRESSURES.replace("line pressure 1", "main_pressure").encode()
+    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
+    first = most_leakage(app)
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    second = most_leakage(app)
+    assert second > 1.2 * first  # 900 kPa at most, not 699
+    uploader(app, "Road-test log").set_value(None).run()
+    uploader(app, "Road-test log").upload("two.csv", log, "text/csv").run()
+    assert not app.exception
+    assert most_leakage(app) == second
+    assert column_box(app, "main").value == "line pressure 2 [kPa]"
+
+
+def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppTest) -> None:
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    go(app, "4_Road_test")
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    uploader(app, "Road-test log").set_value(None).run()
+    uploader(app, "Road-test log").upload("again.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    column_box(app, "converter").select("line pressure 1 [kPa]")
+    use_columns(app)
+    assert not app.exception
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+    assert taken["converter pressure"] == "line pressure 1 [kPa]"
+
+
+def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path: Path) -> None:
+    (tmp_path / "atleak").write_text("a file where the folder should be", encoding="utf-8")
+    uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
+    go(app, "4_Road_test")
+    assert "for everyone who uses it" in texts(app)
+    column_box(app, "main").select("line pressure 2 [kPa]")
+    use_columns(app)
+    assert not app.exception
+    assert "could not be remembered" in texts(app)
+    taken = app.dataframe[0].value.set_index("quantity")["column"]
+    assert taken["main (line) pressure"] == "line pressure 2 [kPa]"
+
+
+def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.syspath_prepend(str(ROOT))
+    for name in ("XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    from pages.shared import cases
+
+    log = SourceFile("two.csv", TWO_PRESSURES.encode())
+    cases.remember_columns(log, {"main_pressure": "line pressure 2 [kPa]"}, {})
+    chosen = cases.case_with_columns(cases.PageCase(road_test=log)).log_choices
+    assert chosen == {"mapping": {"main_pressure": "line pressure 2 [kPa]"}, "units": {}, "constants": {}}
+
+
+def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
+    def largest() -> float:
+        return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
+
+    go(app, "4_Road_test")
+    assert largest() == pytest.approx(2.92, rel=0.02, abs=0.0)
+    app.main.slider[0].set_value((8.0, 12.0)).run()
+    assert not app.exception
+    less = largest()
+    assert less < 2.6
+    go(app, "1_Diagnosis")
+    go(app, "4_Road_test")
+    assert app.main.slider[0].value == (8.0, 12.0)
+    assert largest() == less
+
+
+def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) -> None:
+    go(app, "4_Road_test")
+    next(widget for widget in app.main.file_uploader if widget.label == "Other road-test log").upload(
+        "after.csv", sample_log.read_bytes(), "text/csv"
+    ).run()
+    next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
+    assert not app.exception
+    go(app, "1_Diagnosis")
+    go(app, "4_Road_test")
+    assert "after.csv" in texts(app)
+    assert next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").value == "1,25"
+    next(widget for widget in app.button if widget.label == "Take it away").click().run()
+    assert "after.csv" not in texts(app)
