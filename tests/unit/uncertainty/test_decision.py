@@ -138,8 +138,8 @@ def test_no_gauge_is_advised_where_it_is_open_what_the_pair_was_when_new(
     sheet = a_sheet(unit, clearance=13 * UM)
     case = judge(sheet, controller=unit, instruments=exact, limits=of_growth, assumptions=open_new)
     land = next(land for land in case.unit.lands if land.deciding and land.deciding.value > 0.0)
-    # cold, 13 µm leaks 1.25 times what 12.07 µm leak, under which new is with 38 %; warm it is a little less
-    assert land.probability_over_limit == pytest.approx(0.36, abs=0.02)
+    # cold, 13 µm leaks 1.25 times what 12.07 µm leak, under which it was when new with 38 %; warm it is a little less
+    assert land.probability_over_limit == pytest.approx(0.34, abs=0.02)
     remedy = land.remedy(land.deciding)
     assert (land.deciding.decision, remedy.repeats, remedy.instruments) == ("conditional_pass", None, ())
     assert remedy.reading_part < 0.01
