@@ -15,7 +15,7 @@ from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel, narrow_gap_messages
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import Projection, mileage_at_wear, project, project_new
+from atleak.engine.projection import Projection, mileage_at_wear, project, project_new, project_unworn
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
@@ -122,6 +122,7 @@ class Diagnosis:
     lands: tuple[LandDiagnosis, ...]  # in the controller's order
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
+    unworn_projections: tuple[Projection, ...]  # as wide as its readings may have been when new; growth is judged by it
     road: RoadLeakage | None
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
@@ -173,6 +174,10 @@ class Diagnosis:
     def total_rule(self, projection: Projection) -> Rule:
         """Return the rule of the total at the condition of one of the projections."""
         return next(rule for rule in self.total_rules if rule.condition == projection.condition)
+
+    def unworn_at(self, projection: Projection) -> Projection:
+        """Return the projection of the unit as it may have been when new at the condition of one of the projections."""
+        return next(each for each in self.unworn_projections if each.condition == projection.condition)
 
     def new_at(self, projection: Projection) -> Projection:
         """Return the projection of the same unit new at the condition of one of the projections."""
@@ -323,9 +328,10 @@ def diagnose(
     conditions += [point for point in controller.operating_points if point != condition]
     projections = [project(model, point) for point in conditions]
     when_new = project_new(states, model, projections)
+    unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
-    rules = unit_rules(states, projections, when_new, limits)
+    rules = unit_rules(states, projections, unworn, limits)
     uncertainty: UnitUncertainty | None = None
     of_sheet: tuple[Message, ...] = ()
     if readings is not None and measured_at is not None:
@@ -360,6 +366,7 @@ def diagnose(
         lands=lands,
         projections=tuple(projections),
         new_projections=when_new,
+        unworn_projections=unworn,
         road=road,
         uncertainty=uncertainty,
         total_rules=rules.totals,

@@ -30,7 +30,9 @@ class Rule:
     condition: OperatingPoint | None  # of a share; None where the rule holds everywhere
     value: float
     steps: Steps  # with the limits that apply to this land or unit at this condition
-    new: float | None = None  # the same share of the same land or unit when new; None for wear and clearance
+    new: float | None = (
+        None  # the same share of the same land or unit as it may have been when new; None for wear and clearance
+    )
 
     @cached_property
     def _judged(self) -> tuple[Level, float]:
@@ -113,7 +115,7 @@ class UnitRules:
 
 
 def unit_rules(
-    states: Sequence[LandClearance], projections: Sequence[Projection], when_new: Sequence[Projection], limits: Limits
+    states: Sequence[LandClearance], projections: Sequence[Projection], unworn: Sequence[Projection], limits: Limits
 ) -> UnitRules:
     """Make and judge every rule of a unit.
 
@@ -123,12 +125,12 @@ def unit_rules(
         the clearance of every land.
     projections
         leakage at every condition that is judged, the stated one first.
-    when_new
-        leakage of the same unit new, at the same conditions and with the same fluid.
+    unworn
+        leakage of the same unit as it may have been when new, at the same conditions and with the same fluid.
     limits
         the set that is applied.
     """
-    at = tuple(zip(projections, when_new, strict=True))
+    at = tuple(zip(projections, unworn, strict=True))
     lands = {state.land.key: _land_rules(state, at, limits) for state in states if state.measured}
     totals = tuple(_share_rule(RuleKind.TOTAL_SHARE, now, now.share, new.share, limits.total_share) for now, new in at)
     return UnitRules(lands, totals, limits)

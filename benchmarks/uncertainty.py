@@ -19,7 +19,7 @@ from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
-from atleak.engine.projection import project, project_new
+from atleak.engine.projection import project, project_unworn
 from atleak.intake.readings import read_readings
 from atleak.readings import clearances
 from atleak.rules import unit_rules
@@ -53,7 +53,7 @@ def main(chosen: argparse.Namespace) -> None:
             model,
             states,
             points,
-            unit_rules(states, points, project_new(states, model, points), limits),
+            unit_rules(states, points, project_unworn(states, model, points), limits),
             readings=readings,
             draws=number,
         )

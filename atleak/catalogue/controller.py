@@ -125,6 +125,19 @@ class Land:
         return low if low == high else float(clearance_equations.cube_mean(low, high))
 
     @property
+    def widest_new(self) -> float:
+        """Return the widest that a new pair commonly is [m]: the upper end of a range, a type's value and tolerance."""
+        return self.mounting_high + (self.mounting_tolerance or 0.0)
+
+    def unworn(self, clearance: Any) -> Any:
+        """Return the clearance that a pair with that reading may have had when new [m], arrays too.
+
+        A reading within what new pairs have is no wear, so it is taken as it is; a wider one is taken as worn from the
+        widest new pair.
+        """
+        return np.clip(clearance, self.new_clearance, self.widest_new)
+
+    @property
     def nominal_sleeve_diameter(self) -> float:
         """Return the nominal spool diameter plus twice the clearance of a new pair [m]."""
         return self.nominal_diameter + 2.0 * self.new_clearance

@@ -169,9 +169,31 @@ def project_new(
 ) -> tuple[Projection, ...]:
     """Project the same unit with every land as new pairs are, with the same fluid and to the same conditions."""
     states = tuple(states)
-    new = repaired(states, [state.land.key for state in states])
-    as_new = LeakageModel(model.controller, new, model.fluid, model.profile)
-    return tuple(project(as_new, each.condition) for each in projections)
+    return _project_others(repaired(states, [state.land.key for state in states]), model, projections)
+
+
+def project_unworn(
+    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
+) -> tuple[Projection, ...]:
+    """Project the same unit with every land as wide as it may have been when new, given its reading.
+
+    This is what growth is judged against: where only a range or a type's value is known of new pairs, a reading within
+    it is no wear. Where each pair's own clearance is known, it is the unit of `project_new`.
+    """
+    unworn = (
+        _with_clearance(state, float(state.land.unworn(state.radial_clearance)))
+        if state.measured
+        else _with_clearance(state, state.land.new_clearance)
+        for state in states
+    )
+    return _project_others((replace(state, stations=()) for state in unworn), model, projections)
+
+
+def _project_others(
+    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
+) -> tuple[Projection, ...]:
+    other = LeakageModel(model.controller, tuple(states), model.fluid, model.profile)
+    return tuple(project(other, each.condition) for each in projections)
 
 
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:

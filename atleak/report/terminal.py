@@ -25,7 +25,7 @@ from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
-from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature, tighter_than_new
+from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature, tighter_than_new, when_new
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -212,7 +212,7 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     """Return the lines of one condition: the share beside that of the same unit new, then the flows."""
     worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
     rule = diagnosis.total_rule(projection)
-    new = "" if rule.growth is None else f"; {(rule.new or 0.0) * PERCENT:.1f} % when new, {_grown(rule.growth)}"
+    new = "" if rule.growth is None else f"; {when_new(diagnosis, projection)}, {_grown(rule.growth)}"
     share = f"{projection.share * PERCENT:.1f} % of the pump's flow" + (" demanded" if projection.share > 1.0 else "")
     yield f"{number}. {projection.condition.label}: {share}, {diagnosis.band(projection)}{worst}{new}"
     flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"

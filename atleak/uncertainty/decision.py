@@ -111,7 +111,7 @@ def decide(
     -------
     {"pass", "conditional_pass", "conditional_fail", "fail"}
         y ≤ T − k u; < T; ≤ T + k u; above. A value at its limit has reached it, as for the verdict. With a
-        probability a value is surely on its side where the risk of the other is at most that of the guard band.
+        probability: at most the risk of the guard band; under a half; under one less that risk; the rest.
 
     Raises
     ------
@@ -127,17 +127,19 @@ def decide(
     >>> [decide(y, 30.0, 1.0) for y in (28.0, 29.0, 31.0, 32.0)]
     ['pass', 'conditional_pass', 'conditional_fail', 'fail']
     """
+    over = reaches(value, limit)
     if probability_over is not None:
         risk = float(normal_cdf(-guard_factor))
-        sure_below, sure_above = probability_over <= risk, probability_over >= 1.0 - risk
+        over = probability_over >= 0.5
+        sure = probability_over >= 1.0 - risk or probability_over <= risk
     elif math.isfinite(standard_uncertainty):
         guard = guard_band(standard_uncertainty, guard_factor)
-        sure_below, sure_above = value <= limit - guard, value > limit + guard
+        sure = value > limit + guard if over else value <= limit - guard
     else:
-        sure_below = sure_above = False
-    if not reaches(value, limit):
-        return "pass" if sure_below else "conditional_pass"
-    return "fail" if sure_above else "conditional_fail"
+        sure = False
+    if over:
+        return "fail" if sure else "conditional_fail"
+    return "pass" if sure else "conditional_pass"
 
 
 def _number_of(limit: float, levels: Sequence[LevelDecision]) -> int:

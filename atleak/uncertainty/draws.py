@@ -74,6 +74,12 @@ def new_bore(stream: np.random.Generator, land: LandSources, draws: int) -> Bore
     return Bore(low + land.u_mounting * stream.standard_normal(draws))
 
 
+def unworn_bore(land: LandSources, clearance: np.ndarray, new: Bore) -> Bore:
+    """Return what a measured land may have been when new, draw by draw; ``new`` where that is this pair's own."""
+    pair = land.state.land
+    return new if pair.widest_new == pair.mounting_range[0] else Bore(pair.unworn(clearance))
+
+
 def worn_bore(
     stream: np.random.Generator, land: LandSources, clearance: np.ndarray, new: np.ndarray, fraction: np.ndarray
 ) -> Bore:

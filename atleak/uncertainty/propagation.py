@@ -1,8 +1,9 @@
 """Carry uncertain clearances, fluid, pressures and pump into the spread of every flow and of the total.
 
 This is the Monte Carlo method of JCGM 101. An error that lands share is drawn once per trial and used for all of them.
-What a share has grown by is judged against the same unit new in the same trial: with the same fluid, pressures, pump
-and contact lengths, and with mounting clearances drawn from what is known of them.
+What a share has grown by is judged against the same unit unworn in the same trial: with the same fluid, pressures, pump
+and contact lengths, and with mounting clearances drawn from what is known of them. Where only a range or a type's value
+is known, a land is unworn as far as its reading may be that of a new pair.
 
 A bore wears to one side, which two-point diameters cannot see: by how much is one fraction of all wear, drawn once per
 trial for the whole unit, with a phase of its own for each land. Where nobody knows how the spools lie, e/c is drawn for
@@ -36,6 +37,7 @@ from atleak.uncertainty.draws import (
     measured_clearance,
     new_bore,
     rectangular_draws,
+    unworn_bore,
     with_one_side,
     worn_bore,
 )
@@ -268,6 +270,7 @@ def propagate(
     instant_totals = [np.zeros(draws) for _ in instants]
     totals = [np.zeros(draws) for _ in conditions]
     new_totals = [np.zeros(draws) for _ in conditions]
+    unworn_totals = [np.zeros(draws) for _ in conditions]
     probe_totals = [np.zeros(_PROBES) for _ in conditions]
     variances = [0.0 for _ in conditions]  # of each total, from errors that no land shares
     group_slopes = [dict.fromkeys(names, 0.0) for _ in conditions]
@@ -277,10 +280,11 @@ def propagate(
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
         new = new_bore(stream, land, draws)
         # what was not measured is as new: the same in every trial
-        bore = new
+        bore = unworn = new
         if land.state.measured:
             measured = measured_clearance(stream, land, common, new.clearance)
             bore = worn_bore(stream, land, measured, new.clearance, fraction)
+            unworn = unworn_bore(land, measured, new)
         nominal = land.state.land.contact_length
         length: float | np.ndarray = nominal
         if assumptions.contact_length:
@@ -295,11 +299,13 @@ def propagate(
         for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
             flow, drawn_flow = now.leakage(land, bore, length, position)
             new_flow = now.leakage(land, new, length, position)[1] if land.state.measured else drawn_flow
+            unworn_flow = new_flow if unworn is new else now.leakage(land, unworn, length, position)[1]
             totals[index] += drawn_flow
             new_totals[index] += new_flow
+            unworn_totals[index] += unworn_flow
             slopes = _probe(probe, land, assumptions, positions.relative_spread)
             by_component[index][land.key[0]] += float(slopes.counted_probe[-1])
-            shares = _ratio(drawn_flow, now.capacity), _ratio(new_flow, now.capacity)
+            shares = _ratio(drawn_flow, now.capacity), _ratio(unworn_flow, now.capacity)
             by_condition.append(
                 LandSpread(
                     leakage=slopes.leakage,
@@ -323,6 +329,7 @@ def propagate(
                 probe,
                 total,
                 new_total,
+                unworn_total,
                 probe_total,
                 variance,
                 positions.relative_spread * math.hypot(*components.values()),
@@ -330,8 +337,17 @@ def propagate(
                 total_share,
                 coverage,
             )
-            for now, probe, total, new_total, probe_total, variance, components, slopes in zip(
-                drawn, probes, totals, new_totals, probe_totals, variances, by_component, group_slopes, strict=True
+            for now, probe, total, new_total, unworn_total, probe_total, variance, components, slopes in zip(
+                drawn,
+                probes,
+                totals,
+                new_totals,
+                unworn_totals,
+                probe_totals,
+                variances,
+                by_component,
+                group_slopes,
+                strict=True,
             )
         ],
         [
@@ -365,9 +381,9 @@ def _spread(values: np.ndarray, limits: Sequence[Any], coverage: float) -> Sprea
     )
 
 
-def _share_spread(share: np.ndarray, new: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
-    """Return the spread of a share, and how likely it has reached each limit beside that of a new land or unit."""
-    return _spread(share, [limit for _, limit in steps.over(new)] if steps else (), coverage)
+def _share_spread(share: np.ndarray, unworn: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
+    """Return the spread of a share, and how likely it has reached each limit beside that of an unworn land or unit."""
+    return _spread(share, [limit for _, limit in steps.over(unworn)] if steps else (), coverage)
 
 
 def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[float, float]:
@@ -465,6 +481,7 @@ def _total(
     probe: _Drawn,
     total: np.ndarray,
     new_total: np.ndarray,
+    unworn_total: np.ndarray,
     probe_total: np.ndarray,
     own_variance: float,
     position: float,
@@ -472,7 +489,7 @@ def _total(
     steps: Steps,
     coverage: float,
 ) -> TotalSpread:
-    share_spread = _share_spread(_ratio(total, now.capacity), _ratio(new_total, now.capacity), steps, coverage)
+    share_spread = _share_spread(_ratio(total, now.capacity), _ratio(unworn_total, now.capacity), steps, coverage)
     # a band counts as reached where a worse one is
     over = (1.0, *np.maximum.accumulate(share_spread.probabilities[::-1])[::-1].tolist(), 0.0)
     probe_share = _ratio(probe_total, probe.capacity)

@@ -7,7 +7,7 @@ from atleak.catalogue.fluid import USED_THINNER
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.wording import Wording, isolated, wording
-from atleak.workshop_units import RPM
+from atleak.workshop_units import PERCENT, RPM
 
 LEFT_OUT_OF_SPEED = wording("en")("texts.left_out_of_speed")
 
@@ -50,6 +50,13 @@ def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
         return say("texts.not_foreseeable")
     value, low, high = (say.number(float(f"{each:.2g}"), 0) for each in (at.value, at.low, at.high))
     return say("texts.replace_between", value=value, low=low, high=high)
+
+
+def when_new(diagnosis: Diagnosis, projection: Projection) -> str:
+    """Say in English what the same unit draws when new, and what with pairs as wide as these may have been then."""
+    new, unworn = (each.share * PERCENT for each in (diagnosis.new_at(projection), diagnosis.unworn_at(projection)))
+    as_wide = f" ({unworn:.1f} % with new pairs as wide as these may have been)"
+    return f"{new:.1f} % when new" + ("" if f"{unworn:.1f}" == f"{new:.1f}" else as_wide)
 
 
 def covered_from(projection: Projection) -> str:

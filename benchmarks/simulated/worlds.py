@@ -14,7 +14,7 @@ from atleak.catalogue.instruments import Instrument, Instruments, load_instrumen
 from atleak.catalogue.limits import LimitOrigin, Limits, Steps, load_limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN, WORKSHOP
-from atleak.engine.projection import project, project_new
+from atleak.engine.projection import project, project_unworn
 from atleak.readings import clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import DEFAULTS, UnitUncertainty, assess
@@ -139,7 +139,7 @@ def simulate(world: World, unit: int, draws: int) -> Simulated:
     profile = replace(WORKSHOP, eccentricity=UNKNOWN) if world.spools_anywhere else WORKSHOP
     model = LeakageModel(controller, states, fluid, profile)
     projections = [project(model, point) for point in controller.operating_points]
-    when_new = project_new(states, model, projections)
+    when_new = project_unworn(states, model, projections)
     assessed = assess(
         model,
         states,

@@ -15,7 +15,7 @@ from atleak.catalogue.instruments import Instrument, Instruments
 from atleak.catalogue.limits import Limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
-from atleak.engine.projection import project, project_new
+from atleak.engine.projection import project, project_unworn
 from atleak.readings import Reading, Readings, clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import Assumptions, UnitUncertainty, assess
@@ -79,7 +79,7 @@ def assessed(two_lands: Controller, hipol: Fluid, limits: Limits) -> UnitUncerta
         model,
         states,
         projections,
-        unit_rules(states, projections, project_new(states, model, projections), limits),
+        unit_rules(states, projections, project_unworn(states, model, projections), limits),
         readings=sheet,
         instruments=TOOLS,
         assumptions=ASSUMED,

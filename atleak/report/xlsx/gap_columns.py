@@ -71,7 +71,7 @@ def _clearance(row: GapRow) -> Cell:
 
 def _new_clearance(row: GapRow) -> Cell:
     """Return the clearance of the same gap when new: no form, the same spool, the same growth with temperature."""
-    spool, cold = row.of_land("spool"), row.of_land("c_n")
+    spool, cold = row.of_land("spool"), row.of_land("c_u")
     expansions = row.of_land("beta_k"), row.of_land("beta_s")
     formula = warm_clearance(cold, spool, f"({spool}+{cold}*0.002)", expansions, row.at("T"))
     return Cell("um", row.new.effective_clearance * UM, formula)

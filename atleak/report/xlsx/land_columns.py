@@ -154,6 +154,14 @@ def _when_new(sheet: LandSheet) -> Iterable[LandColumn]:
             formula = f"(({low}+{high})*({low}^2+{high}^2)/4)^(1/3)"
         return Cell("um", land.new_clearance * UM, formula)
 
+    def unworn(row: LandRow) -> Cell:
+        state, land = row.land.state, row.land.state.land
+        if not state.measured:
+            return Cell("um", land.new_clearance * UM, row.here("c_n"))
+        widest = row.here("c_m") if land.mounting_tolerance is None else f"{row.here('c_m')}+{row.here('tolerance')}"
+        formula = f"MAX({row.here('c_n')},MIN({row.here('c_r')},{widest}))"
+        return Cell("um", float(land.unworn(state.radial_clearance)) * UM, formula)
+
     def known_from(row: LandRow) -> Cell:
         return Cell("plain", row.land.state.land.new_origin.label, look=AFTER_A_NUMBER)
 
@@ -165,6 +173,7 @@ def _when_new(sheet: LandSheet) -> Iterable[LandColumn]:
         heading = "tolerance of c_m, half width of 95 % [µm]"
         yield LandColumn("tolerance", heading, 12, tolerance)
     yield LandColumn("c_n", "clearance of a new pair, of equal flow [µm]", 12, new_clearance)
+    yield LandColumn("c_u", "clearance that it may have had when new, given its reading [µm]", 12, unworn)
     yield LandColumn("new_origin", "clearance when new is known from", 42, known_from)
 
 

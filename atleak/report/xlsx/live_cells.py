@@ -51,7 +51,7 @@ class SheetCondition:
     """One condition of the workbook: its projection, the prefix of its names and its sheet of gaps."""
 
     projection: Projection
-    new: Projection  # of the same unit new
+    new: Projection  # of the same unit as it may have been when new
     prefix: str
     sheet: str
     title: str
@@ -65,7 +65,7 @@ def sheet_conditions(diagnosis: Diagnosis) -> list[SheetCondition]:
     """Return every condition of a diagnosis with names that Excel takes, in the order in which people read them."""
     made: list[SheetCondition] = []
     for at in diagnosis.presented:
-        new = diagnosis.new_at(at)
+        new = diagnosis.unworn_at(at)
         if at is diagnosis.projection:
             made.append(SheetCondition(at, new, "stated", "Gaps", "stated condition"))
             continue

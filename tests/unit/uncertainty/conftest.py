@@ -15,7 +15,7 @@ from atleak.catalogue.instruments import Instrument, Instruments
 from atleak.catalogue.limits import Limits
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import Projection, project, project_new
+from atleak.engine.projection import Projection, project, project_unworn
 from atleak.readings import LandClearance, Reading, Readings, clearances
 from atleak.rules import unit_rules
 from atleak.uncertainty import NOTHING_ELSE, Assumptions, UnitUncertainty, assess
@@ -123,7 +123,7 @@ def judge(four_speed: Controller, hipol: Fluid, limits: Limits) -> Callable[...,
             model,
             states,
             projections,
-            unit_rules(states, projections, project_new(states, model, projections), limits),
+            unit_rules(states, projections, project_unworn(states, model, projections), limits),
             readings=sheet,
             instruments=instruments or two_instruments(),
             assumptions=assumptions,

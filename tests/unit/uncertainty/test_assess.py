@@ -15,7 +15,7 @@ from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.engine.projection import project, project_new
+from atleak.engine.projection import project, project_unworn
 from atleak.equations import uncertainty as equations
 from atleak.equations import uncertainty_referees as referees
 from atleak.errors import InputError
@@ -193,7 +193,7 @@ def test_pump_that_delivers_nothing_is_over_every_limit(four_speed: Controller, 
     model = LeakageModel(four_speed, states, hipol, WORKSHOP)
     at = [project(model, slow)]
     unit = assess(
-        model, states, at, unit_rules(states, at, project_new(states, model, at), limits), readings=sheet, draws=500
+        model, states, at, unit_rules(states, at, project_unworn(states, model, at), limits), readings=sheet, draws=500
     )
     total = unit.totals[0]
     assert math.isinf(total.share)
@@ -239,7 +239,7 @@ def test_nothing_measured_says_nothing(four_speed: Controller, hipol: Fluid, lim
         model,
         states,
         projections,
-        unit_rules(states, projections, project_new(states, model, projections), limits),
+        unit_rules(states, projections, project_unworn(states, model, projections), limits),
         draws=500,
     )
     assert all(land.u_clearance is None and land.decision is None for land in unit.lands)
@@ -301,7 +301,7 @@ def test_a_unit_of_sixty_lands_is_assessed(
         model,
         states,
         projections,
-        unit_rules(states, projections, project_new(states, model, projections), limits),
+        unit_rules(states, projections, project_unworn(states, model, projections), limits),
         readings=sheet,
         draws=20_000,
     )
