@@ -55,7 +55,7 @@ def test_every_condition_is_printed_and_the_worst_is_named(run: Run, sample_read
     said = " ".join(out.split())
     assert "1. driving in second, 80 °C: 11.7 % of the pump's flow, red, the worst condition; 7.5 % when new" in said
     assert "2. hot idle in drive, 100 °C: 24.2 % of the pump's flow, amber; 16.4 % when new, grown by 48 %" in said
-    assert "spools concentric, 24 to 60 % as they may lie" in said
+    assert "spools concentric, 24 to 58 % as they may lie" in said
     assert said.count("the worst condition") == 1
     assert re.search(r"│ 25/1 │ ▲ \d\.\d\d │ ■ \d\.\d\d │", said)
     assert "Order of repair, each land as new after those before it: 1. 25/1 main pressure valve: total share" in said
@@ -385,6 +385,7 @@ def test_where_the_spools_lie_is_one_option_whichever_way_it_is_said(
     sample_readings: Path, record_of: RecordOf
 ) -> None:
     plain = record_of(sample_readings)
+    touching = record_of(sample_readings, "--assume", "eccentricity=1")
     unknown = record_of(sample_readings, "--assume", "eccentricity=unknown")
     assert unknown == record_of(sample_readings, "--set", "eccentricity=unknown")
     assert unknown["profile"]["eccentricity"] == "unknown"
@@ -393,9 +394,10 @@ def test_where_the_spools_lie_is_one_option_whichever_way_it_is_said(
         # entry loss takes a little off the factor of wide gaps
         ratio = unknown[name]["leakage_dm3_min"] / plain[name]["leakage_dm3_min"]
         assert ratio == pytest.approx(1.5, rel=0.02, abs=0.0)
-        assert unknown[name]["concentric_factor_low"] == plain[name]["concentric_factor_low"] == 1.0
-        assert unknown[name]["concentric_factor_high"] == plain[name]["concentric_factor_high"]
-        assert 2.4 < plain[name]["concentric_factor_high"] < 2.5
+        factor = touching[name]["leakage_dm3_min"] / plain[name]["leakage_dm3_min"]
+        for record in (plain, unknown):
+            factors = record[name]["concentric_factor_low"], record[name]["concentric_factor_high"]
+            assert factors == pytest.approx((1.0, factor), rel=1e-9, abs=0.0)
     fixed = record_of(sample_readings, "--assume", "eccentricity=0,8", "--assume", "viscosity_percent=3")
     assert fixed["profile"]["eccentricity"] == 0.8
     assert fixed["uncertainty"]["assumptions"]["viscosity_percent"] == pytest.approx(3.0, rel=1e-12, abs=0.0)

@@ -121,6 +121,9 @@ def test_a_changed_diameter_changes_clearance_flow_share_and_verdict(worn, conte
     assert sheets.value("Lands", f"{column_of(sheets.book, 'Lands', 'verdict')}{row}") == signed(other.lands[0].verdict)
     total = sheets.book.defined_names["stated_share"].attr_text.split("!")
     assert sheets.value(*total) == pytest.approx(other.projection.share * 100, rel=1e-9, abs=0.0)
+    touching = sheets.book.defined_names["stated_share_touching"].attr_text.split("!")
+    share = other.projection.share_of(other.projection.touching_leakage)
+    assert sheets.value(*touching) == pytest.approx(share * 100, rel=1e-9, abs=0.0)
 
 
 def test_a_changed_reading_changes_the_mean_diameter(worn, content, calculator):
