@@ -73,7 +73,9 @@ class GapLeakage:
     effective_clearance: float  # [m], the one in the gap law: of an even gap that leaks as much
     kinematic_viscosity: float  # [m²/s]
     density: float  # [kg/m³]
-    leakage: float  # [m³/s]
+    leakage: float  # [m³/s], with the spool where the profile takes it to lie
+    concentric_leakage: float  # [m³/s], with the spool concentric
+    touching_leakage: float  # [m³/s], with the spool touching its bore
     drawn_from_pump: bool
     reynolds_number: float
 
@@ -138,17 +140,6 @@ class GapLaw:
             return gap_equations.MEAN_ECCENTRIC
         return float(gap_equations.eccentricity_factor(self.profile.eccentricity, 1.0))
 
-    @property
-    def concentric_factor(self) -> tuple[float, float]:
-        """Return between which factors the flow may lie of that with every spool concentric [-].
-
-        As long as a spool is only taken as concentric, or nobody knows where it lies, from 1 to 2.5; where the profile
-        sets an eccentricity, both are its factor. The entry loss takes something off the factors of wide gaps.
-        """
-        if self.profile.eccentricity in (UNKNOWN, 0.0):
-            return 1.0, gap_equations.FULLY_ECCENTRIC
-        return self.eccentricity_factor, self.eccentricity_factor
-
     def diameter(self, spool_diameter: Any, clearance: Any) -> Any:
         """Return the diameter [m] on which the gap's circumference is taken, from its mean effective clearance [m]."""
         return spool_diameter + clearance if self.profile.diameter == "mean" else spool_diameter
@@ -174,7 +165,7 @@ class GapLaw:
     ) -> Any:
         """Return the volume flow [m³/s]; arguments as those of `atleak.equations.gap.annular_flow`.
 
-        ``eccentricity_factor`` [-] takes the place of the profile's, for spools whose positions are drawn.
+        ``eccentricity_factor`` [-] takes the place of the profile's, for spools that lie elsewhere.
         """
         factors = (pressure_drop, diameter, clearance, kinematic_viscosity, density, contact_length)
         eccentric = self.eccentricity_factor if eccentricity_factor is None else eccentricity_factor
@@ -293,6 +284,7 @@ class LeakageModel:
         viscosity = self.fluid.kinematic_viscosity(temperature, model)
         density = self.fluid.density(temperature, model)
         pressures = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
+        positions = np.array([self.law.eccentricity_factor, 1.0, gap_equations.FULLY_ECCENTRIC])
         leakages = []
         for geometry in self.geometries:
             if condition.gear not in geometry.gap.gears:
@@ -301,7 +293,8 @@ class LeakageModel:
             mean = float(geometry.effective_clearance(temperature))
             diameter = float(self.law.diameter(geometry.spool_diameter, mean))
             clearance = float(self.law.flow_clearance(mean, *geometry.form_moments))
-            flow = self.law.flow(max(drop, 0.0), diameter, clearance, viscosity, density, geometry.contact_length)
+            factors = (max(drop, 0.0), diameter, clearance, viscosity, density, geometry.contact_length)
+            flow, concentric, touching = self.law.flow(*factors, positions).tolist()
             leakages.append(
                 GapLeakage(
                     gap=geometry.gap,
@@ -312,6 +305,8 @@ class LeakageModel:
                     kinematic_viscosity=viscosity,
                     density=density,
                     leakage=flow,
+                    concentric_leakage=concentric,
+                    touching_leakage=touching,
                     drawn_from_pump=geometry.drawn_from_pump,
                     reynolds_number=gap_equations.reynolds_number(flow, diameter, viscosity),
                 )

@@ -59,6 +59,11 @@ class Profile:
         return {name: value for name, value in asdict(self).items() if name != "name"}
 
     @property
+    def sets_position(self) -> bool:
+        """Return whether an e/c was set; a spool that is only taken as concentric, or anywhere, may lie elsewhere."""
+        return self.eccentricity not in (UNKNOWN, 0.0)
+
+    @property
     def label(self) -> str:
         """Join the name and what was set apart from it: ``workshop, diameter=spool``."""
         base = PROFILES[self.name].options

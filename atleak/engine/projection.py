@@ -22,10 +22,10 @@ class Projection:
     pressures: dict[str, float]  # [Pa] by section
     gaps: tuple[GapLeakage, ...]
     leakage: float  # [m³/s] drawn from the pump, as the profile counts it
+    concentric_leakage: float  # [m³/s] the same with every spool concentric
+    touching_leakage: float  # [m³/s] the same with every spool touching its bore
     pump_capacity: float  # [m³/s]
     minimum_speed: float  # [1/s] from which the pump covers this leakage and its own slip; consumers are not in it
-    #: between which factors the leakage may lie of that with every spool concentric, see `GapLaw.concentric_factor`
-    concentric_factor: tuple[float, float]
     messages: tuple[Message, ...]
 
     @property
@@ -65,7 +65,8 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         temperature outside the fluid's data.
     """
     gaps = model.gaps(condition)
-    leakage = sum(gap.leakage for gap in gaps if gap.drawn_from_pump)
+    drawn = [gap for gap in gaps if gap.drawn_from_pump]
+    leakage = sum(gap.leakage for gap in drawn)
     where = (condition.main_pressure, condition.temperature)
     capacity = float(model.pump_capacity(condition.engine_speed, *where))
     return Projection(
@@ -78,9 +79,10 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         },
         gaps=gaps,
         leakage=leakage,
+        concentric_leakage=sum(gap.concentric_leakage for gap in drawn),
+        touching_leakage=sum(gap.touching_leakage for gap in drawn),
         pump_capacity=capacity,
         minimum_speed=model.minimum_speed(leakage, *where),
-        concentric_factor=model.law.concentric_factor,
         messages=(
             *gap_messages(model.law, gaps, condition),
             *_relation_messages(model.controller, condition),

@@ -10,7 +10,6 @@ import math
 import plotly.graph_objects as go
 
 from atleak.catalogue.limits import RuleKind
-from atleak.equations.gap import FULLY_ECCENTRIC
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN
 from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
@@ -67,7 +66,7 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
 
 
 def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
-    """Draw leakages at the stated condition with intervals; a thin line ends where a fully eccentric spool would leak.
+    """Draw leakages at the stated condition with intervals; a thin line ends where a spool that touches would leak.
 
     Parameters
     ----------
@@ -86,7 +85,7 @@ def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
         x=ends,
         y=[name for land in chosen for name in (_name(land), _name(land), None)],
         mode="lines",
-        name=f"up to fully eccentric, × {FULLY_ECCENTRIC:g}",
+        name="up to a spool that touches its bore",
         line={"color": SCREEN.rule, "width": 1, "dash": "dot"},
         hoverinfo="skip",
     )

@@ -14,7 +14,6 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.extremes import Instant
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
-from atleak.equations.gap import FULLY_ECCENTRIC
 from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance, Readings
@@ -60,7 +59,7 @@ class AtCondition:
     share: float  # of the pump's flow, what is drawn from the pump
     u_share: float
     share_interval: Interval
-    eccentric: Interval  # [m³/s] the leakage concentric and fully eccentric, everything else as measured
+    eccentric: Interval  # [m³/s] the leakage concentric and touching the bore, everything else as measured
     budget: tuple[tuple[str, float], ...]  # parts of the share's linear variance, the largest first
     clearance_fraction: float  # part of that variance which the clearance carries
 
@@ -327,9 +326,8 @@ def assess(
         seed=seed,
         instants=tuple(instants.values()),
     )
-    eccentric = model.law.eccentricity_factor
     lands = tuple(
-        _land(land, land_spreads, projections, rules, coverage, guard_factor, eccentric)
+        _land(land, land_spreads, projections, rules, coverage, guard_factor)
         for land, land_spreads in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
@@ -375,7 +373,6 @@ def _land(
     rules: UnitRules,
     coverage: float,
     guard_factor: float,
-    eccentric: float,
 ) -> LandUncertainty:
     state = land.state
     if not state.measured:
@@ -385,7 +382,7 @@ def _land(
     reach, wear_reach = z * u, z * _wear_uncertainty(land, 1.0 + state.wear)
     c = state.radial_clearance
     conditions = tuple(
-        _at(land, projection, spread, eccentric) for projection, spread in zip(projections, land_spreads, strict=True)
+        _at(land, projection, spread) for projection, spread in zip(projections, land_spreads, strict=True)
     )
     spreads = {projection.condition: spread for projection, spread in zip(projections, land_spreads, strict=True)}
     decided = tuple(_decided(rule, land, spreads, rules.limits, guard_factor) for rule in rules.of_land(land.key))
@@ -439,7 +436,8 @@ def _wear_uncertainty(land: LandSources, factor: float) -> float:
     return math.hypot(land.standard_uncertainty, factor * u_mounting) / pair.mounting_high
 
 
-def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric: float) -> AtCondition:
+def _at(land: LandSources, projection: Projection, spread: LandSpread) -> AtCondition:
+    gaps = projection.gaps_of(land.key)
     share = projection.share_drawn_by(land.key)
     of_clearance = (spread.share_per_clearance * land.standard_uncertainty) ** 2
     effects = {source.label: fraction * of_clearance for source, fraction in land.budget}
@@ -454,7 +452,7 @@ def _at(land: LandSources, projection: Projection, spread: LandSpread, eccentric
         share=share,
         u_share=spread.share_spread.standard_uncertainty,
         share_interval=spread.share_spread.interval,
-        eccentric=(spread.leakage / eccentric, FULLY_ECCENTRIC * spread.leakage / eccentric),
+        eccentric=(sum(gap.concentric_leakage for gap in gaps), sum(gap.touching_leakage for gap in gaps)),
         budget=_fractions(effects),
         clearance_fraction=of_clearance / variance if variance > 0.0 and math.isfinite(variance) else 0.0,
     )

@@ -19,6 +19,7 @@ from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
 from atleak.views.measure_first import measure_first, reason
+from atleak.views.positions import concentric_factors
 from atleak.views.repair_words import plan_ends
 from atleak.views.road_instants import instant_record
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
@@ -275,6 +276,7 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
     low, high = total.leakage_interval if total else (None, None)
     rule = diagnosis.total_rule(projection)
     new = diagnosis.new_at(projection)
+    least, largest = concentric_factors(diagnosis.profile, projection)
     return {
         "name": at.name,
         "label": at.label,
@@ -300,8 +302,8 @@ def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
         "decision": total.decision.decision if total else None,
         "probability_over_limit": total.decision.probability_over_limit if total else None,
         "minimum_engine_rpm": projection.minimum_speed * RPM,
-        "concentric_factor_low": projection.concentric_factor[0],
-        "concentric_factor_high": projection.concentric_factor[1],
+        "concentric_factor_low": least,
+        "concentric_factor_high": largest,
         "source": at.source,
     }
 

@@ -34,10 +34,22 @@ def spools_taken(profile: Profile) -> str:
 def position_band(diagnosis: Diagnosis, projection: Projection) -> tuple[float, float] | None:
     """Return the total share with every spool concentric and with every one touching its bore, as fractions.
 
-    None where the profile sets the position. The entry loss takes something off the upper end where gaps are wide.
+    None where the profile sets the position.
     """
-    low, high = projection.concentric_factor
-    if low == high:
+    if diagnosis.profile.sets_position:
         return None
-    concentric = projection.share / diagnosis.model.law.eccentricity_factor
-    return low * concentric, high * concentric
+    return projection.share_of(projection.concentric_leakage), projection.share_of(projection.touching_leakage)
+
+
+def concentric_factors(profile: Profile, projection: Projection) -> tuple[float, float]:
+    """Return between which factors the leakage may lie of that with every spool concentric [-]; 1 if nothing leaks.
+
+    Narrow gaps give 1 and 2.5, wide ones less, because their entry loss does not depend on where the spool lies. Where
+    the profile sets the position, both are the factor there.
+    """
+    concentric, touching = projection.concentric_leakage, projection.touching_leakage
+    if not concentric:
+        return 1.0, 1.0
+    if profile.sets_position:
+        return (projection.leakage / concentric,) * 2
+    return 1.0, touching / concentric

@@ -9,7 +9,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.diagnosis import Diagnosis
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
-from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, put
+from atleak.report.xlsx.book import Book, cell, exact, put
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, SheetCondition, band_of_rank, share_of, write_cell
 from atleak.report.xlsx.rules_sheet import RuleCells
@@ -21,7 +21,8 @@ from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RP
 
 NO_GROWTH = "–"  # where the same unit new draws nothing, or the pump delivers nothing
 AS_SPOOLS_MAY_LIE = (
-    "Nobody knows where a spool lies; one that touches its sleeve leaks up to 2.5 times as much as a concentric one."
+    "Nobody knows where a spool lies; one that touches its sleeve leaks up to 2.5 times as much as a concentric one, "
+    "less where the gap is wide."
 )
 COVERS = f"The pump covers leakage and its own slip from the speed named; {LEFT_OUT_OF_SPEED}."
 DEMAND = "A share over 100 % is a demand that the pump cannot meet, not a flow."
@@ -181,17 +182,16 @@ class ConditionsSheet:
         yield Quantity("band of the total share", "", "band", band, self.diagnosis.band(now), "plain")
 
     def _positions(self, at: SheetCondition) -> Iterable[Quantity]:
-        """Return between which factors of the concentric flow the leakage lies, and the shares there."""
-        factors, taken = at.projection.concentric_factor, self.diagnosis.model.law.eccentricity_factor
-        ends = list(zip(("least", "largest"), factors, strict=True))
-        for end, factor in ends:
-            label = f"as the spools may lie: {end} part of the concentric flow"
-            yield Quantity(label, "×", f"{end}_factor", exact(factor), factor, "plain")
-        for end, factor in ends:
-            share = f"MIN({at('share')}/{exact(taken)}*{at(f'{end}_factor')},{exact(NO_DELIVERY)})"
-            value = at.projection.share / taken * factor * PERCENT
-            label = f"share as the spools may lie, × {factor:g}"
-            yield Quantity(label, "%", f"share_{end}", share, value, "share")
+        """Return the leakages and shares between which the total may lie as the spools do."""
+        now = at.projection
+        for key, spools, flow in (
+            ("concentric", "every spool concentric", now.concentric_leakage),
+            ("touching", "every spool touching its bore", now.touching_leakage),
+        ):
+            name, leakage = f"leakage_{key}", self.gaps.sum_of(f"q_{key}", at) or "0"
+            share = share_of(at(name), at("capacity"))
+            yield Quantity(f"leakage with {spools}", "dm³/min", name, leakage, flow * DM3_MIN, "flow")
+            yield Quantity(f"share with {spools}", "%", f"share_{key}", share, now.share_of(flow) * PERCENT, "share")
 
     def _covers(self, at: SheetCondition) -> str:
         if self.diagnosis.model.uses_slip:

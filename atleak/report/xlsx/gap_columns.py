@@ -12,13 +12,14 @@ from typing import Any
 from atleak.catalogue.controller import Gap, Pressure
 from atleak.engine.leakage import GapLaw, GapLeakage
 from atleak.engine.profile import UNKNOWN
-from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, MEAN_ECCENTRIC
+from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
 from atleak.report.xlsx.book import exact
 from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, Cell, ColumnKey, SheetCondition, warm_clearance
 from atleak.views.condition_matrix import ANOTHER_CIRCUIT
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, MM3_S, UM
 
 DRAWN = "yes"  # of a gap that counts in what is drawn from the pump
+CONCENTRIC = "1"  # formula of the factor of a concentric spool
 
 
 @dataclass(frozen=True)
@@ -76,15 +77,23 @@ def _new_clearance(row: GapRow) -> Cell:
     return Cell("um", row.new.effective_clearance * UM, formula)
 
 
-def _flow(row: GapRow, diameter: str, clearance: str) -> str:
-    """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s."""
-    profile = row.law.profile
+def _taken(row: GapRow) -> str:
+    """Return the formula of the factor of the position that the profile takes the spool to have."""
+    eccentricity = row.law.profile.eccentricity
+    if eccentricity == UNKNOWN:
+        return exact(MEAN_ECCENTRIC)
+    return f"(1+{ECCENTRIC_GAIN}*{exact(eccentricity)}^2)" if eccentricity else CONCENTRIC
+
+
+def _flow(row: GapRow, factor: str, diameter: str = "diameter", clearance: str = "clearance") -> str:
+    """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s.
+
+    ``factor`` is the formula of what the spool's position takes off the friction.
+    """
     d, c, drop, rho = row.here(diameter), row.here(clearance), row.here("drop"), row.here("rho")
     viscous = f"(12*{row.here('nu')}*{rho}*{row.here('length')})"
-    if profile.eccentricity == UNKNOWN:
-        viscous = f"({viscous}/{exact(MEAN_ECCENTRIC)})"
-    elif profile.eccentricity:
-        viscous = f"({viscous}/(1+{ECCENTRIC_GAIN}*{exact(profile.eccentricity)}^2))"
+    if factor != CONCENTRIC:
+        viscous = f"({viscous}/{factor})"
     if row.law.linear:
         law = f"PI()*{d}*{c}^3*{drop}*0.001/{viscous}"
     else:
@@ -135,7 +144,17 @@ GAP_COLUMNS = (
     GapColumn(
         "q",
         "leakage q [mm³/s], {spools}",
-        lambda row: Cell("mm3", row.leak.leakage * MM3_S, _flow(row, "diameter", "clearance")),
+        lambda row: Cell("mm3", row.leak.leakage * MM3_S, _flow(row, _taken(row))),
+    ),
+    GapColumn(
+        "q_concentric",
+        "leakage with the spool concentric [mm³/s]",
+        lambda row: Cell("mm3", row.leak.concentric_leakage * MM3_S, _flow(row, CONCENTRIC)),
+    ),
+    GapColumn(
+        "q_touching",
+        "leakage with the spool touching its bore [mm³/s]",
+        lambda row: Cell("mm3", row.leak.touching_leakage * MM3_S, _flow(row, exact(FULLY_ECCENTRIC))),
     ),
     GapColumn("drawn", "drawn from the pump", _drawn),
     GapColumn("new_clearance", "effective clearance when new [µm]", _new_clearance),
@@ -147,7 +166,7 @@ GAP_COLUMNS = (
     GapColumn(
         "new_q",
         "leakage when new [mm³/s], {spools}",
-        lambda row: Cell("mm3", row.new.leakage * MM3_S, _flow(row, "new_diameter", "new_clearance")),
+        lambda row: Cell("mm3", row.new.leakage * MM3_S, _flow(row, _taken(row), "new_diameter", "new_clearance")),
     ),
     GapColumn("reynolds", "Reynolds number", _reynolds),
     GapColumn("published", "pressure pair published", _published),

@@ -35,7 +35,7 @@ class GapCells:
         Parameters
         ----------
         key
-            of the column of flows: ``q`` or ``new_q``.
+            of the column of flows: ``q``, ``q_concentric``, ``q_touching`` or ``new_q``.
         land
             whose gaps are meant; all of them unless given.
         drawn

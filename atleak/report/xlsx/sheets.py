@@ -30,8 +30,8 @@ from atleak.workshop_units import DM3_MIN, PERCENT
 
 #: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
-    "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_least",
-    "share_largest", "capacity", "n_min", "T", "n",
+    "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_concentric",
+    "share_touching", "capacity", "n_min", "T", "n",
 )  # fmt: skip
 _ISSUED = {
     "decision": "decision as issued",

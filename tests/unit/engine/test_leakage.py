@@ -156,14 +156,6 @@ def test_an_unknown_position_is_the_mean_over_all_of_them() -> None:
         assert unknown.flow(*factors) == pytest.approx(float(drawn.mean()), rel=1e-3, abs=0.0)
 
 
-def test_between_which_factors_of_a_concentric_flow_a_flow_may_lie() -> None:
-    assert GapLaw(WORKSHOP).concentric_factor == (1.0, 2.5)
-    assert GapLaw(WORKSHOP.with_options(eccentricity="unknown")).concentric_factor == (1.0, 2.5)
-    fixed = GapLaw(WORKSHOP.with_options(eccentricity=0.6))
-    assert fixed.concentric_factor == (fixed.eccentricity_factor, fixed.eccentricity_factor)
-    assert fixed.eccentricity_factor == pytest.approx(1.54, rel=1e-12, abs=0.0)
-
-
 def test_form_counts_in_the_flow_and_not_in_the_diameter(
     four_speed: Controller, hot_idle: OperatingPoint, hipol: Fluid
 ) -> None:

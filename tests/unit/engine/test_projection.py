@@ -14,8 +14,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.engine.projection import mileage_at_wear, project, repaired, stated_condition, with_wear
+from atleak.engine.profile import PAPER, WORKSHOP, Profile
+from atleak.engine.projection import Projection, mileage_at_wear, project, repaired, stated_condition, with_wear
 from atleak.errors import DomainError, InputError
 from atleak.readings import Readings, clearances
 
@@ -103,11 +103,23 @@ def test_a_share_over_100_percent_is_called_a_demand(four_speed: Controller, hip
         assert words in demand.text
 
 
-def test_a_projection_says_how_far_from_concentric_it_may_be(four_speed: Controller, hipol: Fluid) -> None:
-    for eccentricity, expected in ((0.0, (1.0, 2.5)), ("unknown", (1.0, 2.5)), (1.0, (2.5, 2.5))):
-        profile = WORKSHOP.with_options(eccentricity=eccentricity)
-        model = LeakageModel(four_speed, clearances(None, four_speed), hipol, profile)
-        assert project(model, four_speed.operating_points[0]).concentric_factor == expected
+@pytest.mark.parametrize("profile", [WORKSHOP, PAPER])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.6, 1.0, "unknown"])
+def test_a_projection_knows_its_leakage_with_the_spools_concentric_and_touching(
+    four_speed: Controller, hipol: Fluid, profile: Profile, eccentricity: object
+) -> None:
+    states = with_wear(clearances(None, four_speed), 5.0)
+
+    def projected(position: object) -> Projection:
+        model = LeakageModel(four_speed, states, hipol, profile.with_options(eccentricity=position))
+        return project(model, four_speed.operating_points[0])
+
+    taken, concentric, touching = (projected(position) for position in (eccentricity, 0.0, 1.0))
+    assert taken.concentric_leakage == pytest.approx(concentric.leakage, rel=1e-12, abs=0.0)
+    assert taken.touching_leakage == pytest.approx(touching.leakage, rel=1e-12, abs=0.0)
+    for gap, least, largest in zip(taken.gaps, concentric.gaps, touching.gaps, strict=True):
+        assert gap.concentric_leakage == pytest.approx(least.leakage, rel=1e-12, abs=0.0)
+        assert gap.touching_leakage == pytest.approx(largest.leakage, rel=1e-12, abs=0.0)
 
 
 def test_outside_the_fluid_there_is_no_projection(four_speed: Controller, hipol: Fluid) -> None:

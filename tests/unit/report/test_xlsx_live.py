@@ -270,23 +270,25 @@ def test_the_summary_shows_each_total_beside_the_same_unit_new_and_how_sure_it_i
             "leakage of the same unit new, spools concentric [dm³/min]": new.leakage * 6e4,
             "growth over new [%]": rule.growth * 100,
             "share of pump capacity [%]": at.share * 100,
-            "share as the spools may lie, × 1 [%]": at.share * 100,
-            "share as the spools may lie, × 2.5 [%]": at.share * 250,
+            "share with every spool concentric [%]": at.share * 100,
+            "share with every spool touching its bore [%]": at.share_of(at.touching_leakage) * 100,
         }
         assert {name: table[name][row] for name in expected} == pytest.approx(expected, rel=1e-12, abs=0.0)
         assert table["band of the total share"][row] == found.band(at)
         assert table["decision as issued"][row] == wording("en").get("decisions", total.decision.decision)
 
 
-def test_flows_of_spools_anywhere_say_so_and_lie_between_the_factors(units):
+def test_flows_of_spools_anywhere_say_so_and_lie_between_concentric_and_touching(units):
     unit = units["four_speed_2023"]
     profile = WORKSHOP.with_options(eccentricity="unknown")
     found = diagnose(unit.controller, unit.fluid, unit.limits, readings=unit.readings, profile=profile)
     table = summary_totals(found)
     assert "leakage drawn from the pump, mean over all positions of the spools [dm³/min]" in table.columns
-    share = table["share of pump capacity [%]"][0]
-    assert table["share as the spools may lie, × 1 [%]"][0] == pytest.approx(share / 1.5, rel=1e-12, abs=0.0)
-    assert table["share as the spools may lie, × 2.5 [%]"][0] == pytest.approx(share / 1.5 * 2.5, rel=1e-12, abs=0.0)
+    for eccentricity, spools in ((0.0, "concentric"), (1.0, "touching its bore")):
+        fixed = WORKSHOP.with_options(eccentricity=eccentricity)
+        there = diagnose(unit.controller, unit.fluid, unit.limits, readings=unit.readings, profile=fixed)
+        shares = [at.share * 100 for at in there.projections]
+        assert table[f"share with every spool {spools} [%]"].tolist() == pytest.approx(shares, rel=1e-12, abs=0.0)
     assert any(name.startswith("leakage q [dm³/min], mean over all positions") for name in lands_sheet(found).columns)
 
 

@@ -89,10 +89,11 @@ def test_values_as_measured_are_the_engines_own(judge: Callable, four_speed: Con
         for land in case.unit.lands:
             at = next(at for at in land.conditions if at.condition == projection.condition.name)
             assert at.leakage == pytest.approx(projection.leakage_of(land.key), rel=1e-12, abs=1e-30)
-            concentric, eccentric = at.eccentric
-            assert eccentric == pytest.approx(2.5 * concentric, rel=1e-12, abs=0.0)
-            assert concentric <= at.leakage * (1.0 + 1e-12)
-            assert at.leakage <= eccentric
+            gaps = projection.gaps_of(land.key)
+            assert at.eccentric[0] == sum(gap.concentric_leakage for gap in gaps)
+            assert at.eccentric[1] == sum(gap.touching_leakage for gap in gaps)
+            assert at.eccentric[0] <= at.leakage * (1.0 + 1e-12)
+            assert at.leakage <= at.eccentric[1] <= 2.5 * at.eccentric[0] * (1.0 + 1e-12)
 
 
 def test_total_is_the_sum_of_its_lands_draw_by_draw(judge: Callable, twenty_lands: Controller) -> None:
