@@ -236,6 +236,8 @@ class Diagnosis:
         decided_by = self.decided_by
         if decided_by is not None:
             return self._decision_on(decided_by)
+        if self.verdict == Verdict.NOT_MEASURED:
+            return None
         every: list[LandDiagnosis | Rule] = [*self.lands, *self.total_rules]
         return max((self._decision_on(each) for each in every), key=_certainty, default=None)
 

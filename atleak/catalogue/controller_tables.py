@@ -220,6 +220,13 @@ class DefaultsTable(Strict):
     mounting_clearance_um: MountingClearance | None = None
     mounting_tolerance_um: Positive | None = None
     mounting_clearance_of_used_unit: bool = False
+
+    @model_validator(mode="after")
+    def _one_way_of_knowing(self) -> DefaultsTable:
+        if isinstance(self.mounting_clearance_um, list) and self.mounting_tolerance_um is not None:
+            raise ValueError("mounting_tolerance_um beside a single mounting_clearance_um, not beside a range")
+        return self
+
     body: NonEmptyText | None = None
     spool: NonEmptyText | None = None
 

@@ -553,3 +553,11 @@ def test_a_unit_within_its_limits_says_how_sure_that_is(
     just_under = {minimal.lands[0].component: 3.9e-6 / minimal.lands[0].new_clearance}
     found = diagnose(minimal, hipol, limits, readings=readings_of(minimal, at_wear(minimal, **just_under)))
     assert (found.verdict, found.decided_by, found.decision) == ("ok", None, "conditional_pass")
+
+
+def test_a_unit_of_which_no_pair_is_known_on_both_parts_is_not_decided(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    spools = {land.key: (land.nominal_diameter, None) for land in minimal.lands}
+    diagnosis = diagnose(minimal, hipol, limits, readings=readings_of(minimal, spools))
+    assert (diagnosis.verdict, diagnosis.decision) == ("not_measured", None)

@@ -61,3 +61,13 @@ def test_what_new_pairs_cannot_have_been_is_refused(edited: Edited, land: str, k
         load_controller(stating(edited, land))
     assert (caught.value.place.file, caught.value.place.key) == ("own.toml", key)
     assert words in str(caught.value)
+
+
+def test_a_tolerance_beside_a_range_is_refused_among_the_defaults_too(edited: Edited) -> None:
+    path = edited(
+        "controllers",
+        "minimal_example",
+        ("[defaults]\n", "[defaults]\nmounting_clearance_um = [6.4, 20.0]\nmounting_tolerance_um = 2.0\n"),
+    )
+    with pytest.raises(CatalogueError, match="beside a single mounting_clearance_um, not beside a range"):
+        load_controller(path)

@@ -203,7 +203,14 @@ def rules_of(found: Diagnosis) -> list[Any]:
     return [(rule.value, rule.steps.levels) for land in found.lands for rule in (*land.rules, *found.total_rules)]
 
 
-@pytest.mark.parametrize("name", ["four_speed_2023", "minimal_example", "known_by_range"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "minimal_example",
+        pytest.param("four_speed_2023", marks=pytest.mark.slow),
+        pytest.param("known_by_range", marks=pytest.mark.slow),
+    ],
+)
 def test_libreoffice_gives_what_atleak_gives_after_every_change_at_once(units, name, recalculated, referee):
     unit = units[name]
     before, as_issued = issued(unit)
