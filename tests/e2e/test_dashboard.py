@@ -239,6 +239,8 @@ AT_REST = """element => new Promise(done => {
 def test_dragging_across_the_log_sets_the_cursors(page: Page, server: str) -> None:
     page.goto(f"{server}/Road_test")
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
+    chart.wait_for()
+    wait_until_idle(page)  # a script that still runs draws the chart anew and loses the drag
     chart.scroll_into_view_if_needed()
     page.evaluate(AT_REST, chart.element_handle())  # plotly lays itself out anew after scrolling
     box = chart.bounding_box()
