@@ -6,7 +6,6 @@ it into frozen objects in SI units.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -23,51 +22,17 @@ from atleak.catalogue.controller_tables import (
     NewOrigin,
     PumpGears,
     PumpTable,
-    RelationTable,
 )
 from atleak.catalogue.entries import Origin, catalogue_error, catalogue_files, read_entry
 from atleak.catalogue.instruments import Part
+from atleak.catalogue.section_pressures import Pressure, PressureRelation, read_relation
 from atleak.equations import clearance as clearance_equations
-from atleak.equations import pressure as pressure_equations
 from atleak.equations import pump as pump_equations
-from atleak.errors import CatalogueError, DomainError, Place, unknown
+from atleak.errors import CatalogueError, Place, unknown
 
-SECTIONS = ("p_g", "p_s", "p_m", "p_k")
 HOT_IDLE = "hot_idle"
 STATED = "stated"  # name of the condition that a job states: no point of a file has it
 REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
-
-_PRESSURE = re.compile(r"^\s*(?:(?P<factor>\d*\.?\d+)\s*\*\s*)?(?P<section>p_[gsmk])\s*$")
-
-
-@dataclass(frozen=True)
-class Pressure:
-    """A share of one section's pressure; a drain at atmospheric pressure has no section and coefficient 0."""
-
-    coefficient: float
-    section: str | None
-
-    @classmethod
-    def parse(cls, text: str) -> Pressure:
-        """Read ``"p_g"``, ``"0.1*p_g"``, ``"0"`` or ``"drain"``.
-
-        >>> Pressure.parse("0.1*p_g")
-        Pressure(coefficient=0.1, section='p_g')
-        """
-        if text.strip() in {"0", "drain"}:
-            return cls(0.0, None)
-        match = _PRESSURE.match(text)
-        if match is None:
-            raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k), '0' or 'drain'")
-        factor = float(match["factor"] or 1.0)
-        if not 0.0 < factor <= 1.0:
-            raise ValueError("a share of a pressure, more than 0 and at most 1")
-        return cls(factor, match["section"])
-
-    def __str__(self) -> str:
-        if self.section is None:
-            return "drain"
-        return self.section if self.coefficient == 1.0 else f"{self.coefficient:g}*{self.section}"
 
 
 @dataclass(frozen=True)
@@ -179,31 +144,6 @@ class Pump:
     volumetric_efficiency: float
     slip_coefficient: float | None  # Wilson's C_s, None where the controller states none
     representative: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class PressureRelation:
-    """A section's pressure as a line in p_g: ``min(ratio · p_g + offset, limit)``.
-
-    Eq. (14) is such a line with offset 0; so is eq. (13), whose spool balance is affine in p_g.
-    """
-
-    relation: Literal["spool_balance", "line"]
-    ratio: float
-    offset: float  # [Pa]
-    limit: float | None  # [Pa], the valve's own
-
-    def __call__(self, main_pressure: Any) -> Any:
-        return pressure_equations.regulated_pressure(main_pressure, self.ratio, self.offset, self.limit)
-
-    def line_between(self, low: float, high: float) -> tuple[float, float] | None:
-        """Return (ratio, offset) valid for all p_g between two values; None where the limit begins between them."""
-        if self.limit is None:
-            return self.ratio, self.offset
-        ends = self(low), self(high)
-        if max(ends) < self.limit:
-            return self.ratio, self.offset
-        return (0.0, self.limit) if min(ends) >= self.limit else None
 
 
 @dataclass(frozen=True)
@@ -324,7 +264,7 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         raise catalogue_error(origin.path, "", "gears", "gear given twice", value=twice[0])
     lands = tuple(_lands(entry, origin.path))
     relations: dict[str, PressureRelation] = {
-        name: _relation(name, table, origin.path) for name, table in entry.pressures.items()
+        name: read_relation(name, table, origin.path) for name, table in entry.pressures.items()
     }
     gaps = tuple(_gaps(entry, lands, origin.path))
     needed = {
@@ -542,39 +482,6 @@ def _pump(table: PumpTable) -> Pump:
         else size * 1e-9
     )
     return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
-
-
-def _relation(name: str, table: RelationTable, path: Path) -> PressureRelation:
-    try:
-        return _pressure_relation(table)
-    except DomainError as error:  # diameters or lengths that cannot be those of one valve
-        raise catalogue_error(path, f"pressures.{name}", None, str(error)) from None
-
-
-def _pressure_relation(table: RelationTable) -> PressureRelation:
-    limit = None if table.limit_kpa is None else table.limit_kpa * 1e3
-    if table.relation == "line":
-        return PressureRelation("line", float(table.ratio or 0.0), table.offset_kpa * 1e3, limit)
-    valve, area = table.valve, pressure_equations.annulus_area
-    spring, rod = valve.spring, valve.rod_diameter_mm * 1e-3
-    rate = pressure_equations.spring_rate(
-        spring.shear_modulus_mpa * 1e6,
-        spring.wire_diameter_mm * 1e-3,
-        spring.active_coils,
-        spring.mean_coil_diameter_mm * 1e-3,
-    )
-    deflection = pressure_equations.spring_deflection(spring.free_length_mm * 1e-3, spring.working_length_mm * 1e-3)
-    force = pressure_equations.spring_force(rate, deflection)
-    areas = (
-        area(valve.diameter_1_mm * 1e-3),
-        area(valve.diameter_2_mm * 1e-3, rod),
-        area(valve.diameter_3_mm * 1e-3, rod),
-        area((table.diameter_g1_mm or valve.diameter_2_mm) * 1e-3, rod),
-        area((table.diameter_g2_mm or valve.diameter_3_mm) * 1e-3, rod),
-    )
-    offset = pressure_equations.control_pressure(0.0, force, *areas)
-    ratio = pressure_equations.control_pressure(1.0, 0.0, *areas)
-    return PressureRelation("spool_balance", ratio, offset, limit)
 
 
 def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]:

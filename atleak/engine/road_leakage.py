@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from atleak.catalogue.controller import SECTIONS, OperatingPoint
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine.extremes import Extremes, Instant, share_of, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series

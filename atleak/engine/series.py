@@ -47,7 +47,8 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, SECTIONS, Controller
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
+from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel
 from atleak.equations.clearance import effective_clearance
 

@@ -9,7 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.catalogue.controller import Gap, Pressure
+from atleak.catalogue.controller import Gap
+from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import GapLaw, GapLeakage
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC

@@ -14,10 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel
 
-from atleak.catalogue.controller import Controller, OperatingPoint, Pressure, PressureRelation, load_controller
+from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
 from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.fluid import FluidFile, load_fluid
 from atleak.catalogue.limits import LimitsFile, load_limits
+from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.diagnosis import diagnose
 from atleak.errors import CatalogueError
 
