@@ -1,4 +1,4 @@
-"""Describe the pressures of a controller's sections: shares of them that gaps see, and relations that p_s and p_m follow."""
+"""Describe the pressures of a controller's sections: shares of them that gaps see, and how p_s and p_m follow."""
 
 from __future__ import annotations
 
