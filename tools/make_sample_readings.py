@@ -46,7 +46,7 @@ FOUR_SPEED_WEAR_PERCENT = {
 
 # Radial clearances of the five-speed's sample [µm]: two lands of the forward clutch are worn, every other one is
 # somewhere within what new valves have.
-FIVE_SPEED_WORN_UM = {("manual_valve", 3): 50.0, ("forward_engagement", 1): 52.0}
+FIVE_SPEED_WORN_UM = {("manual_valve", 3): 44.0, ("forward_engagement", 1): 45.0}
 FIVE_SPEED_NEW_UM = (8.0, 17.0)
 
 
