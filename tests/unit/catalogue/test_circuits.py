@@ -161,7 +161,7 @@ def test_the_line_follows_a_circuit(edited: Edited) -> None:
 def test_a_point_of_one_s_own_for_which_nothing_is_stated_is_refused_by_name(edited: Edited) -> None:
     controller = loaded(edited)
     own = replace(controller.operating_points[0], name="stall")
-    with pytest.raises(InputError, match="nothing for this operating point .*stall.*hot_idle"):
+    with pytest.raises(InputError, match=r"nothing for this operating point .*stall.*hot_idle"):
         controller.consumers[0].at(own)
     like = replace(own, values_of="hot_idle")
     assert controller.consumers[0].at(like) == pytest.approx(3.0 / 60e3, rel=1e-12, abs=0.0)
