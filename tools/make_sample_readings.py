@@ -46,7 +46,7 @@ FOUR_SPEED_WEAR_PERCENT = {
 
 # Radial clearances of the five-speed's sample [µm]: two lands of the forward clutch are worn, every other one is
 # somewhere within what new valves have.
-FIVE_SPEED_WORN_UM = {("manual_valve", 3): 44.0, ("forward_engagement", 1): 45.0}
+FIVE_SPEED_WORN_UM = {("manual_valve", 3): 46.0, ("forward_engagement", 1): 48.0}
 FIVE_SPEED_NEW_UM = (8.0, 17.0)
 
 
@@ -87,7 +87,7 @@ def _five_speed_land(land: Land, chance: random.Random) -> Iterator[Reading]:
     for direction in (0.0, 90.0):
         for repeat in (1, 2):
             yield _reading(land, "spool", direction, repeat, land.nominal_diameter * 1e3 + _reading_error(chance))
-    yield from _sleeve(land, clearance, clearance - new, chance)
+    yield from _sleeve(land, clearance, 0.4 * (clearance - new), chance)
 
 
 def _sleeve(land: Land, clearance: float, lean: float, chance: random.Random) -> Iterator[Reading]:

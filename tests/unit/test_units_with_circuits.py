@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import pytest
 
 from atleak.catalogue.controller import Controller, Land, OperatingPoint, controllers, load_controller
 from atleak.catalogue.fluid import Fluid, fluids
+from atleak.catalogue.limits import Limits, RuleKind
+from atleak.diagnosis import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES
-from atleak.engine.projection import Projection, project
+from atleak.engine.projection import Projection, project, project_unworn
+from atleak.intake.readings import read_readings
 from atleak.readings import Readings, clearances
+from atleak.rules import Rule, unit_rules
+from atleak.verdicts import Verdict
 
 Build = Callable[..., Readings]
 KPA = 1e3
@@ -87,6 +93,30 @@ def test_the_operating_points_are_within_what_is_permissible(controller: Control
             assert permissible.low < point.main_pressure < permissible.high
 
 
+@every_controller
+@pytest.mark.parametrize("widest", [False, True], ids=["mean", "widest"])
+def test_no_rule_flags_a_new_unit(
+    controller: Controller, widest: bool, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    diagnosis = diagnose(controller, hipol, limits, readings=sheet(controller, readings_of, {}, widest=widest))
+    kinds = {rule.kind for rule in diagnosis.unit_rules}
+    assert {RuleKind.TOTAL_SHARE, RuleKind.RESERVE} <= kinds
+    assert (RuleKind.CIRCUIT_LOSS in kinds) == bool(controller.circuits)
+    assert (RuleKind.PERMISSIBLE_PRESSURE in kinds) == bool(controller.permissible)
+    assert {rule.verdict for rule in diagnosis.unit_rules} == {Verdict.OK}
+    assert {land.verdict for land in diagnosis.lands} == {Verdict.OK}
+    assert (diagnosis.verdict, diagnosis.decided_by) == (Verdict.OK, None)
+
+
+def flagged(controller: Controller, fluid: Fluid, limits: Limits, readings: Readings) -> list[Rule]:
+    """The rules of pressure that a worn unit is past."""
+    states = clearances(readings, controller)
+    model = LeakageModel(controller, states, fluid, PROFILES["workshop"])
+    now = [project(model, point) for point in controller.operating_points]
+    rules = unit_rules(states, now, project_unworn(states, model, now), limits)
+    return [rule for rule in rules.pressures if rule.verdict.flagged]
+
+
 # --- the five-speed with circuits
 
 
@@ -160,6 +190,29 @@ def test_worn_lands_lower_the_pressure_of_their_own_circuit(
     assert all(now[name].condition.gear in applied for name in lost[circuit])
 
 
+def test_the_rules_name_the_worn_circuit_and_where_it_shows(
+    five_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    worn = {("manual_valve", 3): 50.0, ("forward_engagement", 1): 52.0}
+    rules = flagged(five_speed, hipol, limits, sheet(five_speed, readings_of, worn))
+    assert {rule.circuit.id for rule in rules if rule.circuit} == {"forward_clutch"}
+    assert {rule.condition.name: str(rule.verdict) for rule in rules if rule.condition} == {
+        "driving_third": "watch",
+        "hot_idle": "replace",
+        "stall": "replace",
+        "cruising_fifth": "replace",
+    }
+
+
+def test_a_worn_control_circuit_is_seen_as_its_own_loss_and_a_line_below_the_permissible(
+    five_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    worn = {("boost_valve", 1): 60.0, ("boost_valve", 2): 60.0}
+    rules = flagged(five_speed, hipol, limits, sheet(five_speed, readings_of, worn))
+    at_stall = {rule.circuit.id if rule.circuit else str(rule.kind) for rule in rules if rule.condition.name == "stall"}
+    assert at_stall == {"epc", "forward_clutch", "permissible_pressure"}
+
+
 def test_a_worn_control_circuit_lowers_the_line_and_every_clutch_with_it(
     five_speed: Controller, hipol: Fluid, readings_of: Build
 ) -> None:
@@ -185,3 +238,14 @@ def test_a_gap_between_two_circuits_is_no_reversed_one(
     assert between.pressure_drop < 0.0
     assert between.leakage < 0.0
     assert "reversed_pressure_drop" not in {message.code for message in now.messages}
+
+
+def test_the_sample_sheet_shows_a_forward_clutch_that_loses_its_pressure(
+    five_speed: Controller, hipol: Fluid, limits: Limits, root: Path
+) -> None:
+    readings = read_readings(root / "sample_data" / "measuring_sheet_five_speed.xlsx", five_speed)
+    rules = flagged(five_speed, hipol, limits, readings)
+    assert {rule.circuit.id for rule in rules if rule.circuit} == {"forward_clutch"}
+    worst = max(rules, key=lambda rule: rule.value)
+    assert (worst.condition.name, worst.verdict) == ("stall", Verdict.REPLACE)
+    assert worst.value > 200 * KPA
