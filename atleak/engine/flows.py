@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from types import MappingProxyType
 
+from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import OperatingPoint
 from atleak.engine.circuits import Balance, Network
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import hold
+from atleak.engine.line import LINE, hold
 
-LINE = "p_g"  # the section that supplies all others
 _ROUNDING = 1e-9  # relative to the pump's flow: less than that is no flow
 
 
@@ -42,6 +43,7 @@ class Place:
     kind: Kind
     name: str = ""  # of a section, circuit, leak or consumer; the component of a land
     land: int = 0  # of a component
+    path: int = 0  # of a land that leaks in several ways: which of them
 
 
 @dataclass(frozen=True)
@@ -140,7 +142,11 @@ def flows_at(model: LeakageModel, point: OperatingPoint) -> Flows:
 def _through(model: LeakageModel, network: Network, balance: Balance) -> Iterator[tuple[Place, Place, float]]:
     """Return the flows through every land and leak: from its section to it, and on from there."""
     gear = network.point.gear
-    lands = [Place(Kind.LAND, *gap.key) for gap in model.gaps_in(gear)]
+    paths: Counter[LandKey] = Counter()
+    lands = []
+    for gap in model.gaps_in(gear):
+        lands.append(Place(Kind.LAND, *gap.key, paths[gap.key]))
+        paths[gap.key] += 1
     leaks = [Place(Kind.LEAK, leak.id) for leak in model.controller.leaks if gear in leak.gears]
     for place, branch in zip([*lands, *leaks], network.branches, strict=True):
         flow = float(network.flow(branch, balance.pressures))

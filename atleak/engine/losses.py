@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -10,9 +10,8 @@ import numpy as np
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import OperatingPoint
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import held_with
+from atleak.engine.line import LINE, held_with
 
-LINE = "p_g"  # the section that supplies all others
 WORTH_NAMING = 100.0  # [Pa] that a land costs a circuit at least, to be named as a cause: choice of this project
 
 Losses = Mapping[str, Mapping[LandKey, float]]  # [Pa] by circuit, then by land
@@ -47,3 +46,18 @@ def pressure_losses(model: LeakageModel, new: LeakageModel, point: OperatingPoin
         named = sorted(((key, gain) for key, gain in gained if abs(gain) >= WORTH_NAMING), key=lambda each: -each[1])
         losses[name] = MappingProxyType(dict(named))
     return MappingProxyType(losses)
+
+
+def pressures_as_new(
+    model: LeakageModel, new: LeakageModel, point: OperatingPoint, lands: Collection[LandKey]
+) -> Mapping[str, float]:
+    """Return what the line, every section and every circuit hold with some lands new [Pa].
+
+    Raises
+    ------
+    DomainError
+        temperature outside the fluid's data.
+    """
+    held = held_with(model, new, point, [lands])
+    pressures = {name: np.broadcast_to(each, (1,)) for name, each in held.balance.pressures.items()}
+    return MappingProxyType({name: float(pressure[0]) for name, pressure in pressures.items()})
