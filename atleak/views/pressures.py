@@ -6,12 +6,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
-from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.limits import Level, RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.engine.losses import pressures_as_new
 from atleak.engine.projection import CircuitState, Projection, model_new
-from atleak.rules import LandKey, Rule
+from atleak.rules import LandKey, Rule, permissible_low
 from atleak.uncertainty import RuleDecision
 from atleak.verdicts import Verdict
 
@@ -30,6 +30,7 @@ class HeldPressure:
     set_pressure: float | None  # of the circuit's regulator; what is required of the line
     vented: bool  # not applied in this gear
     permissible: PermissiblePressure | None  # of the line
+    low: float | None  # [Pa] the least permissible pressure by which the line is judged
     rule: Rule | None  # that judges it; None where no such limit is set, and of a vented circuit
     decided: RuleDecision | None
     verdict: Verdict | None  # ``not_measured`` where nothing was measured and no limit is passed
@@ -44,6 +45,17 @@ class HeldPressure:
     def loss(self) -> float:
         """Return what it holds less than when new [Pa]; negative where it holds more."""
         return self.new - self.now
+
+    @property
+    def limits(self) -> tuple[tuple[Level, float], ...]:
+        """Return the pressures [Pa] under which a level is reached, the mildest first; none where nothing is judged."""
+        if self.rule is None:
+            return ()
+        if self.rule.kind is RuleKind.CIRCUIT_LOSS:
+            new = self.new if self.rule.new is None else self.rule.new
+            return tuple((level, max(new - limit, 0.0)) for level, limit in self.rule.steps.levels)
+        low = self.low if self.low is not None else 0.0
+        return tuple((level, low * (1.0 - limit)) for level, limit in self.rule.steps.levels)
 
     @property
     def costly(self) -> tuple[tuple[LandKey, float], ...]:
@@ -118,6 +130,7 @@ def pressures_at(
             set_pressure=state.set_pressure,
             vented=state.vented,
             permissible=None,
+            low=None,
             rule=rule,
             decided=diagnosis.decided(rule) if rule else None,
             verdict=diagnosis.circuit_verdict(rule),
@@ -133,6 +146,7 @@ def pressures_at(
         set_pressure=projection.condition.main_pressure,
         vented=False,
         permissible=projection.permissible,
+        low=permissible_low(projection, diagnosis.unworn_at(projection)),
         rule=permissible,
         decided=diagnosis.decided(permissible) if permissible else None,
         verdict=diagnosis.circuit_verdict(permissible),

@@ -7,7 +7,7 @@ from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.rules import LandKey, Rule, permissible_low
+from atleak.rules import LandKey, Rule
 from atleak.views.pressures import HeldPressure, PressuresAt, pressures_at
 from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated, wording
@@ -154,8 +154,7 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = la
         limit = say.number(rule.limit, 2)
         because = say("held.by_reserve", reserve=say.number(rule.value, 2), limit=limit, **values)
     elif rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
-        low = permissible_low(at.projection, diagnosis.unworn_at(at.projection)) or 0.0
-        because = say("held.by_permissible", held=_kpa(held.now, say), low=_kpa(low, say), **values)
+        because = say("held.by_permissible", held=_kpa(held.now, say), low=_kpa(held.low or 0.0, say), **values)
     else:
         circuit = rule.circuit.name if rule.circuit else ""
         kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
