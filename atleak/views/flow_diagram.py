@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from atleak.diagnosis import Diagnosis
-from atleak.engine.flows import LINE, Flow, Kind, Place, flows_at
+from atleak.engine.flows import Flow, Kind, Place, flows_at
+from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
 from atleak.verdicts import Verdict
 from atleak.views.pressures import pressures_at

@@ -9,8 +9,8 @@ from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.limits import Level, RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
-from atleak.engine.losses import pressures_as_new
-from atleak.engine.projection import CircuitState, Projection, model_new
+from atleak.engine.projection import CircuitState, Projection
+from atleak.repair import RepairPlan
 from atleak.rules import LandKey, Rule, permissible_low
 from atleak.uncertainty import RuleDecision
 from atleak.verdicts import Verdict
@@ -76,6 +76,7 @@ class PressuresAt:
     circuits: tuple[HeldPressure, ...]  # in the order of the controller's file
     reserve_interval: Interval | None
     reserve_new: float
+    reserve_repaired: float | None  # with the planned repairs
     reserve_rule: Rule | None
     reserve_decided: RuleDecision | None
     reserve_verdict: Verdict | None
@@ -93,27 +94,14 @@ class PressuresAt:
         return tuple(rule for rule in every if rule is not None)
 
 
-def pressures_at(
-    diagnosis: Diagnosis, projection: Projection, repaired: Collection[LandKey] | None = None
-) -> PressuresAt:
-    """Gather reserve and pressures at one condition of a diagnosis.
-
-    Parameters
-    ----------
-    repaired
-        the lands that are to be repaired; with them every pressure is given as it will be.
-
-    Raises
-    ------
-    DomainError
-        temperature outside the fluid's data.
-    """
+def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan | None = None) -> PressuresAt:
+    """Gather reserve and pressures at one condition of a diagnosis; with a plan also as its repairs leave them."""
     total = diagnosis.uncertainty.total(projection.condition.name) if diagnosis.uncertainty else None
     new, losses = diagnosis.new_at(projection), diagnosis.losses_at(projection)
-    after: Mapping[str, float] = {}
-    if repaired is not None:
-        as_new = model_new((land.state for land in diagnosis.lands), diagnosis.model)
-        after = pressures_as_new(diagnosis.model, as_new, projection.condition, repaired)
+    end = None
+    if plan is not None and plan.steps:
+        end = next(each for each in plan.ends if each.condition == projection.condition)
+    after: Mapping[str, float] = {} if end is None else end.pressures
     rules = diagnosis.pressure_rules_at(projection)
     reserve = _rule(rules, RuleKind.RESERVE)
     permissible = _rule(rules, RuleKind.PERMISSIBLE_PRESSURE)
@@ -158,6 +146,7 @@ def pressures_at(
         circuits=tuple(circuit(state) for state in projection.circuits),
         reserve_interval=total.reserve_interval if total else None,
         reserve_new=new.reserve,
+        reserve_repaired=None if end is None else end.reserve,
         reserve_rule=reserve,
         reserve_decided=diagnosis.decided(reserve) if reserve else None,
         reserve_verdict=diagnosis.circuit_verdict(reserve),
