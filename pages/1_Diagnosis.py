@@ -5,9 +5,10 @@ from pathlib import Path
 import streamlit as st
 
 from atleak.figures import diagnosis_figures as figures
+from atleak.repair import plan_repairs
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from pages.shared import conditions, panel, show, words
+from pages.shared import conditions, panel, pressures, show, words
 
 case, diagnosis = panel.shown()
 record = diagnosis_record(diagnosis)
@@ -28,11 +29,15 @@ st.subheader("Total share of the pump's flow")
 show.chart(figures.total_share(diagnosis), "share")
 conditions.totals(diagnosis, record)
 
+st.subheader("Pressures")
+plan = plan_repairs(diagnosis)
+pressures.section(diagnosis, plan)
+
 st.subheader("Land by condition")
 conditions.matrix(diagnosis)
 
 st.subheader("Order of repair")
-conditions.repairs(diagnosis)
+conditions.repairs(diagnosis, plan)
 
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)
