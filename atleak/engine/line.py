@@ -14,8 +14,10 @@ import numpy as np
 
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, OperatingPoint
-from atleak.engine.circuits import Balance, Gap, Network
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel, PumpFlow
+from atleak.engine.restrictions import Gap
 
 _ROOT = 1e-13  # relative width of the bracket of a line pressure at which the search ends
 _STEPS = 200  # of it at the most
