@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import Controller, OperatingPoint
-from atleak.engine.circuits import Balance, Network
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import PumpFlow
 
 _ROOT = 1e-13  # relative width of the bracket of a line pressure at which the search ends
