@@ -14,6 +14,21 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from atleak.catalogue.circuit_tables import LineTable, State
+from atleak.catalogue.circuits import (
+    IDLE_SPEED,
+    Circuit,
+    Consumer,
+    Leak,
+    PermissiblePressure,
+    Reading,
+    SetPressure,
+    circuit_ids,
+    read_circuits,
+    read_consumers,
+    read_leaks,
+    read_permissible,
+)
 from atleak.catalogue.complaints import Complaint, complaints_of, find_complaint
 from atleak.catalogue.controller_tables import (
     ComponentTable,
@@ -25,7 +40,7 @@ from atleak.catalogue.controller_tables import (
 )
 from atleak.catalogue.entries import Origin, catalogue_error, catalogue_files, read_entry
 from atleak.catalogue.instruments import Part
-from atleak.catalogue.section_pressures import Pressure, PressureRelation, read_relation
+from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import pump as pump_equations
 from atleak.errors import CatalogueError, Place, unknown
@@ -158,6 +173,19 @@ class OperatingPoint:
     main_pressure: float  # [Pa]
     converter_pressure: float  # [Pa]
     source: str
+    stated_state: State | None = None  # where the file says it
+    solenoid_current: float | None = None  # [A]
+    values_of: str = ""  # name of the file's point whose set pressures and flows hold here; "" for its own
+
+    @property
+    def state(self) -> State:
+        """Return whether the engine idles, the converter stalls or the vehicle drives; by speed unless stated."""
+        return self.stated_state or ("idle" if self.engine_speed < IDLE_SPEED else "driving")
+
+    @property
+    def like(self) -> str:
+        """Return the name of the point of the controller's file whose set pressures and flows hold here."""
+        return self.values_of or self.name
 
 
 @dataclass(frozen=True)
@@ -179,6 +207,11 @@ class Controller:
     operating_points: tuple[OperatingPoint, ...]
     complaints: tuple[Complaint, ...]
     origin: Origin
+    circuits: tuple[Circuit, ...] = ()
+    leaks: tuple[Leak, ...] = ()
+    consumers: tuple[Consumer, ...] = ()
+    line: SetPressure | None = None  # of main pressure, where it is not simply that of the operating point
+    permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
 
     @property
     def sha256(self) -> str:
@@ -223,6 +256,10 @@ class Controller:
         """Return the gaps that see a pressure drop in that gear."""
         return tuple(gap for gap in self.gaps if gear in gap.gears)
 
+    def permissible_at(self, gear: int, state: State) -> PermissiblePressure | None:
+        """Return between which pressures main pressure must lie in a gear and state; None where the file is silent."""
+        return next((each for each in self.permissible if gear in each.gears and each.state == state), None)
+
     def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
         """Compute all four section pressures [Pa] from the two that are measured; arrays give arrays."""
         return {
@@ -266,7 +303,14 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
     relations: dict[str, PressureRelation] = {
         name: read_relation(name, table, origin.path) for name, table in entry.pressures.items()
     }
-    gaps = tuple(_gaps(entry, lands, origin.path))
+    reading = Reading(
+        origin.path,
+        entry.gears,
+        [point.name for point in entry.operating_points],
+        all(point.solenoid_current_ma is not None for point in entry.operating_points),
+        [*SECTIONS, *circuit_ids(entry.circuits, origin.path)],
+    )
+    gaps = tuple(_gaps(entry, lands, reading))
     needed = {
         pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
     }
@@ -305,6 +349,11 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         operating_points=points,
         complaints=complaints,
         origin=origin,
+        circuits=read_circuits(entry.circuits, reading),
+        leaks=read_leaks(entry.leaks, reading),
+        consumers=read_consumers(entry.consumers, reading),
+        line=None if entry.line is None else _line(entry.line, reading),
+        permissible=read_permissible(entry.permissible_pressure, reading),
     )
 
 
@@ -409,7 +458,18 @@ def _mounting(entry: ControllerFile, table: LandTable, where: str, path: Path) -
     )
 
 
-def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Gap]:
+def _line(table: LineTable, reading: Reading) -> SetPressure | None:
+    """Return the set pressure of the line, which may follow a circuit."""
+    stated = reading.set_pressure(table.set_kpa, "line", reading.gears)
+    if stated is not None and stated.following is not None and stated.following.section in SECTIONS:
+        problem = "the line's set pressure follows a section that it supplies"
+        value = stated.following.section
+        raise catalogue_error(reading.path, "line", "set_kpa", problem, value=value, expected="the id of a circuit")
+    return stated
+
+
+def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> list[Gap]:
+    path = reading.path
     if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
         every_gear = frozenset(entry.gears)
         drain = Pressure(0.0, None)
@@ -432,18 +492,13 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
                 value=table.land if mine else table.component,
                 expected=expected,
             )
-        others = sorted(set(table.gears) - set(entry.gears))
-        if others:
-            raise catalogue_error(
-                path, where, "gears", "unknown gear", value=others[0], expected=f"one of {entry.gears}"
-            )
-        ends: dict[str, Pressure] = {}
-        for key, text in (("from", table.high), ("to", table.low)):
-            try:
-                ends[key] = Pressure.parse(text)
-            except ValueError as error:
-                raise catalogue_error(path, where, key, "not a pressure", value=text, expected=str(error)) from None
-        if ends["from"].section != table.section:
+        gears = reading.gears_of(table.gears, where)
+        high = reading.pressure(table.high, where, "from")
+        low = reading.pressure(table.low, where, "to")
+        if high.section is None:
+            problem, expected = "a gap that leaks from no section", "a section such as p_g, or the id of a circuit"
+            raise catalogue_error(path, where, "from", problem, value=table.high, expected=expected)
+        if table.section is not None and high.section != table.section:
             raise catalogue_error(
                 path,
                 where,
@@ -452,16 +507,14 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], path: Path) -> list[Ga
                 value=table.section,
                 expected=f"the one named in from = {table.high!r}",
             )
-        low = ends["to"]
-        ends_in_section = low.section is not None and low.coefficient == 1.0
         gap = Gap(
             component=table.component,
             land=table.land,
-            section=table.section,
-            high=ends["from"],
+            section=high.section,
+            high=high,
             low=low,
-            gears=frozenset(table.gears),
-            into_sump=(table.ends_in == "sump") if table.ends_in else not ends_in_section,
+            gears=gears,
+            into_sump=(table.ends_in == "sump") if table.ends_in else not low.is_section,
             published=table.published,
         )
         for other in gaps:
@@ -515,6 +568,8 @@ def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]
                 main_pressure=table.p_g_kpa * 1e3,
                 converter_pressure=table.p_k_kpa * 1e3,
                 source=table.source,
+                stated_state=table.state,
+                solenoid_current=None if table.solenoid_current_ma is None else table.solenoid_current_ma * 1e-3,
             )
         )
     return points

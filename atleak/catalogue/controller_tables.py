@@ -8,6 +8,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
+from atleak.catalogue.circuit_tables import (
+    CircuitTable,
+    ConsumerTable,
+    LeakTable,
+    LineTable,
+    PermissiblePressureTable,
+    State,
+)
 from atleak.catalogue.complaints import ComplaintTable
 from atleak.catalogue.entries import Entry, Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
 
@@ -83,7 +91,7 @@ class ComponentTable(Strict):
 class GapTable(Strict):
     component: NonEmptyText
     land: int
-    section: Literal["p_g", "p_s", "p_m", "p_k"]
+    section: NonEmptyText | None = None
     high: NonEmptyText = Field(alias="from")
     low: NonEmptyText = Field(alias="to")
     gears: list[int] = Field(min_length=1)
@@ -212,6 +220,8 @@ class OperatingPointTable(Strict):
     gear: int
     p_g_kpa: float = Field(gt=0, le=10_000)
     p_k_kpa: float = Field(ge=0, le=5_000)
+    state: State | None = None
+    solenoid_current_ma: float | None = Field(default=None, ge=0, le=10_000)
     source: NonEmptyText
 
 
@@ -242,4 +252,9 @@ class ControllerFile(Entry):
     operating_points: list[OperatingPointTable] = Field(min_length=1)
     components: list[ComponentTable] = Field(min_length=1)
     gaps: list[GapTable] = []
+    circuits: list[CircuitTable] = []
+    leaks: list[LeakTable] = []
+    consumers: list[ConsumerTable] = []
+    line: LineTable | None = None
+    permissible_pressure: list[PermissiblePressureTable] = []
     complaints: list[ComplaintTable] = []

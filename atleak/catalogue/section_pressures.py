@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -13,36 +14,51 @@ from atleak.equations import pressure as pressure_equations
 from atleak.errors import DomainError
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
-_PRESSURE = re.compile(r"^\s*(?:(?P<factor>\d*\.?\d+)\s*\*\s*)?(?P<section>p_[gsmk])\s*$")
+DRAINS = ("0", "drain")
+_PRESSURE = re.compile(r"^\s*(?:(?P<factor>\d*\.?\d+)\s*\*\s*)?(?P<section>[a-z0-9_]*[a-z][a-z0-9_]*)\s*$")
+_ABSOLUTE = re.compile(r"^\s*(?P<number>\d+\.?\d*)\s*kPa\s*$")
 
 
 @dataclass(frozen=True)
 class Pressure:
-    """A share of one section's pressure; a drain at atmospheric pressure has no section and coefficient 0."""
+    """A share of one section's pressure, or a pressure that stays the same: that of a drain is zero."""
 
     coefficient: float
     section: str | None
+    constant: float = 0.0  # [Pa] above that of the surrounding air, where there is no section
 
     @classmethod
     def parse(cls, text: str) -> Pressure:
-        """Read ``"p_g"``, ``"0.1*p_g"``, ``"0"`` or ``"drain"``.
+        """Read ``"p_g"``, ``"0.1*p_g"``, the id of a circuit, ``"35 kPa"``, ``"0"`` or ``"drain"``.
 
         >>> Pressure.parse("0.1*p_g")
         Pressure(coefficient=0.1, section='p_g')
         """
-        if text.strip() in {"0", "drain"}:
+        if text.strip() in DRAINS:
             return cls(0.0, None)
+        absolute = _ABSOLUTE.match(text)
+        if absolute is not None:
+            return cls(0.0, None, float(absolute["number"]) * 1e3)
         match = _PRESSURE.match(text)
         if match is None:
-            raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k), '0' or 'drain'")
+            raise ValueError("'p_g', '0.1*p_g' (also p_s, p_m, p_k or a circuit), '35 kPa', '0' or 'drain'")
         factor = float(match["factor"] or 1.0)
         if not 0.0 < factor <= 1.0:
             raise ValueError("a share of a pressure, more than 0 and at most 1")
         return cls(factor, match["section"])
 
+    @property
+    def is_section(self) -> bool:
+        """Return whether this is a section itself and not a share of it, nor a drain."""
+        return self.section is not None and self.coefficient == 1.0
+
+    def at(self, pressures: Mapping[str, Any]) -> Any:
+        """Return the pressure [Pa] from those of the sections."""
+        return self.constant if self.section is None else self.coefficient * pressures[self.section]
+
     def __str__(self) -> str:
         if self.section is None:
-            return "drain"
+            return f"{self.constant / 1e3:g} kPa" if self.constant else "drain"
         return self.section if self.coefficient == 1.0 else f"{self.coefficient:g}*{self.section}"
 
 

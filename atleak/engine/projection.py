@@ -134,6 +134,7 @@ def stated_condition(
     point = replace(
         point,
         name=STATED,
+        values_of=point.like,
         temperature=point.temperature if temperature is None else temperature,
         engine_speed=point.engine_speed if engine_speed is None else engine_speed,
         gear=point.gear if gear is None else gear,

@@ -56,7 +56,8 @@ class RoadLeakage:
         label = f"{instant.time:.2f} s of {self.road_test.file}"
         gear = int(logged.pop("gear", self.assumed.gear))
         source = f"sample {instant.sample + 1} of the log"
-        return replace(self.assumed, name=f"sample_{instant.sample}", label=label, gear=gear, source=source, **logged)
+        name, like = f"sample_{instant.sample}", self.assumed.like
+        return replace(self.assumed, name=name, label=label, gear=gear, source=source, values_of=like, **logged)
 
     @property
     def max_leakage(self) -> Instant:

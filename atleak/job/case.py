@@ -219,7 +219,10 @@ class Case:
         InputError
             a gear the controller does not have, or a speed that is not positive.
         """
-        base = controller if self.point is None else replace(controller, operating_points=(self.point,))
+        point, own = self.point, [each.name for each in controller.operating_points]
+        if point is not None and point.like not in own:  # of a job that was made with another file
+            point = replace(point, values_of=own[0])
+        base = controller if point is None else replace(controller, operating_points=(point,))
         return stated_condition(base, temperature=self.temperature, engine_speed=self.engine_speed, gear=self.gear)
 
     def with_condition(self, condition: OperatingPoint, controller: Controller) -> Case:

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.entries import Origin, catalogue_files
 from atleak.catalogue.fluid import FluidState
@@ -256,6 +257,9 @@ class Condition(_Strict):
     main_pressure: float
     converter_pressure: float
     source: str
+    stated_state: State | None = None
+    solenoid_current: float | None = None
+    values_of: str = ""
 
 
 class ReadingChoices(_Strict):

@@ -71,7 +71,7 @@ def test_pressure_is_a_share_of_a_section(text: str, coefficient: float, section
     assert Pressure.parse(str(pressure)) == pressure
 
 
-@pytest.mark.parametrize("text", ["", "p_q", "p_g*0.1", "0,1*p_g", "-0.1*p_g", "0.1 p_g", "1e-1*p_g", "2*p_g", "0*p_g"])
+@pytest.mark.parametrize("text", ["", "p-q", "p_g*0.1", "0,1*p_g", "-0.1*p_g", "0.1 p_g", "1e-1*p_g", "2*p_g", "0*p_g"])
 def test_anything_else_is_no_pressure(text: str) -> None:
     with pytest.raises(ValueError, match=r"p_g|share"):
         Pressure.parse(text)
@@ -279,10 +279,11 @@ def test_faults_of_meaning_name_table_and_key(
         ("land = 1", "land = 4", "land", ("4", "lands 1")),
         ('"accumulator"', '"acumulator"', "component", ("'acumulator'", "component with lands")),
         ("[1, 2]", "[1, 9]", "gears", ("9", "[1, 2, 3, 4, 5, 6]")),
-        ('from = "p_g"', 'from = "p_q"', "from", ("'p_q'", "'0.1*p_g'")),
+        ('from = "p_g"', 'from = "p_q"', "from", ("'p_q'", "p_g, p_s, p_m, p_k")),
         ('to = "drain"', 'to = "1.5*p_g"', "to", ("'1.5*p_g'", "at most 1")),
         ('section = "p_g"', 'section = "p_k"', "section", ("'p_k'", "from = 'p_g'")),
-        ('from = "p_g"', 'from = "drain"', "section", ("from = 'drain'",)),
+        ('from = "p_g"', 'from = "drain"', "from", ("'drain'", "leaks from no section")),
+        ('from = "p_g"', 'from = "p g"', "from", ("'p g'", "'0.1*p_g'")),
     ],
 )
 def test_faults_of_a_gap_name_it(old: str, new: str, key: str, words: tuple[str, ...], edited: Edited) -> None:

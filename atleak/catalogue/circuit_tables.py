@@ -1,0 +1,160 @@
+"""Define the tables of circuits, leaks, consumers and permissible pressures in a controller's TOML file."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PlainValidator, field_validator, model_validator
+
+from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
+
+State = Literal["idle", "stall", "driving"]
+DISCHARGE_COEFFICIENT = 0.62  # of a sharp-edged orifice, where a feed states none
+
+
+class FeedTable(Strict):
+    source: NonEmptyText = Field(alias="from")
+    diameter_mm: float = Field(gt=0, lt=50)
+    discharge_coefficient: float = Field(default=DISCHARGE_COEFFICIENT, gt=0, le=1)
+
+
+class FollowingTable(Strict):
+    """A set pressure that follows another section or circuit: ratio times its pressure plus an offset."""
+
+    source: NonEmptyText = Field(alias="from")
+    ratio: NonNegative
+    offset_kpa: Finite = 0.0
+
+
+class CurrentTable(Strict):
+    """A set pressure by the current of a solenoid: straight lines between the points."""
+
+    current_ma: list[NonNegative] = Field(min_length=2)
+    kpa: list[NonNegative] = Field(min_length=2)
+
+    @model_validator(mode="after")
+    def _rising(self) -> CurrentTable:
+        if len(self.current_ma) != len(self.kpa):
+            raise ValueError(f"as many pressures as currents ({len(self.current_ma)})")
+        if any(high <= low for low, high in zip(self.current_ma, self.current_ma[1:], strict=False)):
+            raise ValueError("current_ma rising")
+        return self
+
+
+class ByGearTable(Strict):
+    gear: dict[str, NonNegative] = Field(min_length=1)
+
+    @field_validator("gear")
+    @classmethod
+    def _whole(cls, gears: dict[str, float]) -> dict[str, float]:
+        for name in gears:
+            try:
+                int(name)
+            except ValueError:
+                raise ValueError(f"gears as whole numbers, not {name!r}") from None
+        return gears
+
+
+SetTable = float | FollowingTable | CurrentTable | ByGearTable | dict[str, float]
+
+
+def _kpa(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= 10_000.0:
+        raise ValueError("a pressure in kPa from 0 to 10000")
+    return float(value)
+
+
+def _set_table(value: object) -> SetTable:
+    """Take a number, a table by operating point, by gear or by current, or one that follows another circuit."""
+    if isinstance(value, dict):
+        if "from" in value or "ratio" in value:
+            return FollowingTable.model_validate(value)
+        if "current_ma" in value:
+            return CurrentTable.model_validate(value)
+        if isinstance(value.get("gear"), dict):
+            return ByGearTable.model_validate(value)
+        if not value:
+            raise ValueError("a pressure for every operating point")
+        return {str(name): _kpa(pressure) for name, pressure in value.items()}
+    return _kpa(value)
+
+
+SetKpa = Annotated[Any, PlainValidator(_set_table)]
+
+
+class CircuitTable(Strict):
+    id: Identifier
+    name: NonEmptyText
+    gears: list[int] | None = Field(default=None, min_length=1)
+    feeds: list[FeedTable] = []
+    set_kpa: SetKpa | None = None
+    source: NonEmptyText
+
+    @model_validator(mode="after")
+    def _supplied(self) -> CircuitTable:
+        if not self.feeds and self.set_kpa is None:
+            raise ValueError("feeds or set_kpa, from which its pressure comes")
+        return self
+
+
+class LineTable(Strict):
+    set_kpa: SetKpa
+    source: NonEmptyText
+
+
+class LeakTable(Strict):
+    id: Identifier
+    name: NonEmptyText | None = None
+    high: NonEmptyText = Field(alias="from")
+    low: NonEmptyText = Field(alias="to", default="drain")
+    law: Literal["laminar", "orifice"]
+    flow_dm3_min: NonNegative
+    at_kpa: Positive
+    at_viscosity_mm2_s: Positive | None = None
+    at_density_g_cm3: Positive = 0.83  # of automatic transmission fluid, about; a laminar leak depends on it little
+    gears: list[int] | None = Field(default=None, min_length=1)
+    source: NonEmptyText
+
+    @model_validator(mode="after")
+    def _complete(self) -> LeakTable:
+        if self.law == "laminar" and self.at_viscosity_mm2_s is None:
+            raise ValueError("at_viscosity_mm2_s, at which a laminar leak was measured")
+        return self
+
+
+def _flows(value: object) -> float | dict[str, float]:
+    """Take one flow [dm³/min], or one for every operating point."""
+    each = list(value.values()) if isinstance(value, dict) else [value]
+    for flow in each:
+        if isinstance(flow, bool) or not isinstance(flow, int | float) or not 0.0 <= flow <= 1000.0:
+            raise ValueError("dm³/min, a number from 0 to 1000, or one for every operating point")
+    if isinstance(value, dict):
+        return {str(name): float(flow) for name, flow in value.items()}
+    return float(each[0])  # type: ignore[arg-type]  # checked above
+
+
+class ConsumerTable(Strict):
+    id: Identifier
+    name: NonEmptyText | None = None
+    flow_dm3_min: Annotated[Any, PlainValidator(_flows)]
+    after_line: bool = False
+    source: NonEmptyText
+
+
+class PermissiblePressureTable(Strict):
+    gear: int | None = None
+    gears: list[int] | None = Field(default=None, min_length=1)
+    state: State
+    low_kpa: Positive | None = None
+    high_kpa: Positive | None = None
+    source: NonEmptyText
+
+    @model_validator(mode="after")
+    def _complete(self) -> PermissiblePressureTable:
+        if (self.gear is None) == (self.gears is None):
+            raise ValueError("either gear or gears")
+        if self.low_kpa is None and self.high_kpa is None:
+            raise ValueError("low_kpa, high_kpa or both")
+        if self.low_kpa is not None and self.high_kpa is not None and self.high_kpa <= self.low_kpa:
+            raise ValueError(f"high_kpa above low_kpa ({self.low_kpa:g})")
+        return self
