@@ -17,8 +17,9 @@ from atleak.engine.leakage import LeakageModel, narrow_gap_messages
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, project, project_new, project_unworn
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.errors import Message
+from atleak.errors import Message, RoadTestError
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
+from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
 from atleak.sheet_checks import sheet_messages
@@ -123,7 +124,8 @@ class Diagnosis:
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     unworn_projections: tuple[Projection, ...]  # as wide as its readings may have been when new; growth is judged by it
-    road: RoadLeakage | None
+    road: RoadLeakage | None  # None without a log, and where no leakage can be computed over it
+    log: RoadFindings | None  # what the log says by itself; None without one
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
@@ -197,9 +199,12 @@ class Diagnosis:
         """
         return evaluate_road_test(self.model, road_test, self.projection.condition)
 
-    def band(self, projection: Projection) -> Band:
-        """Return the band that the total share of one of the projections has reached."""
-        return Band(self.total_rule(projection).level)
+    def band(self, projection: Projection) -> Band | None:
+        """Return the band that the total share of one of the projections has reached; None where nothing was measured.
+
+        The totals of a unit that nobody measured are those of a new one: what is not measured is never green.
+        """
+        return Band(self.total_rule(projection).level) if self.judged else None
 
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
@@ -294,7 +299,7 @@ def diagnose(
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
-        log over which leakage is computed.
+        log that is judged by itself, and over which leakage is computed where it holds main pressure.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
@@ -314,8 +319,6 @@ def diagnose(
         a condition's temperature outside the fluid's data.
     InputError
         a fluid that its data describe as used, taken as fresh.
-    RoadTestError
-        a road test without usable main pressure.
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
@@ -332,7 +335,8 @@ def diagnose(
     when_new = project_new(states, model, projections)
     unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
-    road = None if road_test is None else evaluate_road_test(model, road_test, condition)
+    log = None if road_test is None else road_findings(controller, road_test)
+    road, without = (None, None) if road_test is None else _leakage_over(model, road_test, condition)
     rules = unit_rules(states, projections, unworn, limits)
     uncertainty: UnitUncertainty | None = None
     of_sheet: tuple[Message, ...] = ()
@@ -351,6 +355,8 @@ def diagnose(
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if log is not None and without is not None:
+        messages += [*log.road_test.messages, without]
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
@@ -370,11 +376,22 @@ def diagnose(
         new_projections=when_new,
         unworn_projections=unworn,
         road=road,
+        log=log,
         uncertainty=uncertainty,
         total_rules=rules.totals,
         complaint=complaint,
         messages=tuple(messages),
     )
+
+
+def _leakage_over(
+    model: LeakageModel, road_test: RoadTest, condition: OperatingPoint
+) -> tuple[RoadLeakage | None, Message | None]:
+    """Compute the leakage over a log, or say why there is none: its other findings hold without it."""
+    try:
+        return evaluate_road_test(model, road_test, condition), None
+    except RoadTestError as error:
+        return None, Message("warning", "no_leakage_over_log", str(error))
 
 
 def _certainty(decision: Decision | None) -> int:

@@ -118,11 +118,12 @@ class RepairPlan:
     ends: tuple[Total, ...]  # at every condition, the stated one first
     remaining: tuple[Remainder, ...]  # the ends that are not green
     unmeasured: int  # lands of which a part was not measured and is computed as new
+    judged: bool = True  # whether any land was measured: else there is nothing to plan
 
     @property
     def reached(self) -> bool:
         """Tell whether the plan ends green at every condition."""
-        return not self.remaining
+        return self.judged and not self.remaining
 
     @property
     def for_total(self) -> int:
@@ -162,6 +163,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
             if end.band is not Band.GREEN
         ),
         unmeasured=len(diagnosis.lands) - diagnosis.measured,
+        judged=bool(lands),
     )
 
 

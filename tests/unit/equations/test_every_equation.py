@@ -25,6 +25,8 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (gap.eccentricity_factor, (10e-6, 30e-6)),
     (referees.exact_annulus_flow, (8e5, 0.010, 0.01006, 8.5e-3, 0.008)),
     (gap.entry_loss_flow, (*GAP, 1.5, 1.2)),
+    (gap.restricted_flow, (8e5, 1e-12, 1e-7)),
+    (gap.restricted_slope, (8e5, 1e-12, 1e-7)),
     (gap.flow_equal_clearance, (30e-6, 50e-12, 100e-18)),
     (gap.reynolds_number, (8e-7, 0.010, 1e-5)),
     (referees.taper_cube, (20e-6, 40e-6)),
@@ -69,6 +71,7 @@ OTHERS = {
     referees.circumferential_cube,
     referees.axial_cube,
     gap.obliteration,
+    gap.entry_loss_terms,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
