@@ -335,7 +335,7 @@ def diagnose(
     when_new = project_new(states, model, projections)
     unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
-    log = None if road_test is None else road_findings(controller, road_test)
+    log = None if road_test is None else road_findings(controller, road_test, limits, assumptions, guard_factor)
     road, without = (None, None) if road_test is None else _leakage_over(model, road_test, condition)
     rules = unit_rules(states, projections, unworn, limits)
     uncertainty: UnitUncertainty | None = None

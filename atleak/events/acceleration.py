@@ -86,16 +86,9 @@ def _judged(
         fault = "broken_off"
     elif not climb.carried:
         return None
-    test = AccelerationTest(
-        climb.gears,
-        missing,
-        highest,
-        float(time[climb.first + at]),
-        limits.gentle_speed,
-        fault,
-        float(time[climb.last]),
-    )
-    return Event("minimum_acceleration", float(time[climb.first]), float(time[climb.last]), note=test.text, test=test)
+    start, stop, highest_at = (float(time[sample]) for sample in (climb.first, climb.last, climb.first + at))
+    test = AccelerationTest(climb.gears, missing, highest, highest_at, limits.gentle_speed, fault)
+    return Event("minimum_acceleration", start, stop, test=test)
 
 
 def _gentle_part(
@@ -142,11 +135,10 @@ class _ByVehicleSpeed:
                 continue
             last = int(first) + int(np.nanargmax(run))
             passed = _passed(self.gear, part.start + int(first), part.start + last)
-            carried = bool(np.nanmax(run) >= limits.gentle_end) and (self.gear is None or max(passed, default=0) >= 2)
-            begun = (
-                carried or max(passed, default=0) >= 2 or (self.gear is None and np.nanmax(run) >= limits.gentle_begun)
-            )
-            yield _Climb(part.start + int(first), part.start + last, passed, carried, bool(begun))
+            fastest, shifted = float(np.nanmax(run)), max(passed, default=0) >= 2
+            carried = fastest >= limits.gentle_end and (shifted or self.gear is None)
+            begun = shifted if self.gear is not None else fastest >= limits.gentle_begun
+            yield _Climb(part.start + int(first), part.start + last, passed, carried, begun)
 
 
 class _ByGear:

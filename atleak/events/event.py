@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 
 from atleak.road_test import ChannelSource, RoadTest
-from atleak.workshop_units import RPM
 
 EventKind = Literal[
     "minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving", "engine_start"
@@ -65,31 +64,11 @@ class AccelerationTest:
     highest_at: float
     speed_limit: float
     fault: TestFault | None  # None: driven as it is meant to be
-    stop: float
 
     @property
     def over_by(self) -> float:
         """Return how far the engine speed went over the limit [1/s]; 0 where it did not."""
         return max(0.0, self.highest_speed - self.speed_limit)
-
-    @property
-    def text(self) -> str:
-        """Say in English what was driven and what was wrong with it, when and by how much."""
-        limit, highest = self.speed_limit * RPM, self.highest_speed * RPM
-        gears = ""
-        if self.gears:
-            first, last = self.gears[0], self.gears[-1]
-            gears = f"gear {first}" if first == last else f"gears {first} to {last}"
-        driven = ", ".join(part for part in (gears, f"at most {highest:.0f} rpm at {self.highest_at:.1f} s") if part)
-        if self.fault == "too_fast":
-            return f"driven too fast, by {self.over_by * RPM:.0f} rpm over {limit:.0f}: {driven}"
-        if self.fault == "broken_off":
-            end = "not driven on"
-            if self.missing:
-                plural = "s" * (len(self.missing) > 1)
-                end = f"gear{plural} {', '.join(map(str, self.missing))} not reached"
-            return f"broken off at {self.stop:.1f} s, {end}: {driven}"
-        return driven
 
 
 @dataclass(frozen=True)

@@ -65,15 +65,12 @@ def test_a_test_driven_too_fast_says_when_and_by_how_much(log: Log, dropped: tup
     assert event.test.fault == "too_fast"
     assert event.test.over_by * RPM == pytest.approx(190.0, abs=1e-6)
     assert event.test.highest_at == pytest.approx(5.95, abs=1e-6)  # the end of first gear
-    assert event.note.startswith("driven too fast, by 190 rpm over 2500")
-    assert event.note.endswith(f"at most 2690 rpm at {event.test.highest_at:.1f} s")
 
 
 def test_a_test_that_is_broken_off_names_the_gears_it_did_not_reach(log: Log) -> None:
     whole = driven(gears=3)
     event = only(minimum_acceleration(log(whole), gears=(-1, 1, 2, 3, 4, 5)))
     assert (event.test.fault, event.test.missing) == ("broken_off", (4, 5))
-    assert event.note.startswith(f"broken off at {event.stop:.1f} s, gears 4, 5 not reached")
     assert event.stop == pytest.approx(11.95, abs=1e-6)
     assert only(minimum_acceleration(log(whole), gears=(1, 2, 3))).test.fault is None
     assert only(minimum_acceleration(log(whole))).test.fault is None  # nobody says how many gears there are
