@@ -36,6 +36,7 @@ from atleak.uncertainty import (
 )
 from atleak.verdicts import Band, Verdict, worst
 
+NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
 FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
 
 
@@ -224,16 +225,20 @@ class Diagnosis:
 
     @property
     def decided_by(self) -> LandDiagnosis | Rule | None:
-        """Return what put the unit past a limit: a land or a total, the worst; None within all limits.
+        """Return what put the unit past a limit: a land, a total or the log, the worst; None within all limits.
 
-        Of several that are equally bad one that is sure is named before one that is not, a land before a total.
-        Without any reading nothing is decided: the totals are those of a new unit.
+        Of several that are equally bad one that is sure is named before one that is not, a land before a total, a total
+        before the log. Without any reading the log alone decides: the totals are those of a new unit.
         """
-        if not self.judged:
-            return None
         candidates: list[LandDiagnosis | Rule] = [*self.flagged]
-        candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
+        candidates += [rule for rule in self.unit_rules if rule.verdict.flagged]
         return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
+
+    @property
+    def unit_rules(self) -> tuple[Rule, ...]:
+        """Return every rule that judges the whole unit: the worst total and, last, those of the log."""
+        of_log = self.log.rules if self.log else ()
+        return (self.worst_total, *of_log) if self.judged else of_log
 
     @property
     def decision(self) -> Decision | None:
@@ -243,22 +248,38 @@ class Diagnosis:
             return self._decision_on(decided_by)
         if self.verdict == Verdict.NOT_MEASURED:
             return None
-        every: list[LandDiagnosis | Rule] = [*self.lands, *self.total_rules]
+        every: list[LandDiagnosis | Rule] = [*self.lands, *self.total_rules, *self.unit_rules]
         return max((self._decision_on(each) for each in every), key=_certainty, default=None)
 
     def _decision_on(self, each: LandDiagnosis | Rule) -> Decision | None:
         if not isinstance(each, Rule):
             return each.decision
+        decided = self.decided(each)
+        return decided.decision if decided else None
+
+    def decided(self, rule: Rule) -> RuleDecision | None:
+        """Return the decision on one of the unit's rules; None where it depends on readings and there are none."""
+        of_log = next((each for each in (self.log.decisions if self.log else ()) if each.rule is rule), None)
         totals = self.uncertainty.totals if self.uncertainty else ()
-        return next((total.decision.decision for total in totals if total.decision.rule == each), None)
+        return of_log or next((total.decision for total in totals if total.decision.rule == rule), None)
 
     @property
     def verdict(self) -> Verdict:
-        """Return the worst of any measured land and of the totals, ``not_measured`` where nothing was measured."""
+        """Return the worst of any measured land, the totals and the log; ``not_measured`` where none of them is there.
+
+        Without any reading it is that of the log's main pressure alone.
+        """
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
-        return worst([land.verdict for land in self.lands if land.verdict == Verdict.OK] or [Verdict.NOT_MEASURED])
+        within = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within += [rule.verdict for rule in self.unit_rules if self.log is not None and not self.judged]
+        return worst(within or [Verdict.NOT_MEASURED])
+
+    @property
+    def log_alone(self) -> bool:
+        """Return whether the log is all there is: no measuring sheet was given."""
+        return self.log is not None and self.readings is None
 
     @property
     def judged(self) -> int:
@@ -391,7 +412,7 @@ def _leakage_over(
     try:
         return evaluate_road_test(model, road_test, condition), None
     except RoadTestError as error:
-        return None, Message("warning", "no_leakage_over_log", str(error))
+        return None, Message("warning", NO_LEAKAGE, str(error))
 
 
 def _certainty(decision: Decision | None) -> int:
