@@ -22,6 +22,11 @@ def pressure_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
         yield say("findings.above", **_place(permitted.highest, say), seconds=say.number(permitted.above, 1))
     if permitted is not None and permitted.lowest is not None:
         yield say("findings.limits_from", source=permitted.lowest.source)
+    yield from commanded_sentence(log, say)
+
+
+def commanded_sentence(log: RoadFindings, say: Wording) -> Iterator[str]:
+    """Say how far measured main pressure was from what was commanded; nothing where one of them is not logged."""
     compared, decided = log.commanded, log.decided(RuleKind.COMMANDED_PRESSURE)
     if compared is not None and decided is not None:
         yield say(
@@ -32,6 +37,14 @@ def pressure_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
             commanded=say.number(compared.commanded * KPA, 0),
             verdict=say.signed(decided.rule.verdict),
         )
+
+
+def deciding_sentence(log: RoadFindings, rule: object, say: Wording) -> str:
+    """Return what a rule of the log says; without one what is known of main pressure."""
+    decided = log.decided(RuleKind.COMMANDED_PRESSURE)
+    if decided is not None and decided.rule == rule:
+        return " ".join(commanded_sentence(log, say))
+    return permitted_sentence(log, say)
 
 
 def permitted_sentence(log: RoadFindings, say: Wording) -> str:
