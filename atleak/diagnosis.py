@@ -447,7 +447,7 @@ def _leakage_over(
     try:
         return evaluate_road_test(model, road_test, condition), None
     except RoadTestError as error:
-        return None, Message("warning", NO_LEAKAGE, str(error))
+        return None, Message("warning", NO_LEAKAGE, f"No leakage is computed over {road_test.file}: {error.problem}.")
 
 
 def _certainty(decision: Decision | None) -> int:

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.engine.road_pressure import RoadPressure
 from atleak.events import Event
 from atleak.road_test import QUANTITIES, RoadTest
 from atleak.views.road_words import event_name, event_remark
 from atleak.wording import Wording, wording
-from atleak.workshop_units import DM3_MIN, PERCENT
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT
 
 Scales = Mapping[str, tuple[str, Callable[[Any], Any]]]
 
@@ -36,6 +37,25 @@ def event_rows(events: Iterable[Event], say: Wording | None = None) -> list[dict
             "note": event_remark(event, say) or None,
         }
         for event in events
+    ]
+
+
+def place_rows(permitted: RoadPressure) -> list[dict[str, Any]]:
+    """Return one English row for every gear and state in which main pressure was judged, in workshop units."""
+    say = wording("en")
+    return [
+        {
+            "gear": place.gear,
+            "state": say(f"states.{place.state}"),
+            "judged for [s]": place.judged,
+            "lowest, lasting [kPa]": place.worst and place.worst.pressure * KPA,
+            "permitted at least [kPa]": place.worst and place.worst.limit * KPA,
+            "below by [%]": place.worst and max(place.worst.fraction, 0.0) * PERCENT,
+            "below for [s]": place.below,
+            "above for [s]": place.above,
+            "limits from": place.worst and place.worst.source,
+        }
+        for place in permitted.places
     ]
 
 

@@ -15,9 +15,9 @@ from atleak.road_findings import RoadFindings
 from atleak.views.road_instants import instant_rows
 from atleak.views.road_series import road_series
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.views.window import event_rows
+from atleak.views.window import event_rows, place_rows
 from atleak.wording import wording
-from atleak.workshop_units import KPA, PERCENT
+from atleak.workshop_units import PERCENT
 
 ROAD_ROWS = 2000  # rows of the thinned road test
 _KINDS = {  # of numbers, by their unit
@@ -66,24 +66,9 @@ class RoadSheets:
         permitted = self.log.permitted
         if permitted is None:
             return row
-        say = wording("en")
-        records = [
-            {
-                "gear": place.gear,
-                "state": say(f"states.{place.state}"),
-                "judged for [s]": place.judged,
-                "lowest, lasting [kPa]": place.worst and place.worst.pressure * KPA,
-                "permitted at least [kPa]": place.worst and place.worst.limit * KPA,
-                "below by [%]": place.worst and max(place.worst.fraction, 0.0) * PERCENT,
-                "below for [s]": place.below,
-                "above for [s]": place.above,
-                "limits from": place.worst and place.worst.source,
-            }
-            for place in permitted.places
-        ]
         kinds = {"gear": "count", "lowest, lasting [kPa]": "kpa", "permitted at least [kPa]": "kpa"}
         kinds |= dict.fromkeys(("judged for [s]", "below for [s]", "above for [s]"), "time")
-        return self.book.records(sheet, row, records, kinds | {"below by [%]": "percent"})
+        return self.book.records(sheet, row, place_rows(permitted), kinds | {"below by [%]": "percent"})
 
     def write_events(self, sheet: Worksheet) -> None:
         """Write every event of the log, one a row."""
