@@ -8,6 +8,7 @@ from typing import Any
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
+from atleak.engine.repaired import LINE
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
@@ -282,6 +283,7 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
                 "share_before_percent": finite(each.before.share * PERCENT),
                 "share_after_percent": finite(each.after.share * PERCENT),
                 "band_after": each.after.band,
+                **_held(each.after),
             }
             for each in step.conditions
         ],
@@ -302,6 +304,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
             }
             for left in plan.remaining
         ],
+        "pressures_past": [rule.id for rule in plan.pressures_past],
         "lands_not_measured": plan.unmeasured,
         "text": " ".join(plan_ends(plan)),
     }
@@ -314,4 +317,15 @@ def _end(total: Total, *, judged: bool) -> dict[str, Any]:
         "label": total.condition.label,
         "share_percent": finite(total.share * PERCENT),
         "band": total.band if judged else None,
+        **_held(total),
+    }
+
+
+def _held(total: Total) -> dict[str, Any]:
+    """Return the reserve and the pressures that hold with some lands repaired."""
+    circuits = {name: pressure * KPA for name, pressure in total.pressures.items() if name != LINE}
+    return {
+        "reserve_after": finite(total.reserve),
+        "p_g_held_after_kpa": total.pressures[LINE] * KPA,
+        "circuits_after_kpa": circuits,
     }

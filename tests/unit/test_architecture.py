@@ -40,7 +40,7 @@ FLOORS = (
     ("events", "engine.profile", "engine.extremes", "engine.circuits"),
     ("engine.leakage", "engine.lasting"),
     ("engine.line",),
-    ("engine.series", "engine.projection", "engine.losses"),
+    ("engine.series", "engine.projection", "engine.repaired"),
     ("engine.road_leakage", "engine.road_pressure", "rules"),
     ("uncertainty", "variants"),
     ("sheet_checks", "road_findings"),
