@@ -304,7 +304,7 @@ class Diagnosis:
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
-        within = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within: list[Verdict] = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
         within += () if self.judged else [rule.verdict for rule in self.log_rules]
         return worst(within or [Verdict.NOT_MEASURED])
 
