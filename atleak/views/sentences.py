@@ -9,7 +9,11 @@ from atleak.engine.projection import Projection
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import PERCENT, RPM
 
-LEFT_OUT_OF_SPEED = wording("en")("texts.left_out_of_speed")
+
+def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say which consumers are in the lowest engine speed that the pump needs: none where the file states none."""
+    consumers = ", ".join(isolated(each.name) for each in diagnosis.controller.consumers)
+    return say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
 
 
 def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
@@ -59,7 +63,7 @@ def when_new(diagnosis: Diagnosis, projection: Projection) -> str:
     return f"{new:.1f} % when new" + ("" if f"{unworn:.1f}" == f"{new:.1f}" else as_wide)
 
 
-def covered_from(projection: Projection) -> str:
-    """Say from which engine speed the pump covers the leakage of a condition, and what that speed leaves out."""
+def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
+    """Say from which engine speed the pump covers the leakage of a condition, and which consumers that speed counts."""
     speed = f"{projection.minimum_speed * RPM:.0f} rpm"
-    return f"the pump covers this leakage and its own slip from {speed}; {LEFT_OUT_OF_SPEED}"
+    return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"

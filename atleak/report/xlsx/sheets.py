@@ -13,7 +13,7 @@ from atleak.job.record import Job, Record
 from atleak.look import CHART_GRID, PAPER
 from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, COVERS, DEMAND
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, ColumnKey, SheetCondition, component_width, verdict_of_rank
 from atleak.rules import Rule
@@ -158,7 +158,7 @@ class Sheets:
                     formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
         book.colour_words(sheet, (first, 1), (row, 1), BANDS)
         put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
-        put(sheet, row + 2, 0, COVERS)
+        put(sheet, row + 2, 0, covers(self.diagnosis))
         return row + 3
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
