@@ -15,10 +15,13 @@ The circuits' pressures are solved in every trial: a land that leaks more in it 
 from __future__ import annotations
 
 import math
+import os
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,6 +30,7 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
 from atleak.catalogue.limits import Limits, Steps
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine.circuits import Balance, Network, leaks_both_ways
+from atleak.engine.circuits import Gap as Restricted
 from atleak.engine.circuits import network as circuit_network
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.line import consumed
@@ -163,35 +167,48 @@ class _Drawn:
         pressures: dict[str, Any],
         pump: PumpFlow,
         solved: frozenset[str] = frozenset(),
+        restrictions: Mapping[Any, Restricted] = MappingProxyType({}),
     ) -> None:
         self.solved = solved  # the circuits whose pressure follows from a balance
+        self.restrictions = restrictions  # of the lands of which circuits needed them already, by their keys
         self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
         self.pressures, self.pump = pressures, pump
         self.viscosity = dynamic_viscosity(nu, rho)
         self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
         self._drops: dict[Any, Any] = {}
 
-    def with_circuits(self, lands: Iterable[tuple[LandSources, Bore, Any, Any]]) -> tuple[_Drawn, Network, Balance]:
+    def with_circuits(
+        self, lands: Iterable[tuple[LandSources, Bore, Any, Any]], *, keep: bool = True
+    ) -> tuple[_Drawn, Network, Balance]:
         """Return the same with the pressures that the circuits hold where the lands are as given.
 
-        Each land comes with its bore, its contact length and where its spool lies.
+        Each land comes with its bore, its contact length and where its spool lies; ``keep`` says that `leakage` will be
+        asked for with the same.
         """
         model, point = self.condition.model, self.condition.point
-        law, gaps = model.law, []
+        restrictions: dict[Any, Restricted] = {}
+        gaps = []
         for land, bore, length, position in lands:
             touching = [each for each in self.condition.gaps.get(land.state.land.key, ()) if _touches_circuit(each[0])]
             if touching:
-                mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
-                c = law.flow_clearance(mean, bore.square, bore.cube)
-                factors = law.diameter(land.state.spool_diameter, mean), c, self.nu, self.rho, length, position
-                gaps += [(gap, law.restriction(*factors), counts) for gap, counts in touching]
+                restriction = self._restriction(land, bore, length, position)
+                restrictions[land.state.land.key] = restriction
+                gaps += [(gap, restriction, counts) for gap, counts in touching]
         solves = model.profile.circuits == "on"
         network = circuit_network(model.controller, point, gaps, self.nu, self.rho, solves=solves)
         balance = network.balance(self.pressures)
         if not network.has_circuits:
             return self, network, balance
         parts = self.rise, self.nu, self.rho, dict(balance.pressures), self.pump
-        return _Drawn(self.condition, *parts, network.solved), network, balance
+        return _Drawn(self.condition, *parts, network.solved, restrictions if keep else {}), network, balance
+
+    def _restriction(self, land: LandSources, bore: Bore, length: Any, position: Any) -> Restricted:
+        """Return what all gaps of a land have in common."""
+        law = self.condition.model.law
+        mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
+        clearance = law.flow_clearance(mean, bore.square, bore.cube)
+        diameter = law.diameter(land.state.spool_diameter, mean)
+        return law.restriction(diameter, clearance, self.nu, self.rho, length, position)
 
     def drop(self, gap: Gap) -> Any:
         """Return the pressure drop [Pa]; a negative one that leaks nothing is given as zero."""
@@ -199,13 +216,6 @@ class _Drawn:
         if key not in self._drops:
             drop = gap.high.at(self.pressures) - gap.low.at(self.pressures)
             self._drops[key] = drop if leaks_both_ways(gap, self.solved) else np.maximum(drop, 0.0)
-        return self._drops[key]
-
-    def driving(self, gaps: Sequence[Gap]) -> Any:
-        """Return the sum of the pressure drops, divided by the dynamic viscosity [1/s]."""
-        key = tuple((gap.high, gap.low) for gap in gaps)
-        if key not in self._drops:
-            self._drops[key] = sum(self.drop(gap) for gap in gaps) / self.viscosity
         return self._drops[key]
 
     def leakage(self, land: LandSources, bore: Bore, length: Any, position: Any = None) -> tuple[Any, Any]:
@@ -219,20 +229,23 @@ class _Drawn:
         if not gaps:
             nothing = np.zeros_like(self.viscosity)
             return nothing, nothing
-        law = self.condition.model.law
-        mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
-        c, d = law.flow_clearance(mean, bore.square, bore.cube), law.diameter(state.spool_diameter, mean)
-        if not law.linear:
-            flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length, position) for gap, _ in gaps]
+        restriction = self.restrictions.get(state.land.key)
+        if restriction is None:
+            restriction = self._restriction(land, bore, length, position)
+        if not self.condition.model.law.linear:
+            flows = [restriction.flow(self.drop(gap)) for gap, _ in gaps]
             flow = sum(flows)
             drawn_flows = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
+            if len(drawn_flows) == len(flows):
+                return flow, flow
             return flow, sum(drawn_flows) if drawn_flows else np.zeros_like(flow)
-        geometry = law.flow(1.0, d, c, 1.0, 1.0, length, position)  # for a pressure drop over viscosity of one
-        flow = geometry * self.driving([gap for gap, _ in gaps])
+        drops = sum(self.drop(gap) for gap, _ in gaps)
         drawn_gaps = [gap for gap, counts in gaps if counts]
+        flow = restriction.conductance * drops
         if len(drawn_gaps) == len(gaps):
             return flow, flow
-        return flow, geometry * self.driving(drawn_gaps) if drawn_gaps else np.zeros_like(flow)
+        drawn_drops = sum(self.drop(gap) for gap in drawn_gaps)
+        return flow, restriction.conductance * drawn_drops if drawn_gaps else np.zeros_like(flow)
 
 
 @dataclass
@@ -302,10 +315,14 @@ def propagate(
         total += network.beside_lands(balance)
         for each in lands:
             total += solved.leakage(*each.now)[1]
-    by_condition = [
-        _at_condition(model, projection, now, probe, lands, assumptions, positions.relative_spread, limits, coverage)
-        for projection, now, probe in zip(projections, drawn, probes, strict=True)
-    ]
+
+    def spreads_at(number: int) -> tuple[list[LandSpread], TotalSpread]:
+        each = projections[number], drawn[number], probes[number]
+        return _at_condition(model, *each, lands, assumptions, positions.relative_spread, limits, coverage)
+
+    # conditions share nothing that is drawn in them, and NumPy lets other threads run while it computes
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as threads:
+        by_condition = list(threads.map(spreads_at, range(len(projections))))
     return Propagated(
         [tuple(spreads[number] for spreads, _ in by_condition) for number in range(len(lands))],
         [total for _, total in by_condition],
@@ -385,7 +402,7 @@ def _at_condition(
     unworn, unworn_network, unworn_balance = (
         (new, new_network, new_balance) if same else drawn.with_circuits(each.unworn for each in lands)
     )
-    probe, probe_network, probe_balance = probe.with_circuits(_as_measured(each) for each in lands)
+    probe, probe_network, probe_balance = probe.with_circuits((_as_measured(each) for each in lands), keep=False)
     total, new_total, unworn_total = (
         np.full(draws, 0.0) + each.beside_lands(at)
         for each, at in ((network, balance), (new_network, new_balance), (unworn_network, unworn_balance))
