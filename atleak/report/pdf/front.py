@@ -11,7 +11,7 @@ from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.views.positions import position_band
-from atleak.views.sentences import tighter_than_new
+from atleak.views.sentences import counted_in_speed, tighter_than_new
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
@@ -91,7 +91,7 @@ class Front:
         if tight is not None:
             more.append(tight)
         speed = say.number(at.minimum_speed * RPM, 0)
-        more.append(say("sentences.holds", speed=speed, left_out=say("texts.left_out_of_speed")))
+        more.append(say("sentences.holds", speed=speed, counted=counted_in_speed(diagnosis, say)))
         more += self._positions(at)
         missing = len(diagnosis.lands) - diagnosis.measured
         if missing and diagnosis.judged:
