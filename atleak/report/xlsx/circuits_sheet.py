@@ -13,8 +13,8 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
-from atleak.engine.losses import LINE
 from atleak.engine.projection import CircuitState
+from atleak.engine.repaired import LINE
 from atleak.report.xlsx.book import Book, cell
 from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, Cell, SheetCondition, address, write_cell
 from atleak.report.xlsx.rules_sheet import RuleCells
