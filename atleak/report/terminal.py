@@ -71,7 +71,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         for line in _total(diagnosis, projection, number):
             console.print(Text(line))
     counted = counted_in_speed(diagnosis, wording("en"))
-    console.print(Text(f"At these speeds the pump covers the leakage and its own slip: {counted}."))
+    console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:
         console.print(_flagged(diagnosis.flagged))
     else:

@@ -80,7 +80,7 @@ class Conditions:
                 lands.setdefault(row.circuits, []).append(row.land)
         for circuits, leaking in lands.items():
             into = joined(
-                say("texts.another_circuit") if circuit is None else say(f"pressures.{circuit}") for circuit in circuits
+                say("texts.another_circuit") if circuit is None else self.names.section(circuit) for circuit in circuits
             )
             yield say("texts.elsewhere", lands=joined(map(self.names.land_number, leaking)), circuits=into)
 
