@@ -31,7 +31,7 @@ from atleak.workshop_units import DM3_MIN, PERCENT
 #: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
     "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_concentric",
-    "share_touching", "capacity", "n_min", "T", "n",
+    "share_touching", "capacity", "n_min", "reserve", "reserve_new", "p_g", "p_g_held", "T", "n",
 )  # fmt: skip
 _ISSUED = {
     "decision": "decision as issued",
