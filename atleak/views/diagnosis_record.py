@@ -9,7 +9,7 @@ from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Extremes
 from atleak.engine.leakage import GapLeakage
-from atleak.engine.repaired import LINE
+from atleak.engine.line import LINE
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs

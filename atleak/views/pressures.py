@@ -6,11 +6,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
-from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.limits import Level, RuleKind
 from atleak.diagnosis import Diagnosis
+from atleak.engine.line import LINE
 from atleak.engine.projection import CircuitState, Projection
-from atleak.engine.repaired import LINE, with_new
-from atleak.rules import LandKey, Rule
+from atleak.repair import RepairPlan
+from atleak.rules import LandKey, Rule, permissible_low
 from atleak.uncertainty import RuleDecision
 from atleak.verdicts import Verdict
 
@@ -29,6 +30,7 @@ class HeldPressure:
     set_pressure: float | None  # of the circuit's regulator; what is required of the line
     vented: bool  # not applied in this gear
     permissible: PermissiblePressure | None  # of the line
+    low: float | None  # [Pa] the least permissible pressure by which the line is judged
     rule: Rule | None  # that judges it; None where no such limit is set, and of a vented circuit
     decided: RuleDecision | None
     verdict: Verdict | None  # ``not_measured`` where nothing was measured and no limit is passed
@@ -43,6 +45,17 @@ class HeldPressure:
     def loss(self) -> float:
         """Return what it holds less than when new [Pa]; negative where it holds more."""
         return self.new - self.now
+
+    @property
+    def limits(self) -> tuple[tuple[Level, float], ...]:
+        """Return the pressures [Pa] under which a level is reached, the mildest first; none where nothing is judged."""
+        if self.rule is None:
+            return ()
+        if self.rule.kind is RuleKind.CIRCUIT_LOSS:
+            new = self.new if self.rule.new is None else self.rule.new
+            return tuple((level, max(new - limit, 0.0)) for level, limit in self.rule.steps.levels)
+        low = self.low if self.low is not None else 0.0
+        return tuple((level, low * (1.0 - limit)) for level, limit in self.rule.steps.levels)
 
     @property
     def costly(self) -> tuple[tuple[LandKey, float], ...]:
@@ -63,6 +76,7 @@ class PressuresAt:
     circuits: tuple[HeldPressure, ...]  # in the order of the controller's file
     reserve_interval: Interval | None
     reserve_new: float
+    reserve_repaired: float | None  # with the planned repairs
     reserve_rule: Rule | None
     reserve_decided: RuleDecision | None
     reserve_verdict: Verdict | None
@@ -80,27 +94,14 @@ class PressuresAt:
         return tuple(rule for rule in every if rule is not None)
 
 
-def pressures_at(
-    diagnosis: Diagnosis, projection: Projection, repaired: Collection[LandKey] | None = None
-) -> PressuresAt:
-    """Gather reserve and pressures at one condition of a diagnosis.
-
-    Parameters
-    ----------
-    repaired
-        the lands that are to be repaired; with them every pressure is given as it will be.
-
-    Raises
-    ------
-    DomainError
-        temperature outside the fluid's data.
-    """
+def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan | None = None) -> PressuresAt:
+    """Gather reserve and pressures at one condition of a diagnosis; with a plan also as its repairs leave them."""
     total = diagnosis.uncertainty.total(projection.condition.name) if diagnosis.uncertainty else None
     new, losses = diagnosis.new_at(projection), diagnosis.losses_at(projection)
-    after: Mapping[str, float] = {}
-    if repaired is not None:
-        done = with_new(diagnosis.model, diagnosis.as_new, projection.condition, [repaired])
-        after = {name: float(pressure[0]) for name, pressure in done.pressures.items()}
+    end = None
+    if plan is not None and plan.steps:
+        end = next(each for each in plan.ends if each.condition == projection.condition)
+    after: Mapping[str, float] = {} if end is None else end.pressures
     rules = diagnosis.pressure_rules_at(projection)
     reserve = _rule(rules, RuleKind.RESERVE)
     permissible = _rule(rules, RuleKind.PERMISSIBLE_PRESSURE)
@@ -117,6 +118,7 @@ def pressures_at(
             set_pressure=state.set_pressure,
             vented=state.vented,
             permissible=None,
+            low=None,
             rule=rule,
             decided=diagnosis.decided(rule) if rule else None,
             verdict=diagnosis.circuit_verdict(rule),
@@ -132,6 +134,7 @@ def pressures_at(
         set_pressure=projection.condition.main_pressure,
         vented=False,
         permissible=projection.permissible,
+        low=permissible_low(projection, diagnosis.unworn_at(projection)),
         rule=permissible,
         decided=diagnosis.decided(permissible) if permissible else None,
         verdict=diagnosis.circuit_verdict(permissible),
@@ -143,6 +146,7 @@ def pressures_at(
         circuits=tuple(circuit(state) for state in projection.circuits),
         reserve_interval=total.reserve_interval if total else None,
         reserve_new=new.reserve,
+        reserve_repaired=None if end is None else end.reserve,
         reserve_rule=reserve,
         reserve_decided=diagnosis.decided(reserve) if reserve else None,
         reserve_verdict=diagnosis.circuit_verdict(reserve),

@@ -40,7 +40,7 @@ FLOORS = (
     ("events", "engine.profile", "engine.extremes", "engine.circuits"),
     ("engine.leakage",),
     ("engine.line",),
-    ("engine.series", "engine.projection", "engine.repaired"),
+    ("engine.series", "engine.projection", "engine.repaired", "engine.flows"),
     ("engine.road_leakage", "rules"),
     ("uncertainty", "variants"),
     ("sheet_checks",),
