@@ -19,8 +19,9 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, model_new, project, project_unworn
 from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.errors import Message
+from atleak.errors import Message, RoadTestError
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
+from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
 from atleak.sheet_checks import sheet_messages
@@ -37,6 +38,7 @@ from atleak.uncertainty import (
 )
 from atleak.verdicts import Band, Verdict, worst
 
+NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
 FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
 
 
@@ -127,7 +129,8 @@ class Diagnosis:
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     unworn_projections: tuple[Projection, ...]  # as wide as its readings may have been when new; growth is judged by it
     losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
-    road: RoadLeakage | None
+    road: RoadLeakage | None  # None without a log, and where no leakage can be computed over it
+    log: RoadFindings | None  # what the log says by itself; None without one
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
@@ -217,9 +220,12 @@ class Diagnosis:
         """
         return evaluate_road_test(self.model, road_test, self.projection.condition)
 
-    def band(self, projection: Projection) -> Band:
-        """Return the band that the total share of one of the projections has reached."""
-        return Band(self.total_rule(projection).level)
+    def band(self, projection: Projection) -> Band | None:
+        """Return the band that the total share of one of the projections has reached; None where nothing was measured.
+
+        The totals of a unit that nobody measured are those of a new one: what is not measured is never green.
+        """
+        return Band(self.total_rule(projection).level) if self.judged else None
 
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
@@ -239,18 +245,18 @@ class Diagnosis:
 
     @property
     def decided_by(self) -> LandDiagnosis | Rule | None:
-        """Return what put the unit past a limit: a land, a total or a pressure, the worst; None within all limits.
+        """Return what put the unit past a limit: a land, a total, a pressure, the worst; None within all limits.
 
         Of several that are equally bad one that is sure is named before one that is not, a land before a total, a total
-        before a pressure, and of pressures the one that is farthest past its limit.
-        Without any reading nothing is decided: the totals are those of a new unit.
+        before a pressure, and of pressures the one that is farthest past its limit, those of the log last.
+        Without any reading the log alone decides: all else is that of a new unit.
         """
-        if not self.judged:
-            return None
         candidates: list[LandDiagnosis | Rule] = [*self.flagged]
-        candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
-        past = sorted(self.pressure_rules, key=lambda rule: -rule.severity)
-        candidates += [rule for rule in past if rule.verdict.flagged]
+        if self.judged:
+            candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
+            past = sorted(self.pressure_rules, key=lambda rule: -rule.severity)
+            candidates += [rule for rule in past if rule.verdict.flagged]
+        candidates += [rule for rule in self.log_rules if rule.verdict.flagged]
         return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
 
     @property
@@ -271,13 +277,20 @@ class Diagnosis:
         return decided.decision if decided else None
 
     def decided(self, rule: Rule) -> RuleDecision | None:
-        """Return the decision on one of the unit's rules; None without readings."""
-        return self.uncertainty.on(rule) if self.uncertainty else None
+        """Return the decision on one of the unit's rules; None where it depends on readings and there are none."""
+        of_log = next((each for each in (self.log.decisions if self.log else ()) if each.rule == rule), None)
+        return of_log or (self.uncertainty.on(rule) if self.uncertainty else None)
+
+    @property
+    def log_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge the log: main pressure beside what is permitted, and what was commanded."""
+        return self.log.rules if self.log else ()
 
     @property
     def unit_rules(self) -> tuple[Rule, ...]:
-        """Return every rule that judges the whole unit: totals first."""
-        return (*self.total_rules, *self.pressure_rules)
+        """Return every rule that judges the whole unit: totals first, the log last; without readings the log alone."""
+        of_clearances = (*self.total_rules, *self.pressure_rules) if self.judged else ()
+        return (*of_clearances, *self.log_rules)
 
     def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
         """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
@@ -290,11 +303,21 @@ class Diagnosis:
 
     @property
     def verdict(self) -> Verdict:
-        """Return the worst of any measured land and of the totals, ``not_measured`` where nothing was measured."""
+        """Return the worst of any measured land, the totals and the log; ``not_measured`` where none of them is there.
+
+        Without any reading it is that of the log's main pressure alone.
+        """
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
-        return worst([land.verdict for land in self.lands if land.verdict == Verdict.OK] or [Verdict.NOT_MEASURED])
+        within = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within += () if self.judged else [rule.verdict for rule in self.log_rules]
+        return worst(within or [Verdict.NOT_MEASURED])
+
+    @property
+    def log_alone(self) -> bool:
+        """Return whether the log is all there is: no measuring sheet was given."""
+        return self.log is not None and self.readings is None
 
     @property
     def judged(self) -> int:
@@ -335,7 +358,7 @@ def diagnose(
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
-        log over which leakage is computed.
+        log that is judged by itself, and over which leakage is computed where it holds main pressure.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
@@ -355,8 +378,6 @@ def diagnose(
         a condition's temperature outside the fluid's data.
     InputError
         a fluid that its data describe as used, taken as fresh.
-    RoadTestError
-        a road test without usable main pressure.
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
@@ -375,7 +396,8 @@ def diagnose(
     when_new = tuple(project(as_new, point) for point in conditions)
     unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
-    road = None if road_test is None else evaluate_road_test(model, road_test, condition)
+    log = None if road_test is None else road_findings(controller, road_test, limits, assumptions, guard_factor)
+    road, without = (None, None) if road_test is None else _leakage_over(model, road_test, condition)
     rules = unit_rules(states, projections, unworn, limits)
     uncertainty: UnitUncertainty | None = None
     of_sheet: tuple[Message, ...] = ()
@@ -394,6 +416,8 @@ def diagnose(
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if log is not None and without is not None:
+        messages += [*log.road_test.messages, without]
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
@@ -415,12 +439,23 @@ def diagnose(
         unworn_projections=unworn,
         losses=tuple(pressure_losses(model, as_new, point, measured) for point in conditions),
         road=road,
+        log=log,
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,
         complaint=complaint,
         messages=tuple(messages),
     )
+
+
+def _leakage_over(
+    model: LeakageModel, road_test: RoadTest, condition: OperatingPoint
+) -> tuple[RoadLeakage | None, Message | None]:
+    """Compute the leakage over a log, or say why there is none: its other findings hold without it."""
+    try:
+        return evaluate_road_test(model, road_test, condition), None
+    except RoadTestError as error:
+        return None, Message("warning", NO_LEAKAGE, f"No leakage is computed over {road_test.file}: {error.problem}.")
 
 
 def _certainty(decision: Decision | None) -> int:

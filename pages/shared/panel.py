@@ -153,8 +153,8 @@ def _status(slot: str, result: Diagnosis) -> None:
     origin = "sample: " if now.good.sample else "still " if refused is not None else ""
     if slot == "readings":
         about = f"{result.measured} of {len(result.lands)} lands measured"
-    elif result.road is not None:
-        test = result.road.road_test
+    elif result.log is not None:
+        test = result.log.road_test
         about = f"{test.rows} rows, {test.duration:.0f} s"
     st.caption(f"{origin}**{show.plain(file.name)}** · {about}")
 

@@ -13,7 +13,7 @@ import pandas as pd
 import plotly.graph_objects as go
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
 from atleak.job.case import SLOTS
@@ -167,9 +167,16 @@ def open_verdicts(lines: list[str]) -> None:
 
 
 def log_messages(diagnosis: Diagnosis) -> None:
-    """Show the messages of the road-test log."""
-    if diagnosis.road is not None:
-        messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
+    """Show the messages of the road-test log and of the leakage over it."""
+    messages(_of_log(diagnosis), "the road-test log")
+
+
+def _of_log(diagnosis: Diagnosis) -> list[Message]:
+    if diagnosis.log is None:
+        return []
+    of_leakage = diagnosis.road.messages if diagnosis.road is not None else ()
+    why = [each for each in diagnosis.messages if each.code == NO_LEAKAGE]
+    return [*diagnosis.log.road_test.messages, *of_leakage, *why]
 
 
 def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
@@ -185,11 +192,11 @@ def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show the basis of the result: choices, sources, and what of it is representative."""
-    road, readings = diagnosis.road, diagnosis.readings
+    readings = diagnosis.readings
     said = [message for land in diagnosis.lands for message in land.messages]
     said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
     said += readings.messages if readings else ()
-    said += (*road.road_test.messages, *road.messages) if road else ()
+    said += _of_log(diagnosis)
     messages([message for message in diagnosis.messages if message not in said], "valve body, fluid and conditions")
     if diagnosis.uncertainty is not None:
         messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")

@@ -12,6 +12,7 @@ from atleak.engine.projection import Projection
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
+from atleak.views.road_words import deciding_sentence
 from atleak.views.sentences import covered_from, replace_at
 from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
@@ -39,7 +40,11 @@ DIGITS = {
 
 
 def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
-    """Return the verdict in one paragraph, in markdown."""
+    """Return the verdict in one paragraph, in markdown; of a road test alone what its main pressure says."""
+    log, decided_by, say = diagnosis.log, diagnosis.decided_by, wording("en")
+    if log is not None and diagnosis.log_alone:
+        said = plain(deciding_sentence(log, decided_by, say))
+        return f"**{signed(diagnosis.verdict)}** {said} {plain(say('findings.alone'))}"
     lands = record["lands"]
     counts = {level: sum(land["verdict"] == level for land in lands) for level in reversed(FLAGGED)}
     flagged = " and ".join(f"**{count} {signed(name)}**" for name, count in counts.items() if count)
@@ -58,7 +63,10 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     else:
         new = f"all {len(lands)} are at their mounting clearance"
         head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured; {new}."
-    if isinstance(diagnosis.decided_by, Rule):
+    if log is not None and decided_by in log.rules:
+        said = plain(deciding_sentence(log, decided_by, say))
+        head = f"**{signed(diagnosis.verdict)}** because of main pressure: {said} {head}"
+    elif isinstance(diagnosis.decided_by, Rule):
         head = f"**{signed(diagnosis.verdict)}** because of the {plain(diagnosis.decided_by.label)}. {head}"
     elif diagnosis.decided_by is not None:
         head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
@@ -71,8 +79,11 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
 
 
 def _total(point: dict[str, Any], *, worst: bool) -> str:
-    share, band, label = point["share_percent"], Band(point["band"]), plain(point["label"])
+    share, label = point["share_percent"], plain(point["label"])
     mark = ", the worst condition" if worst else ""
+    if point["band"] is None:  # not measured
+        return f"**{'more than all' if share is None else f'{share:.1f} %'}** of the pump's flow at {label} when new"
+    band = Band(point["band"])
     if share is None:
         return f"more than the pump delivers at {label} ({signed(Band.CRITICAL)}{mark})"
     new = "" if point["share_new_percent"] is None else f", {point['share_new_percent']:.1f} % when new"

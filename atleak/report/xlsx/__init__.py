@@ -16,6 +16,7 @@ from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
 from atleak.report.xlsx.live import LiveSheets
+from atleak.report.xlsx.road_sheet import RoadSheets
 from atleak.report.xlsx.sheets import Sheets
 from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
@@ -62,6 +63,24 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     rest = Sheets(book, diagnosis, record, job, live)
     summary = book.sheet("Summary")
     rest.write_summary(summary)
+    if not diagnosis.log_alone:
+        _write_unit(book, diagnosis, live, rest)
+    if diagnosis.log is not None:
+        road = RoadSheets(book, diagnosis, diagnosis.log)
+        road.write(book.sheet("Road test"))
+        road.write_events(book.sheet("Road test events", frozen=(1, 0)))
+    if not diagnosis.log_alone:
+        live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
+        live.write_limits(book.sheet("Limits", frozen=(1, 1)))
+    if not job.empty:
+        rest.write_job(book.sheet("Job", landscape=False))
+    rest.write_messages(book.sheet("Messages", frozen=(1, 0)))
+    rest.write_provenance(book.sheet("Provenance", landscape=False))
+    summary.activate()
+
+
+def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets) -> None:
+    """Write the sheets on the lands: a road test alone has none."""
     live.write_lands(book.sheet("Lands", frozen=(1, 3)))
     rest.write_matrix(book.sheet("Land by condition", frozen=(1, 3)))
     for at in live.conditions:
@@ -73,12 +92,3 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
         live.write_readings(book.sheet("Readings", frozen=(1, 2)))
     if live.directions.lines:
         live.write_directions(book.sheet("Directions", frozen=(1, 2)))
-    if diagnosis.road:
-        rest.write_road(book.sheet("Road test"))
-    live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
-    live.write_limits(book.sheet("Limits", frozen=(1, 1)))
-    if not job.empty:
-        rest.write_job(book.sheet("Job", landscape=False))
-    rest.write_messages(book.sheet("Messages", frozen=(1, 0)))
-    rest.write_provenance(book.sheet("Provenance", landscape=False))
-    summary.activate()

@@ -40,6 +40,8 @@ AS_SPOOLS_MAY_LIE = (
 )
 DEMAND = "A share over 100 % is a demand that the pump cannot meet, not a flow."
 
+NOT_MEASURED = "not measured"  # in place of a band: the totals of a unit that nobody measured are those of a new one
+
 
 class Quantity(NamedTuple):
     """A row of the sheet: one quantity at one condition."""
@@ -265,8 +267,9 @@ class ConditionsSheet:
         limits, rank = self.rules.limits_and_rank(rule)
         for level, limit in rule.steps.levels:
             yield Quantity(f"{level} from a share of", "%", f"from_{level}", limits[level], limit * PERCENT, "share")
-        band = band_of_rank(rank)
-        yield Quantity("band of the total share", "", "band", band, self.diagnosis.band(now), "plain")
+        reached = self.diagnosis.band(now)
+        band = f'"{NOT_MEASURED}"' if reached is None else band_of_rank(rank)
+        yield Quantity("band of the total share", "", "band", band, reached or NOT_MEASURED, "plain")
 
     def _positions(self, at: SheetCondition) -> Iterable[Quantity]:
         """Return the leakages and shares between which the total may lie as the spools do."""
