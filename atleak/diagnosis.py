@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
 from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, NewOrigin, OperatingPoint
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
@@ -294,6 +295,11 @@ class Diagnosis:
     def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
         """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
         return tuple(rule for rule in self.pressure_rules if rule.condition == projection.condition)
+
+    def pressure_rule(self, projection: Projection, kind: RuleKind, circuit: Circuit | None = None) -> Rule | None:
+        """Return one of them, of a circuit that of its loss; None where that is not judged."""
+        rules = self.pressure_rules_at(projection)
+        return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)
 
     @property
     def verdict(self) -> Verdict:

@@ -28,7 +28,7 @@ from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature, tighter_than_new, when_new
+from atleak.views.sentences import counted_in_speed, fluid_in_state, measuring_temperature, tighter_than_new, when_new
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -85,7 +85,8 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
     for number, projection in enumerate(diagnosis.presented, start=1):
         for line in _total(diagnosis, projection, number):
             console.print(Text(line))
-    console.print(Text(f"At these speeds the pump covers the leakage and its own slip: {LEFT_OUT_OF_SPEED}."))
+    counted = counted_in_speed(diagnosis, wording("en"))
+    console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:
         console.print(_flagged(diagnosis.flagged))
     else:

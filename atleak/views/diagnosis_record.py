@@ -8,7 +8,7 @@ from typing import Any
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import GapLeakage
-from atleak.engine.repaired import LINE
+from atleak.engine.line import LINE
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty

@@ -74,7 +74,7 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     several = len(diagnosis.projections) > 1
     totals = [_total(row, worst=several and at is diagnosis.worst) for at, row in reported(diagnosis, record)]
-    covers = f"At {plain(diagnosis.worst.condition.label)} {plain(covered_from(diagnosis.worst))}."
+    covers = f"At {plain(diagnosis.worst.condition.label)} {plain(covered_from(diagnosis, diagnosis.worst))}."
     return f"{head} The unit leaks {listed(totals)}. {covers}"
 
 

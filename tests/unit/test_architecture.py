@@ -42,7 +42,7 @@ FLOORS = (
     ("engine.circuits",),
     ("engine.leakage", "engine.lasting"),
     ("engine.line",),
-    ("engine.series", "engine.projection", "engine.repaired"),
+    ("engine.series", "engine.projection", "engine.repaired", "engine.flows"),
     ("engine.road_leakage", "engine.road_pressure", "rules"),
     ("uncertainty", "variants"),
     ("sheet_checks", "road_findings"),

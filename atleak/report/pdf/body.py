@@ -12,6 +12,7 @@ from atleak.errors import unknown
 from atleak.job.record import RepairDecision
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.conditions import Conditions
+from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.road import RoadTestSection
 from atleak.verdicts import VERDICTS, Verdict
@@ -25,6 +26,7 @@ SECTIONS = (
     "picture",
     "flagged",
     "matrix",
+    "pressures",
     "repair_order",
     "all",
     "shares",
@@ -74,7 +76,7 @@ class Body:
     def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
         self.names, self.series, self.pictures = names, series, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
-        self.conditions = Conditions(names)
+        self.conditions, self.pressures = Conditions(names), Pressures(names)
 
     # --- sections
 
@@ -135,6 +137,9 @@ class Body:
 
     def _matrix(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from self.conditions.matrix()
+
+    def _pressures(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.pressures.blocks()
 
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
@@ -321,10 +326,11 @@ class Body:
 
     def _levels(self, kind: RuleKind, steps: Steps) -> str:
         say = self.say
-        return joined(
-            say("rules.level", level=say.level(level), limit=say("rules.and").join(self._asked(kind, steps, level)))
-            for level, _ in steps.levels
-        )
+        words = [
+            say(f"rules.{_begins(steps, level)}", level=say.level(level), limit=say("rules.and").join(asked))
+            for level, asked in ((level, self._asked(kind, steps, level)) for level, _ in steps.levels)
+        ]
+        return joined([*words, say("rules.fall", fall=say.plain(steps.fall * PERCENT)) if steps.fall else ""])
 
     def _asked(self, kind: RuleKind, steps: Steps, level: Level) -> Iterable[str]:
         """Return all that a level asks for: its limit, a least growth in µm, growth over the same land or unit new."""
@@ -439,6 +445,13 @@ class Body:
 
 _SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
+
+
+def _begins(steps: Steps, level: Level) -> str:
+    """Return the key of the words for where a level begins: from, over or under its limit."""
+    if steps.falling:
+        return "level_under"
+    return "level_over" if steps.limit_of(level) == 0.0 and steps.has_limit(level) else "level"
 
 
 def _option(value: Any) -> str:

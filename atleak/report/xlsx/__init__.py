@@ -85,6 +85,8 @@ def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets
     rest.write_matrix(book.sheet("Land by condition", frozen=(1, 3)))
     for at in live.conditions:
         live.write_gaps(book.sheet(at.sheet, frozen=(1, 2)), at)
+    if live.circuits.lines:
+        live.write_circuits(book.sheet("Circuits", frozen=(1, 3)))
     live.write_rules(book.sheet("Rules", frozen=(1, 3)))
     if diagnosis.readings:
         live.write_readings(book.sheet("Readings", frozen=(1, 2)))

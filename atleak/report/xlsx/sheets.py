@@ -6,12 +6,13 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, Record
 from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, COVERS, DEMAND
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
@@ -29,14 +30,14 @@ from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_words import deciding_sentence
-from atleak.views.sentences import fluid_in_state, measuring_temperature
+from atleak.views.sentences import because_of, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 #: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
     "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_concentric",
-    "share_touching", "capacity", "n_min", "T", "n",
+    "share_touching", "capacity", "n_min", "reserve", "reserve_new", "p_g", "p_g_held", "T", "n",
 )  # fmt: skip
 _ISSUED = {
     "decision": "decision as issued",
@@ -133,8 +134,11 @@ class Sheets:
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
         lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
-        if isinstance(decided_by, Rule):
+        if isinstance(decided_by, Rule) and decided_by.kind is RuleKind.TOTAL_SHARE:
             return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
+        if isinstance(decided_by, Rule):
+            because = because_of(diagnosis, decided_by, wording("en")) or f"because of the {decided_by.label}."
+            return f"{signed(diagnosis.verdict)} {because} {lands}. {total}"
         if decided_by is not None:
             component, number = decided_by.key
             lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"
@@ -166,7 +170,7 @@ class Sheets:
                     formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
         book.colour_words(sheet, (first, 1), (row, 1), BANDS)
         put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
-        put(sheet, row + 2, 0, COVERS)
+        put(sheet, row + 2, 0, covers(self.diagnosis))
         return row + 3
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
