@@ -5,7 +5,7 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 
 What happens to a file:
 
-1. `sheet_file` and `workbook` turn its bytes into sheets (`sheet`): cells, what is merged, hidden or crossed out.
+1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
 2. `sheet_tables` cuts a sheet into tables; `headings` (with `heading_numbers` and `counts`) says what each column is by
    its heading; ``vocabulary.toml`` holds the words in every language, and `words` understands single cells.
 3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
@@ -37,12 +37,12 @@ from atleak.intake.readings.head import read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
-from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.sheet_file import read_bytes, read_sheets
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
+from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
 from atleak.readings import Readings
