@@ -22,8 +22,9 @@ from atleak.catalogue.circuit_tables import (
     FollowingTable,
     LeakTable,
     PermissiblePressureTable,
+    PermissibleState,
+    SelectorRange,
     SetTable,
-    State,
 )
 from atleak.catalogue.entries import catalogue_error
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS, Pressure
@@ -131,13 +132,14 @@ class Consumer:
 
 @dataclass(frozen=True)
 class PermissiblePressure:
-    """Between which pressures main pressure must lie in some gears and one state of driving."""
+    """Between which pressures main pressure must lie in some gears, or ranges of the lever, and one state."""
 
     gears: frozenset[int]
-    state: State
+    state: PermissibleState
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
+    ranges: frozenset[SelectorRange] = frozenset()  # of the selector lever, for gauge readings of a standing vehicle
 
 
 @dataclass(frozen=True)
@@ -341,18 +343,24 @@ def read_permissible(tables: Sequence[PermissiblePressureTable], reading: Readin
     Raises
     ------
     CatalogueError
-        an unknown gear, or a gear and state given twice.
+        an unknown gear, or a gear or range given twice in one state.
     """
     permissible: list[PermissiblePressure] = []
     for number, table in enumerate(tables, start=1):
         where = f"permissible_pressure[{number}]"
-        stated = table.gears if table.gear is None else [table.gear]
+        stated = (table.gears or []) if table.gear is None else [table.gear]
         gears = reading.gears_of(stated, where, "gears" if table.gear is None else "gear")
+        ranges = frozenset(table.ranges or ())
         for other in permissible:
-            both = sorted(gears & other.gears) if other.state == table.state else []
-            if both:
-                problem = f"gear given twice for the state {table.state}"
-                raise catalogue_error(reading.path, where, "gear", problem, value=both[0])
+            if other.state == table.state:
+                _refuse_twice("gear", gears & other.gears, table.state, where, reading.path)
+                _refuse_twice("range", ranges & other.ranges, table.state, where, reading.path)
         low, high = (None if kpa is None else kpa * 1e3 for kpa in (table.low_kpa, table.high_kpa))
-        permissible.append(PermissiblePressure(gears, table.state, low, high, table.source))
+        permissible.append(PermissiblePressure(gears, table.state, low, high, table.source, ranges))
     return tuple(permissible)
+
+
+def _refuse_twice(what: str, both: Iterable[int | str], state: str, where: str, path: Path) -> None:
+    """Refuse a gear or range whose permissible pressures another table states for the same state."""
+    for value in sorted(both, key=str):
+        raise catalogue_error(path, where, f"{what}s", f"{what} given twice for the state {state}", value=value)

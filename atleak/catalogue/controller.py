@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import LineTable, State
+from atleak.catalogue.circuit_tables import LineTable, PermissibleState, SelectorRange, State
 from atleak.catalogue.circuits import (
     IDLE_SPEED,
     Circuit,
@@ -259,6 +259,14 @@ class Controller:
     def permissible_at(self, gear: int, state: State) -> PermissiblePressure | None:
         """Return between which pressures main pressure must lie in a gear and state; None where the file is silent."""
         return next((each for each in self.permissible if gear in each.gears and each.state == state), None)
+
+    def permissible_in(
+        self, selected: SelectorRange, gear: int | None, state: PermissibleState
+    ) -> PermissiblePressure | None:
+        """Return the same for a range of the selector lever: what the file says of the range, or else of its gear."""
+        of_state = [each for each in self.permissible if each.state == state]
+        of_range = (each for each in of_state if selected in each.ranges)
+        return next(of_range, None) or next((each for each in of_state if gear in each.gears), None)
 
     def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
         """Compute all four section pressures [Pa] from the two that are measured; arrays give arrays."""

@@ -36,6 +36,7 @@ FLOORS = (
     ("errors", "system.printable", "version", "verdicts", "workshop_units", "written_numbers", "thinning"),
     ("equations", "faults", "system.files", "system.shipped", "system.marks", "look", "paper"),
     ("catalogue", "wording"),
+    ("pressure_table",),
     ("readings", "road_test"),
     ("events", "engine.profile", "engine.extremes"),
     ("engine.leakage",),
