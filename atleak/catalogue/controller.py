@@ -6,7 +6,7 @@ it into frozen objects in SI units.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -268,6 +268,25 @@ class Controller:
         of_range = (each for each in of_state if selected in each.ranges)
         return next(of_range, None) or next((each for each in of_state if gear in each.gears), None)
 
+    def with_line(self, point: OperatingPoint) -> OperatingPoint:
+        """Return an operating point with the main pressure that the line is set to there, where the file says what to.
+
+        Where the line follows a circuit this is what it is set to while that circuit holds its own set pressure.
+        """
+        required = None if self.line is None else self._unleaked(self.line, point)
+        return point if required is None else replace(point, main_pressure=required)
+
+    def _unleaked(self, stated: SetPressure, point: OperatingPoint) -> float | None:
+        """Return a set pressure [Pa] with no circuit leaking; None where one that it follows has no set pressure."""
+        if stated.following is None:
+            return stated.at(point)
+        followed = next((each for each in self.circuits if each.id == stated.following.section), None)
+        if followed is None or followed.set_pressure is None:
+            return None
+        pressure = self._unleaked(followed.set_pressure, point) if point.gear in followed.gears else 0.0
+        known = None if pressure is None else {followed.id: pressure}
+        return None if known is None else float(stated.with_pressures(point, known))
+
     def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
         """Compute all four section pressures [Pa] from the two that are measured; arrays give arrays."""
         return {
@@ -341,7 +360,7 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         entry.source,
         origin.path,
     )
-    return Controller(
+    controller = Controller(
         id=entry.id,
         name=entry.name,
         source=entry.source,
@@ -363,6 +382,7 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         line=None if entry.line is None else _line(entry.line, reading),
         permissible=read_permissible(entry.permissible_pressure, reading),
     )
+    return replace(controller, operating_points=tuple(controller.with_line(point) for point in points))
 
 
 def _lands(entry: ControllerFile, path: Path) -> list[Land]:

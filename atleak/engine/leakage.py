@@ -17,7 +17,7 @@ each gap and each sample would take a hundred times as long. It must give the sa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -27,6 +27,7 @@ import numpy as np
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap, Land, OperatingPoint, Pump
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.section_pressures import SECTIONS
+from atleak.engine import circuits
 from atleak.engine.profile import UNKNOWN, Profile
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import gap as gap_equations
@@ -101,9 +102,16 @@ class GapGeometry:
         rise = temperature - REFERENCE_TEMPERATURE
         return clearance_equations.effective_clearance(self.radial_clearance, self.thermal_rate, rise)
 
-    def pressure_drop(self, pressures: dict[str, Any]) -> Any:
+    def pressure_drop(self, pressures: Mapping[str, Any]) -> Any:
         """Return the pressure before the gap minus that behind it [Pa] from the pressures of the sections."""
-        return sum(coefficient * pressures[section] for section, coefficient in self.drop_coefficients)
+        drop = sum(coefficient * pressures[section] for section, coefficient in self.drop_coefficients)
+        return drop - self.gap.low.constant if self.gap.low.constant else drop
+
+    @property
+    def follows_sections(self) -> bool:
+        """Return whether the drop is in proportion to pressures of sections, so that no circuit has to be solved."""
+        ends = (self.gap.high, self.gap.low)
+        return not self.gap.low.constant and all(end.section is None or end.section in SECTIONS for end in ends)
 
     @cached_property
     def drop_coefficients(self) -> tuple[tuple[str, float], ...]:
@@ -111,7 +119,7 @@ class GapGeometry:
         coefficients = dict.fromkeys(SECTIONS, 0.0)
         for end, sign in ((self.gap.high, 1.0), (self.gap.low, -1.0)):
             if end.section is not None:
-                coefficients[end.section] += sign * end.coefficient
+                coefficients[end.section] = coefficients.get(end.section, 0.0) + sign * end.coefficient
         return tuple((section, value) for section, value in coefficients.items() if value)
 
 
@@ -173,6 +181,14 @@ class GapLaw:
         if self.linear:
             return eccentric * gap_equations.annular_flow(*factors)
         return gap_equations.entry_loss_flow(*factors, eccentricity_factor=eccentric)
+
+    def restriction(
+        self, diameter: Any, clearance: Any, kinematic_viscosity: Any, density: Any, contact_length: Any
+    ) -> circuits.Gap:
+        """Return a gap as a branch of a network: its `flow` at any pressure drop."""
+        factors = (diameter, clearance, kinematic_viscosity, density, contact_length)
+        loss = 0.0 if self.linear else gap_equations.ENTRY_AND_EXIT_LOSS
+        return circuits.Gap(*gap_equations.entry_loss_terms(*factors, loss, self.eccentricity_factor))
 
     def entry_loss(
         self, pressure_drop: Any, clearance: Any, kinematic_viscosity: Any, density: Any, contact_length: Any
@@ -272,29 +288,66 @@ class LeakageModel:
             for gap in self.controller.gaps
         )
 
-    def gaps(self, condition: OperatingPoint) -> tuple[GapLeakage, ...]:
-        """Compute every gap of the condition's gear.
+    def gaps_in(self, gear: int) -> tuple[Gap, ...]:
+        """Return the gaps that see a pressure drop in a gear, in the order of `network` and `gaps`."""
+        return tuple(geometry.gap for geometry in self.geometries if gear in geometry.gap.gears)
+
+    def network(self, condition: OperatingPoint) -> circuits.Network:
+        """Return the gaps, leaks and feeds of the condition's gear, with its fluid, as a network.
 
         Raises
         ------
         DomainError
             temperature outside the fluid's data.
         """
+        viscosity, density = self._fluid_at(condition)
+        gaps = []
+        for geometry in self.geometries:
+            if condition.gear in geometry.gap.gears:
+                mean = geometry.effective_clearance(condition.temperature)
+                clearance = self.law.flow_clearance(mean, *geometry.form_moments)
+                factors = self.law.diameter(geometry.spool_diameter, mean), clearance, viscosity, density
+                restriction = self.law.restriction(*factors, geometry.contact_length)
+                gaps.append((geometry.gap, restriction, geometry.drawn_from_pump))
+        solves = self.profile.circuits == "on"
+        return circuits.network(self.controller, condition, gaps, viscosity, density, solves=solves)
+
+    def _fluid_at(self, condition: OperatingPoint) -> tuple[float, float]:
+        """Return ν [m²/s] and ρ [kg/m³]; DomainError outside the fluid's data."""
         temperature, model = condition.temperature, self.profile.viscosity
         self.fluid.require(temperature, model)
-        viscosity = self.fluid.kinematic_viscosity(temperature, model)
-        density = self.fluid.density(temperature, model)
-        pressures = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
+        return self.fluid.kinematic_viscosity(temperature, model), self.fluid.density(temperature, model)
+
+    def gaps(self, condition: OperatingPoint, pressures: Mapping[str, Any] | None = None) -> tuple[GapLeakage, ...]:
+        """Compute every gap of the condition's gear.
+
+        Parameters
+        ----------
+        pressures
+            [Pa] of every section and circuit; as the condition has them unless given.
+
+        Raises
+        ------
+        DomainError
+            temperature outside the fluid's data.
+        """
+        viscosity, density = self._fluid_at(condition)
+        temperature = condition.temperature
+        network = self.network(condition)
+        if pressures is None:
+            sections = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
+            pressures = network.balance(sections).pressures
         positions = np.array([self.law.eccentricity_factor, 1.0, gap_equations.FULLY_ECCENTRIC])
         leakages = []
         for geometry in self.geometries:
             if condition.gear not in geometry.gap.gears:
                 continue
             drop = float(geometry.pressure_drop(pressures))
+            driving = drop if circuits.leaks_both_ways(geometry.gap, network.solved) else max(drop, 0.0)
             mean = float(geometry.effective_clearance(temperature))
             diameter = float(self.law.diameter(geometry.spool_diameter, mean))
             clearance = float(self.law.flow_clearance(mean, *geometry.form_moments))
-            factors = (max(drop, 0.0), diameter, clearance, viscosity, density, geometry.contact_length)
+            factors = (driving, diameter, clearance, viscosity, density, geometry.contact_length)
             flow, concentric, touching = self.law.flow(*factors, positions).tolist()
             leakages.append(
                 GapLeakage(

@@ -42,6 +42,9 @@ class Profile:
     form
         ``mean_of_cubes``: flow follows the mean of the cubed clearances over the directions and planes measured.
         ``cube_of_mean``: the cube of their mean, as the study.
+    circuits
+        ``on``: circuits hold what their feeds can hold against their leaks, and the line what the pump can. ``off``:
+        they hold what they are set to, or fed with, and the line what is required, as in the study.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Profile:
     entry_loss: Literal["auto", "on", "off"]
     eccentricity: float | Literal["unknown"]
     form: Literal["mean_of_cubes", "cube_of_mean"]
+    circuits: Literal["on", "off"]
 
     @property
     def options(self) -> dict[str, Any]:
@@ -81,8 +85,8 @@ class Profile:
         return replace(self, **{name: _checked(name, value) for name, value in options.items()})
 
 
-PAPER = Profile("paper", "spool", "tabulated", "all_gaps", "constant", "off", 0.0, "cube_of_mean")
-WORKSHOP = Profile("workshop", "mean", "d341", "into_sump", "wilson", "auto", 0.0, "mean_of_cubes")
+PAPER = Profile("paper", "spool", "tabulated", "all_gaps", "constant", "off", 0.0, "cube_of_mean", "off")
+WORKSHOP = Profile("workshop", "mean", "d341", "into_sump", "wilson", "auto", 0.0, "mean_of_cubes", "on")
 PROFILES = MappingProxyType({"workshop": WORKSHOP, "paper": PAPER})
 
 _CHOICES: dict[str, tuple[str, ...]] = {

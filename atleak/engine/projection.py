@@ -6,12 +6,29 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import STATED, Controller, OperatingPoint
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
+from atleak.engine.line import SURELY_LESS, Held, consumed, hold
 from atleak.equations.clearance import worn_clearance
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance
-from atleak.workshop_units import PERCENT
+from atleak.workshop_units import KPA, PERCENT
+
+
+@dataclass(frozen=True)
+class CircuitState:
+    """The pressure that a circuit holds at one condition, with the line pressure that holds there."""
+
+    circuit: Circuit
+    pressure: float  # [Pa]
+    set_pressure: float | None  # [Pa] of its regulator; None without one
+    feed: float  # [m³/s] what it takes through its feeds
+    relief: float  # [m³/s] what it relieves to the sump
+    vented: bool  # not applied in this gear
 
 
 @dataclass(frozen=True)
@@ -25,8 +42,30 @@ class Projection:
     concentric_leakage: float  # [m³/s] the same with every spool concentric
     touching_leakage: float  # [m³/s] the same with every spool touching its bore
     pump_capacity: float  # [m³/s]
-    minimum_speed: float  # [1/s] from which the pump covers this leakage and its own slip; consumers are not in it
+    pump_supply: float  # [m³/s] before slip
+    slip: float  # [m³/s]
+    consumers: float  # [m³/s] of all consumers
+    other_leakage: float  # [m³/s] the part of the leakage that no land leaks: rings, check balls, relieved by circuits
+    minimum_speed: float  # [1/s] from which the pump covers this leakage, its own slip and its consumers
+    main_pressure_held: float  # [Pa] the required pressure, or less where the pump or the line's regulator holds less
+    starved: float  # [m³/s] by which consumers behind the line's regulator get less than they take
+    circuits: tuple[CircuitState, ...]  # in the order of the controller's file
     messages: tuple[Message, ...]
+
+    @property
+    def reserve(self) -> float:
+        """Return pump supply / (leakage + slip + consumers) at the required pressure; under 1 the pressure falls."""
+        demand = self.leakage + self.slip + self.consumers
+        return self.pump_supply / demand if demand > 0.0 else math.inf
+
+    @property
+    def pressure_falls(self) -> bool:
+        """Return whether less line pressure holds than is required."""
+        return self.main_pressure_held < self.condition.main_pressure * (1.0 - SURELY_LESS)
+
+    def circuit(self, name: str) -> CircuitState:
+        """Return the state of the circuit of that id."""
+        return next(each for each in self.circuits if each.circuit.id == name)
 
     @property
     def share(self) -> float:
@@ -64,39 +103,75 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     DomainError
         temperature outside the fluid's data.
     """
-    gaps = model.gaps(condition)
-    drawn = [gap for gap in gaps if gap.drawn_from_pump]
-    leakage = sum(gap.leakage for gap in drawn)
+    network, controller = model.network(condition), model.controller
     where = (condition.main_pressure, condition.temperature)
+    sections = controller.section_pressures(condition.main_pressure, condition.converter_pressure)
+    demanded = network.balance(sections)
+    gaps = model.gaps(condition, demanded.pressures)
+    drawn = [gap for gap in gaps if gap.drawn_from_pump]
+    other = float(network.beside_lands(demanded))
+    leakage = sum(gap.leakage for gap in drawn) + other
     capacity = float(model.pump_capacity(condition.engine_speed, *where))
+    consumers = consumed(controller, condition)
+    held = hold(network, condition, model.pump, model.dynamic_viscosity(condition.temperature))
+    left = capacity - leakage - consumed(controller, condition, after_line=False)
+    main_held = float(held.main_pressure)
     return Projection(
         condition=condition,
-        pressures={
-            name: float(value)
-            for name, value in model.controller.section_pressures(
-                condition.main_pressure, condition.converter_pressure
-            ).items()
-        },
+        pressures={name: float(value) for name, value in demanded.pressures.items()},
         gaps=gaps,
         leakage=leakage,
-        concentric_leakage=sum(gap.concentric_leakage for gap in drawn),
-        touching_leakage=sum(gap.touching_leakage for gap in drawn),
+        concentric_leakage=sum(gap.concentric_leakage for gap in drawn) + other,
+        touching_leakage=sum(gap.touching_leakage for gap in drawn) + other,
         pump_capacity=capacity,
-        minimum_speed=model.minimum_speed(leakage, *where),
+        pump_supply=float(model.pump.per_revolution * condition.engine_speed),
+        slip=float(model.pump_slip(*where)),
+        consumers=consumers,
+        other_leakage=other,
+        minimum_speed=model.minimum_speed(leakage + consumers, *where),
+        main_pressure_held=main_held,
+        starved=max(consumed(controller, condition, after_line=True) - max(left, 0.0), 0.0),
+        circuits=tuple(_circuit_state(circuit, network, held, condition) for circuit in controller.circuits),
         messages=(
             *gap_messages(model.law, gaps, condition),
-            *_relation_messages(model.controller, condition),
-            *_demand_messages(condition, leakage, capacity),
+            *_relation_messages(controller, condition),
+            *_demand_messages(condition, leakage, capacity, main_held),
+            *_balance_messages(condition, held),
         ),
     )
 
 
-def _demand_messages(condition: OperatingPoint, leakage: float, capacity: float) -> Iterable[Message]:
+def _circuit_state(circuit: Circuit, network: Network, held: Held, condition: OperatingPoint) -> CircuitState:
+    balance, stated = held.balance, circuit.set_pressure
+    return CircuitState(
+        circuit=circuit,
+        pressure=float(balance.pressures[circuit.id]),
+        set_pressure=None if stated is None else float(stated.with_pressures(condition, balance.pressures)),
+        feed=float(balance.feeds.get(circuit.id, 0.0)),
+        relief=float(balance.relief[circuit.id]),
+        vented=circuit.id in network.vented,
+    )
+
+
+def _balance_messages(condition: OperatingPoint, held: Held) -> Iterable[Message]:
+    if not np.all(held.converged):
+        text = (
+            f"{condition.label}: no pressures were found at which all circuits balance; theirs are not to be relied on."
+        )
+        yield Message("warning", "circuits_not_balanced", text)
+
+
+def _demand_messages(
+    condition: OperatingPoint, leakage: float, capacity: float, main_pressure_held: float
+) -> Iterable[Message]:
     if 0.0 < capacity < leakage:
         text = (
             f"{condition.label}: the share of {leakage / capacity * PERCENT:.0f} % is a demand that the pump cannot "
-            "meet, not a flow: main pressure will fall until no more leaks than the pump delivers."
+            "meet, not a flow: main pressure will fall until no more leaks than the pump delivers"
         )
+        if main_pressure_held < condition.main_pressure:
+            text += f", at {main_pressure_held * KPA:.0f} of {condition.main_pressure * KPA:.0f} kPa"
+        text += "."
         yield Message("warning", "demand_over_pump", text)
 
 
@@ -141,7 +216,7 @@ def stated_condition(
         source=f"set by the user; pressures of {point.label}",
     )
     label = f"gear {point.gear}, {point.temperature:g} °C, {point.engine_speed * 60.0:.0f} rpm"
-    return replace(point, label=label)
+    return controller.with_line(replace(point, label=label))
 
 
 def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[LandClearance, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class RoadLeakage:
 
     def condition_at(self, instant: Instant) -> OperatingPoint:
         """Return the pressures, temperature, gear and speed of an instant's sample."""
-        logged: dict[str, float] = {}
+        logged: dict[str, Any] = {}
         for quantity in ("main_pressure", "converter_pressure", "atf_temperature", "engine_speed", "gear"):
             values = self.road_test.values(quantity)
             if values is not None and np.isfinite(values[instant.sample]):

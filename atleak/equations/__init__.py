@@ -12,6 +12,6 @@ Conditions*, Energies 2023, 16(22), 7667, doi 10.3390/en16227667, whose text pri
 
 from __future__ import annotations
 
-from atleak.equations import clearance, fluid, gap, pressure, pump
+from atleak.equations import clearance, fluid, gap, orifice, pressure, pump
 
-__all__ = ["clearance", "fluid", "gap", "pressure", "pump"]
+__all__ = ["clearance", "fluid", "gap", "orifice", "pressure", "pump"]

@@ -205,7 +205,49 @@ def entry_loss_flow(
     >>> round(long_gap * 1e9, 1)
     825.5
     """
-    p = values(pressure_drop)
+    factors = (diameter, clearance, kinematic_viscosity, density, contact_length, loss_coefficient, eccentricity_factor)
+    return restricted_flow(pressure_drop, *entry_loss_terms(*factors))
+
+
+def entry_loss_terms(
+    diameter: ArrayLike,
+    clearance: ArrayLike,
+    kinematic_viscosity: ArrayLike,
+    density: ArrayLike,
+    contact_length: ArrayLike,
+    loss_coefficient: ArrayLike = ENTRY_AND_EXIT_LOSS,
+    eccentricity_factor: ArrayLike = 1.0,
+) -> tuple[Any, Any]:
+    """Compute what of `entry_loss_flow` no pressure drop changes: the laminar conductance and how the loss bends it.
+
+    ``G = F π d c³ / (12 ν ρ l)`` and ``B = 2 K ρ c⁴ F² / (12 ν ρ l)²``.
+
+    Parameters
+    ----------
+    diameter, clearance, kinematic_viscosity, density, contact_length : float or array
+    loss_coefficient, eccentricity_factor : float or array, optional
+        as those of `entry_loss_flow`.
+
+    Returns
+    -------
+    tuple of float or ndarray
+        G [m³/(s Pa)] and B [1/Pa], for `restricted_flow`; B is zero without a loss.
+
+    Raises
+    ------
+    DomainError
+        as `entry_loss_flow`.
+
+    References
+    ----------
+    as `entry_loss_flow`.
+
+    Examples
+    --------
+    >>> conductance, bend = entry_loss_terms(0.010, 30e-6, 10.93e-6, 783.0, 0.008)
+    >>> round(conductance * 800e3 * 1e9, 1)
+    825.9
+    """
     d = positive("diameter", diameter, "m")
     c = not_negative("radial clearance", clearance, "m")
     nu = positive("kinematic viscosity", kinematic_viscosity, "m²/s")
@@ -213,10 +255,80 @@ def entry_loss_flow(
     length = positive("contact length", contact_length, "m")
     k = not_negative("loss coefficient", loss_coefficient)
     square = c * c
-    viscous = 12.0 * nu * rho * length / positive("eccentricity factor", eccentricity_factor)
-    # The root of the quadratic with a sum below the line: nothing cancels, and c = 0 needs no exception.
-    root = np.sqrt(viscous * viscous + (2.0 * k * rho) * np.abs(p) * (square * square))
-    return result((2.0 * math.pi) * d * (c * square) * p / (viscous + root))
+    per_viscous = positive("eccentricity factor", eccentricity_factor) / (12.0 * nu * rho * length)
+    ratio = square * per_viscous
+    return result(math.pi * d * c * ratio), result((2.0 * k * rho) * (ratio * ratio))
+
+
+def restricted_flow(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike = 0.0) -> Any:
+    """Compute the flow through a laminar restriction with entry loss, ``q = 2 G Δp / (1 + √(1 + B |Δp|))``.
+
+    Parameters
+    ----------
+    pressure_drop : float or array
+        Δp [Pa]. A negative drop gives a negative flow.
+    conductance : float or array
+        G [m³/(s Pa)], of `entry_loss_terms`.
+    bend : float or array, optional
+        B [1/Pa]; zero gives G Δp.
+
+    Returns
+    -------
+    float or ndarray
+        Volume flow [m³/s]; it rises with the pressure drop everywhere, by `restricted_slope`.
+
+    Raises
+    ------
+    DomainError
+        Negative conductance or bend.
+
+    References
+    ----------
+    as `entry_loss_flow`: the root of its quadratic, with the sum below the line so that nothing cancels.
+
+    Examples
+    --------
+    >>> restricted_flow(100e3, 2e-12), restricted_flow(100e3, 2e-12, 3e-5)
+    (2e-07, 1.3333333333333334e-07)
+    """
+    p, g, b = _restriction(pressure_drop, conductance, bend)
+    return result(2.0 * g * p / (1.0 + np.sqrt(1.0 + b * np.abs(p))))
+
+
+def restricted_slope(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike = 0.0) -> Any:
+    """Compute how steeply the flow of `restricted_flow` rises, ``dq/dΔp = G / √(1 + B |Δp|)``.
+
+    Parameters
+    ----------
+    pressure_drop, conductance, bend : float or array
+        as those of `restricted_flow`.
+
+    Returns
+    -------
+    float or ndarray
+        [m³/(s Pa)].
+
+    Raises
+    ------
+    DomainError
+        Negative conductance or bend.
+
+    References
+    ----------
+    Derivative of `restricted_flow` by the pressure drop.
+
+    Examples
+    --------
+    >>> restricted_slope(100e3, 2e-12, 3e-5)
+    1e-12
+    """
+    p, g, b = _restriction(pressure_drop, conductance, bend)
+    return result(g / np.sqrt(1.0 + b * np.abs(p)))
+
+
+def _restriction(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike) -> tuple[Any, Any, Any]:
+    g = not_negative("conductance", conductance, "m³/(s Pa)")
+    return values(pressure_drop), g, not_negative("bend of the entry loss", bend, "1/Pa")
 
 
 def reynolds_number(flow: ArrayLike, diameter: ArrayLike, kinematic_viscosity: ArrayLike) -> Any:

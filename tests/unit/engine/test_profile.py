@@ -18,6 +18,7 @@ def test_workshop_comes_first_and_paper_is_as_printed() -> None:
         "entry_loss": "off",
         "eccentricity": 0.0,
         "form": "cube_of_mean",
+        "circuits": "off",
     }
     assert WORKSHOP.options == {
         "diameter": "mean",
@@ -27,6 +28,7 @@ def test_workshop_comes_first_and_paper_is_as_printed() -> None:
         "entry_loss": "auto",
         "eccentricity": 0.0,
         "form": "mean_of_cubes",
+        "circuits": "on",
     }
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import clearance, fluid, gap, pressure, pump, referees
+from atleak.equations import circuit_referees, clearance, fluid, gap, orifice, pressure, pump, referees
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -25,6 +25,8 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (gap.eccentricity_factor, (10e-6, 30e-6)),
     (referees.exact_annulus_flow, (8e5, 0.010, 0.01006, 8.5e-3, 0.008)),
     (gap.entry_loss_flow, (*GAP, 1.5, 1.2)),
+    (gap.restricted_flow, (8e5, 1e-12, 1e-7)),
+    (gap.restricted_slope, (8e5, 1e-12, 1e-7)),
     (gap.flow_equal_clearance, (30e-6, 50e-12, 100e-18)),
     (gap.reynolds_number, (8e-7, 0.010, 1e-5)),
     (referees.taper_cube, (20e-6, 40e-6)),
@@ -41,6 +43,13 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (fluid.study_density, (80.0,)),
     (fluid.astm_d341, (80.0, 8.8874, 3.47595)),
     (fluid.dynamic_viscosity, (1e-5, 800.0)),
+    (orifice.turbulent_coefficient, (5e-4, 0.62, 797.0)),
+    (orifice.transition_pressure, (5e-4, 0.62, 6.2e-6, 797.0, 150.0)),
+    (orifice.orifice_flow, (25e3, 6.1e-9, 3587.0)),
+    (orifice.orifice_slope, (25e3, 6.1e-9, 3587.0)),
+    (orifice.laminar_leak, (2e5, 8e-7, 4e5, 5.6e-3, 8.5e-3)),
+    (orifice.orifice_leak, (2e5, 5e-6, 4e5, 797.0, 783.0)),
+    (circuit_referees.fed_pressure_turbulent, (4.14e5, 6.1e-9, 1.3e-11)),
     (pressure.annulus_area, (0.010, 0.005)),
     (referees.pressure_force, (8e5, 5e-5)),
     (pressure.spring_force, (2000.0, 0.01)),
@@ -62,10 +71,11 @@ OTHERS = {
     referees.circumferential_cube,
     referees.axial_cube,
     gap.obliteration,
+    gap.entry_loss_terms,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
-ROOMS = [clearance, fluid, gap, pressure, pump, referees]
+ROOMS = [circuit_referees, clearance, fluid, gap, orifice, pressure, pump, referees]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 
@@ -157,7 +167,7 @@ def test_docstrings_say_what_they_must(function: Callable) -> None:
 def test_equations_import_only_numpy_and_mathematics() -> None:
     allowed = {"__future__", "collections", "math", "numpy", "statistics", "typing"}
     files = sorted(Path(atleak.equations.__file__).parent.glob("**/*.py"))
-    assert {f.name for f in files} >= {"gap.py", "clearance.py", "fluid.py", "pressure.py", "pump.py"}
+    assert {f.name for f in files} >= {"gap.py", "clearance.py", "fluid.py", "orifice.py", "pressure.py", "pump.py"}
     for file in files:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
@@ -175,7 +185,7 @@ def test_equations_import_only_numpy_and_mathematics() -> None:
 # --- the product calls its own equations
 
 PACKAGE = Path(atleak.equations.__file__).parent
-REFEREES = {"referees", "uncertainty_referees"}
+REFEREES = {"circuit_referees", "referees", "uncertainty_referees"}
 
 
 def public_names() -> set[str]:
