@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import cast, get_args
 
-from atleak.catalogue.circuit_tables import SelectorRange
+from atleak.catalogue.circuit_tables import PermissibleState, SelectorRange
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.errors import Message, Place
 
@@ -26,6 +27,14 @@ class Engine(StrEnum):
     def label(self) -> str:
         """Return its name for people."""
         return self.value.replace("_", " ")
+
+    @property
+    def state(self) -> PermissibleState:
+        """Return the state under which a controller's file permits pressures of it."""
+        return "idle" if self is Engine.SLOW_IDLE else self.value
+
+
+_AT_FAST_IDLE = "its low limit at idle, for a pump that turns faster at the same throttle (choice of this project)"
 
 
 @dataclass(frozen=True)
@@ -102,6 +111,40 @@ def gear_in(selected: SelectorRange, gears: Iterable[int]) -> int | None:
     return min((gear for gear in known if gear > 0), default=None)
 
 
+def circuit_at(controller: Controller, tap: str) -> Circuit | None:
+    """Return the circuit that a tap belongs to; None for the line's."""
+    return next((circuit for circuit in controller.circuits if circuit.id == tap), None)
+
+
 def tap_name(controller: Controller, tap: str) -> str:
     """Return the name of a tap for people."""
-    return next((circuit.name for circuit in controller.circuits if circuit.id == tap), tap)
+    circuit = circuit_at(controller, tap)
+    return tap if circuit is None else circuit.name
+
+
+def taps_of(controller: Controller) -> tuple[str, ...]:
+    """Return every tap at which a gauge may sit: the line's, then those of the circuits."""
+    return (LINE, *(circuit.id for circuit in controller.circuits))
+
+
+def applied(controller: Controller, cell: Cell) -> bool:
+    """Return whether the circuit of a cell is applied in its range; the line always is."""
+    circuit = circuit_at(controller, cell.tap)
+    return circuit is None or gear_in(cell.range, controller.gears) in circuit.gears
+
+
+def permitted(controller: Controller, cell: Cell) -> PermissiblePressure | None:
+    """Return between which pressures main pressure must lie in a cell; None where the file does not tell.
+
+    A file that permits nothing at a fast idle of its own means that the low limit at idle holds there too.
+    """
+    if cell.tap != LINE:
+        return None
+    gear = gear_in(cell.range, controller.gears)
+    found = controller.permissible_in(cell.range, gear, cell.engine.state)
+    if found is not None or cell.engine is not Engine.FAST_IDLE:
+        return found
+    idle = controller.permissible_in(cell.range, gear, Engine.SLOW_IDLE.state)
+    if idle is None or idle.low is None:
+        return None
+    return replace(idle, state="fast_idle", high=None, source=f"{idle.source}; {_AT_FAST_IDLE}")
