@@ -44,7 +44,7 @@ FLOORS = (
     ("engine.series", "engine.projection"),
     ("engine.road_leakage", "rules"),
     ("uncertainty", "variants"),
-    ("sheet_checks",),
+    ("sheet_checks", "gauges"),
     ("diagnosis",),
     ("repair",),
     ("views", "intake"),
