@@ -21,6 +21,7 @@ from atleak.rules import Rule, UnitRules
 from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
+from atleak.uncertainty.pressures import PressureSpread
 from atleak.uncertainty.propagation import DRAWS, SEED, InstantSpread, LandSpread, TotalSpread, propagate
 from atleak.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
 from atleak.verdicts import Band
@@ -206,6 +207,10 @@ class TotalUncertainty:
     new_leakage_interval: Interval  # [m³/s] of the same unit new
     growth_interval: Interval  # of the leakage over that of the same unit new, as a fraction
     decision: RuleDecision  # about the total's bands
+    reserve_interval: Interval
+    main_pressure_interval: Interval  # [Pa] that holds
+    circuit_intervals: Mapping[str, Interval]  # [Pa] that each circuit holds, by its id
+    pressures: tuple[RuleDecision, ...]  # about reserve, circuits and permissible pressure at this condition
     band_probabilities: tuple[tuple[Band, float], ...]
     budget: tuple[tuple[str, float], ...]  # of the share's linear variance, the largest first
 
@@ -241,6 +246,11 @@ class UnitUncertainty:
     def land(self, key: tuple[str, int]) -> LandUncertainty:
         """Return one land by component and number."""
         return self._by_key[key]
+
+    def on(self, rule: Rule) -> RuleDecision | None:
+        """Return the decision on a rule of the whole unit; None where there is none."""
+        decisions = (each for total in self.totals for each in (total.decision, *total.pressures))
+        return next((decided for decided in decisions if decided.rule == rule), None)
 
     def total(self, condition: str) -> TotalUncertainty | None:
         """Return the total at the operating point of that name; None where there is none."""
@@ -319,8 +329,7 @@ def assess(
         sources,
         projections,
         assumptions,
-        pair_share=limits.pair_share,
-        total_share=limits.total_share,
+        limits=limits,
         coverage=coverage,
         draws=draws,
         seed=seed,
@@ -331,7 +340,7 @@ def assess(
         for land, land_spreads in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
-        _total(projection, total_spread, rule, guard_factor)
+        _total(projection, total_spread, rule, rules, guard_factor)
         for projection, total_spread, rule in zip(projections, spread.totals, rules.totals, strict=True)
     )
     return UnitUncertainty(
@@ -488,7 +497,9 @@ def _lower_bound(state: LandClearance) -> bool:
 # --- the whole
 
 
-def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor: float) -> TotalUncertainty:
+def _total(
+    projection: Projection, spread: TotalSpread, rule: Rule, rules: UnitRules, guard_factor: float
+) -> TotalUncertainty:
     condition, share, bands = projection.condition, projection.share, rule.steps.levels
     u = spread.share_spread.standard_uncertainty
     us, probabilities = spread.share_spread.level_uncertainties, spread.share_spread.probabilities
@@ -507,9 +518,27 @@ def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor
         new_leakage_interval=spread.new_leakage_interval,
         growth_interval=spread.growth_interval,
         decision=decision,
+        reserve_interval=spread.pressures.reserve.interval,
+        main_pressure_interval=spread.pressures.main_pressure_interval,
+        circuit_intervals={name: each.pressure_interval for name, each in spread.pressures.circuits.items()},
+        pressures=tuple(
+            _pressure_decision(each, spread.pressures, guard_factor)
+            for each in rules.pressures
+            if each.condition == condition
+        ),
         band_probabilities=tuple(zip(names, spread.band_probabilities, strict=True)),
         budget=_fractions({name: effect**2 for name, effect in spread.effects.items()}),
     )
+
+
+def _pressure_decision(rule: Rule, spread: PressureSpread, guard_factor: float) -> RuleDecision:
+    """Decide a rule about the pump's reserve or a pressure by the draws, which follow no normal distribution."""
+    drawn = spread.reserve if rule.kind is RuleKind.RESERVE else spread.below_permissible
+    if rule.circuit is not None:
+        drawn = spread.circuits[rule.circuit.id].moved
+    assert drawn is not None
+    skewed = drawn.standard_uncertainty > 0.0
+    return decide_rule(rule, drawn.level_uncertainties, drawn.probabilities, guard_factor, skewed=skewed)
 
 
 def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread) -> InstantUncertainty:

@@ -9,14 +9,14 @@ A bore wears to one side, which two-point diameters cannot see: by how much is o
 trial for the whole unit, with a phase of its own for each land. Where nobody knows how the spools lie, e/c is drawn for
 each component, the same for its lands now and new.
 
-No array of lands by draws is kept: a land's draws are made, used at every condition, added to the totals and discarded.
+The circuits' pressures are solved in every trial: a land that leaks more in it finds less pressure before it.
 """
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -24,8 +24,12 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
-from atleak.catalogue.limits import Steps
+from atleak.catalogue.limits import Limits, Steps
+from atleak.catalogue.section_pressures import SECTIONS
+from atleak.engine.circuits import Balance, Network, leaks_both_ways
+from atleak.engine.circuits import network as circuit_network
 from atleak.engine.leakage import LeakageModel, PumpFlow
+from atleak.engine.line import consumed
 from atleak.engine.projection import Projection
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
@@ -41,7 +45,9 @@ from atleak.uncertainty.draws import (
     with_one_side,
     worn_bore,
 )
+from atleak.uncertainty.pressures import DrawnUnit, PressureSpread, pressure_spread
 from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
+from atleak.uncertainty.spread import Spread, interval_of, spread_of
 
 SEED = 7667
 DRAWS = 20_000
@@ -54,16 +60,6 @@ ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the 
 _NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
 FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
 FACTORS = (*_NORMAL_FACTORS, FLUID_STATE)
-
-
-@dataclass(frozen=True)
-class Spread:
-    """The standard uncertainty and the interval of one quantity, from its draws."""
-
-    standard_uncertainty: float
-    interval: tuple[float, float]
-    probabilities: tuple[float, ...]  # that the quantity has reached each of the limits
-    level_uncertainties: tuple[float, ...]  # of the quantity over each limit, which may follow what was new
 
 
 @dataclass(frozen=True)
@@ -87,6 +83,7 @@ class TotalSpread:
     band_probabilities: tuple[float, ...]  # below the first limit, between, above the last
     new_leakage_interval: tuple[float, float]  # [m³/s] of the same unit new
     growth_interval: tuple[float, float]  # of the leakage over that of the same unit new
+    pressures: PressureSpread
     effects: dict[str, float]  # change of the share for one standard uncertainty of each source
 
 
@@ -119,7 +116,7 @@ class _Condition:
         converter = point.converter_pressure * np.maximum(
             1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
         )
-        pressures = model.controller.section_pressures(main, converter)
+        pressures: dict[str, Any] = model.controller.section_pressures(main, converter)
         pump = model.controller.pump
         if model.uses_slip:
             coefficient = pump.slip_coefficient * np.exp(u.slip_coefficient * deviates["pump efficiency"])
@@ -129,6 +126,11 @@ class _Condition:
             pump = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
         rise = temperature - REFERENCE_TEMPERATURE
         return _Drawn(self, rise, nu, rho, pressures, PumpFlow(pump, model.uses_slip))
+
+
+def _touches_circuit(gap: Gap) -> bool:
+    """Return whether a gap leads from or to a circuit."""
+    return any(end.section is not None and end.section not in SECTIONS for end in (gap.high, gap.low))
 
 
 def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:
@@ -160,19 +162,43 @@ class _Drawn:
         rho: Any,
         pressures: dict[str, Any],
         pump: PumpFlow,
+        solved: frozenset[str] = frozenset(),
     ) -> None:
+        self.solved = solved  # the circuits whose pressure follows from a balance
         self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
         self.pressures, self.pump = pressures, pump
         self.viscosity = dynamic_viscosity(nu, rho)
         self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
         self._drops: dict[Any, Any] = {}
 
+    def with_circuits(self, lands: Iterable[tuple[LandSources, Bore, Any, Any]]) -> tuple[_Drawn, Network, Balance]:
+        """Return the same with the pressures that the circuits hold where the lands are as given.
+
+        Each land comes with its bore, its contact length and where its spool lies.
+        """
+        model, point = self.condition.model, self.condition.point
+        law, gaps = model.law, []
+        for land, bore, length, position in lands:
+            touching = [each for each in self.condition.gaps.get(land.state.land.key, ()) if _touches_circuit(each[0])]
+            if touching:
+                mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
+                c = law.flow_clearance(mean, bore.square, bore.cube)
+                factors = law.diameter(land.state.spool_diameter, mean), c, self.nu, self.rho, length, position
+                gaps += [(gap, law.restriction(*factors), counts) for gap, counts in touching]
+        solves = model.profile.circuits == "on"
+        network = circuit_network(model.controller, point, gaps, self.nu, self.rho, solves=solves)
+        balance = network.balance(self.pressures)
+        if not network.has_circuits:
+            return self, network, balance
+        parts = self.rise, self.nu, self.rho, dict(balance.pressures), self.pump
+        return _Drawn(self.condition, *parts, network.solved), network, balance
+
     def drop(self, gap: Gap) -> Any:
-        """Return the pressure drop [Pa]; a negative one leaks nothing and is given as zero."""
+        """Return the pressure drop [Pa]; a negative one that leaks nothing is given as zero."""
         key = gap.high, gap.low
         if key not in self._drops:
-            ends = [0.0 if end.section is None else end.coefficient * self.pressures[end.section] for end in key]
-            self._drops[key] = np.maximum(ends[0] - ends[1], 0.0)
+            drop = gap.high.at(self.pressures) - gap.low.at(self.pressures)
+            self._drops[key] = drop if leaks_both_ways(gap, self.solved) else np.maximum(drop, 0.0)
         return self._drops[key]
 
     def driving(self, gaps: Sequence[Gap]) -> Any:
@@ -224,8 +250,7 @@ def propagate(
     projections: Sequence[Projection],
     assumptions: Assumptions,
     *,
-    pair_share: Steps | None,
-    total_share: Steps,
+    limits: Limits,
     coverage: float,
     draws: int,
     seed: int,
@@ -235,9 +260,9 @@ def propagate(
 
     Parameters
     ----------
-    pair_share, total_share
-        limits of the share for lands and for the total: the probability of having reached each is computed, growth
-        against the same land or unit new included.
+    limits
+        of shares, reserve and pressures: the probability of having reached each is computed, growth against the same
+        land or unit new included.
     coverage
         probability of the intervals, 0 … 1; they leave out as much below as above.
     draws, seed
@@ -268,95 +293,159 @@ def propagate(
     probes = [condition.at(_probe_deviates()) for condition in conditions]
     at_instants = [_Condition(model, instant, assumptions).at(deviates) for instant in instants]
     instant_totals = [np.zeros(draws) for _ in instants]
-    totals = [np.zeros(draws) for _ in conditions]
-    new_totals = [np.zeros(draws) for _ in conditions]
-    unworn_totals = [np.zeros(draws) for _ in conditions]
-    probe_totals = [np.zeros(_PROBES) for _ in conditions]
-    variances = [0.0 for _ in conditions]  # of each total, from errors that no land shares
-    group_slopes = [dict.fromkeys(names, 0.0) for _ in conditions]
-    by_component: list[dict[str, float]] = [defaultdict(float) for _ in conditions]  # drawn, as measured
-    lands: list[tuple[LandSpread, ...]] = []
+    lands: list[_LandDraws] = []
     for number, land in enumerate(sources):
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
-        new = new_bore(stream, land, draws)
-        # what was not measured is as new: the same in every trial
-        bore = unworn = new
-        if land.state.measured:
-            measured = measured_clearance(stream, land, common, new.clearance)
-            bore = worn_bore(stream, land, measured, new.clearance, fraction)
-            unworn = unworn_bore(land, measured, new)
-        nominal = land.state.land.contact_length
-        length: float | np.ndarray = nominal
-        if assumptions.contact_length:
-            lengths = stream.standard_normal(draws)
-            lengths *= assumptions.contact_length
-            lengths += nominal
-            length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
-        by_condition = []
-        position = positions.of(land)
-        for now, instant_total in zip(at_instants, instant_totals, strict=True):
-            instant_total += now.leakage(land, bore, length, position)[1]
-        for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
-            flow, drawn_flow = now.leakage(land, bore, length, position)
-            new_flow = now.leakage(land, new, length, position)[1] if land.state.measured else drawn_flow
-            unworn_flow = new_flow if unworn is new else now.leakage(land, unworn, length, position)[1]
-            totals[index] += drawn_flow
-            new_totals[index] += new_flow
-            unworn_totals[index] += unworn_flow
-            slopes = _probe(probe, land, assumptions, positions.relative_spread)
-            by_component[index][land.key[0]] += float(slopes.counted_probe[-1])
-            shares = _ratio(drawn_flow, now.capacity), _ratio(unworn_flow, now.capacity)
-            by_condition.append(
-                LandSpread(
-                    leakage=slopes.leakage,
-                    leakage_spread=_spread(flow, (), coverage),
-                    share_spread=_share_spread(*shares, pair_share, coverage),
-                    share_per_clearance=slopes.share_per_clearance,
-                    share_effects=slopes.share_effects,
-                )
-            )
-            probe_totals[index] += slopes.counted_probe
-            variances[index] += slopes.counted_per_clearance**2 * land.own_variance
-            variances[index] += slopes.counted_length_effect**2
-            for name, u in land.groups.items():
-                group_slopes[index][name] += slopes.counted_per_clearance * u
-        lands.append(tuple(by_condition))
+        lands.append(_land_draws(stream, land, common, fraction, assumptions, positions.of(land)))
+    for now, total in zip(at_instants, instant_totals, strict=True):
+        solved, network, balance = now.with_circuits(each.now for each in lands)
+        total += network.beside_lands(balance)
+        for each in lands:
+            total += solved.leakage(*each.now)[1]
+    by_condition = [
+        _at_condition(model, projection, now, probe, lands, assumptions, positions.relative_spread, limits, coverage)
+        for projection, now, probe in zip(projections, drawn, probes, strict=True)
+    ]
     return Propagated(
-        lands,
+        [tuple(spreads[number] for spreads, _ in by_condition) for number in range(len(lands))],
+        [total for _, total in by_condition],
         [
-            _total(
-                now,
-                probe,
-                total,
-                new_total,
-                unworn_total,
-                probe_total,
-                variance,
-                positions.relative_spread * math.hypot(*components.values()),
-                slopes,
-                total_share,
-                coverage,
-            )
-            for now, probe, total, new_total, unworn_total, probe_total, variance, components, slopes in zip(
-                drawn,
-                probes,
-                totals,
-                new_totals,
-                unworn_totals,
-                probe_totals,
-                variances,
-                by_component,
-                group_slopes,
-                strict=True,
-            )
-        ],
-        [
-            InstantSpread(
-                _spread(total, (), coverage).interval, _spread(_ratio(total, now.capacity), (), coverage).interval
-            )
+            InstantSpread(interval_of(total, coverage), interval_of(_ratio(total, now.capacity), coverage))
             for now, total in zip(at_instants, instant_totals, strict=True)
         ],
     )
+
+
+@dataclass(frozen=True)
+class _LandDraws:
+    """What is not known of one land, drawn: its bore now, new and unworn, its contact length, where its spool lies."""
+
+    land: LandSources
+    bore: Bore
+    new_bore: Bore
+    unworn_bore: Bore
+    length: Any
+    position: Any
+
+    @property
+    def now(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.bore, self.length, self.position
+
+    @property
+    def new(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.new_bore, self.length, self.position
+
+    @property
+    def unworn(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.unworn_bore, self.length, self.position
+
+
+def _land_draws(
+    stream: np.random.Generator,
+    land: LandSources,
+    common: dict[str, np.ndarray],
+    fraction: np.ndarray,
+    assumptions: Assumptions,
+    position: Any,
+) -> _LandDraws:
+    draws = fraction.size
+    new = new_bore(stream, land, draws)
+    # what was not measured is as new: the same in every trial
+    bore = unworn = new
+    if land.state.measured:
+        measured = measured_clearance(stream, land, common, new.clearance)
+        bore = worn_bore(stream, land, measured, new.clearance, fraction)
+        unworn = unworn_bore(land, measured, new)
+    nominal = land.state.land.contact_length
+    length: float | np.ndarray = nominal
+    if assumptions.contact_length:
+        lengths = stream.standard_normal(draws)
+        lengths *= assumptions.contact_length
+        lengths += nominal
+        length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
+    return _LandDraws(land, bore, new, unworn, length, position)
+
+
+def _at_condition(
+    model: LeakageModel,
+    projection: Projection,
+    drawn: _Drawn,
+    probe: _Drawn,
+    lands: Sequence[_LandDraws],
+    assumptions: Assumptions,
+    relative_spread: float,
+    limits: Limits,
+    coverage: float,
+) -> tuple[list[LandSpread], TotalSpread]:
+    """Return the spread of every land and of the total at one condition."""
+    draws = lands[0].bore.clearance.size if lands else 1
+    now, network, balance = drawn.with_circuits(each.now for each in lands)
+    new, new_network, new_balance = drawn.with_circuits(each.new for each in lands)
+    same = all(each.unworn_bore is each.new_bore for each in lands)
+    unworn, unworn_network, unworn_balance = (
+        (new, new_network, new_balance) if same else drawn.with_circuits(each.unworn for each in lands)
+    )
+    probe, probe_network, probe_balance = probe.with_circuits(_as_measured(each) for each in lands)
+    total, new_total, unworn_total = (
+        np.full(draws, 0.0) + each.beside_lands(at)
+        for each, at in ((network, balance), (new_network, new_balance), (unworn_network, unworn_balance))
+    )
+    probe_total = np.zeros(_PROBES) + probe_network.beside_lands(probe_balance)
+    variance = 0.0  # of the total, from errors that no land shares
+    group_slopes: dict[str, float] = defaultdict(float)
+    by_component: dict[str, float] = defaultdict(float)  # drawn, as measured
+    spreads = []
+    for each in lands:
+        land = each.land
+        flow, drawn_flow = now.leakage(*each.now)
+        as_new = new is now and each.bore is each.new_bore
+        new_flow = drawn_flow if as_new else new.leakage(*each.new)[1]
+        as_unworn = unworn is new and each.unworn_bore is each.new_bore
+        unworn_flow = new_flow if as_unworn else unworn.leakage(*each.unworn)[1]
+        total += drawn_flow
+        new_total += new_flow
+        unworn_total += unworn_flow
+        slopes = _probe(probe, land, assumptions, relative_spread)
+        by_component[land.key[0]] += float(slopes.counted_probe[-1])
+        shares = _ratio(drawn_flow, now.capacity), _ratio(unworn_flow, now.capacity)
+        spreads.append(
+            LandSpread(
+                leakage=slopes.leakage,
+                leakage_spread=spread_of(flow, (), coverage),
+                share_spread=_share_spread(*shares, limits.pair_share, coverage),
+                share_per_clearance=slopes.share_per_clearance,
+                share_effects=slopes.share_effects,
+            )
+        )
+        probe_total += slopes.counted_probe
+        variance += slopes.counted_per_clearance**2 * land.own_variance
+        variance += slopes.counted_length_effect**2
+        for name, u in land.groups.items():
+            group_slopes[name] += slopes.counted_per_clearance * u
+    measured_unit, unworn_unit = (
+        DrawnUnit(each, at, leakage, drawn.pressures, drawn.pump, drawn.viscosity)
+        for each, at, leakage in ((network, balance, total), (unworn_network, unworn_balance, unworn_total))
+    )
+    return spreads, _total(
+        now,
+        probe,
+        total,
+        new_total,
+        unworn_total,
+        probe_total,
+        variance,
+        relative_spread * math.hypot(*by_component.values()),
+        group_slopes,
+        limits.total_share,
+        coverage,
+        pressure_spread(projection, model, measured_unit, unworn_unit, limits, coverage),
+    )
+
+
+def _as_measured(draws: _LandDraws) -> tuple[LandSources, Bore, Any, Any]:
+    """Return a land as its readings have it: the budget changes one land at a time, at the same circuit pressures."""
+    state = draws.land.state
+    return draws.land, Bore(state.radial_clearance, *state.form_moments), state.land.contact_length, None
 
 
 # --- what the draws say
@@ -369,33 +458,9 @@ def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
     return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
 
 
-def _spread(values: np.ndarray, limits: Sequence[Any], coverage: float) -> Spread:
-    finite = bool(np.isfinite(values).all())
-    reached = tuple(float(np.count_nonzero(values >= limit)) / values.size for limit in limits)
-    u = float(values.std()) if finite else math.inf
-    return Spread(
-        u,
-        _quantiles(values, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
-        reached,
-        tuple(float((values - limit).std()) if finite and np.ndim(limit) else u for limit in limits),
-    )
-
-
 def _share_spread(share: np.ndarray, unworn: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
     """Return the spread of a share, and how likely it has reached each limit beside that of an unworn land or unit."""
-    return _spread(share, [limit for _, limit in steps.over(unworn)] if steps else (), coverage)
-
-
-def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[float, float]:
-    places = [(values.size - 1) * p for p in probabilities]
-    edges = [int(place) for place in places]
-    ends = sorted({min(edge + step, values.size - 1) for edge in edges for step in (0, 1)})
-    ordered = np.partition(values, ends)
-    quantiles = []
-    for place, edge in zip(places, edges, strict=True):
-        low, high = float(ordered[edge]), float(ordered[min(edge + 1, values.size - 1)])
-        quantiles.append(low if low == high else low + (place - edge) * (high - low))
-    return quantiles[0], quantiles[1]
+    return spread_of(share, [limit for _, limit in steps.over(unworn)] if steps else (), coverage)
 
 
 # --- the linear budget: one factor is changed at a time, by central differences
@@ -488,6 +553,7 @@ def _total(
     group_slopes: dict[str, float],
     steps: Steps,
     coverage: float,
+    pressures: PressureSpread,
 ) -> TotalSpread:
     share_spread = _share_spread(_ratio(total, now.capacity), _ratio(unworn_total, now.capacity), steps, coverage)
     # a band counts as reached where a worse one is
@@ -500,13 +566,15 @@ def _total(
     effects[ONE_SIDE] = _one_side_effect(probe_share)
     effects[POSITION] = position * per_flow
     effects |= {f"common to all lands: {name}": slope * per_flow for name, slope in group_slopes.items()}
-    speed = now.pump.minimum_speed(total, now.pressures["p_g"], now.viscosity)
+    consumers = consumed(now.condition.model.controller, now.condition.point)
+    speed = now.pump.minimum_speed(total + consumers, now.pressures["p_g"], now.viscosity)
     return TotalSpread(
-        leakage_spread=_spread(total, (), coverage),
+        leakage_spread=spread_of(total, (), coverage),
         share_spread=share_spread,
-        minimum_speed_interval=_quantiles(speed, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
+        minimum_speed_interval=interval_of(speed, coverage),
         band_probabilities=tuple(max(a - b, 0.0) for a, b in pairwise(over)),
-        new_leakage_interval=_spread(new_total, (), coverage).interval,
-        growth_interval=_spread(_ratio(total, new_total) - 1.0, (), coverage).interval,
+        new_leakage_interval=interval_of(new_total, coverage),
+        growth_interval=interval_of(_ratio(total, new_total) - 1.0, coverage),
+        pressures=pressures,
         effects=effects,
     )

@@ -127,8 +127,8 @@ def limit_tables(limits: Limits) -> Tables:
                 {
                     "rule": name.replace("_", " "),
                     "from here": str(level),
-                    "limit": limit * name.factor if limit else None,
-                    "unit": name.unit if limit else None,
+                    "limit": limit * name.factor if steps.has_limit(level) else None,
+                    "unit": name.unit if steps.has_limit(level) else None,
                     "at least [µm]": None if at_least is None else at_least * UM,
                     "growth over new [%]": None if growth is None else growth * PERCENT,
                     "added [points of pump flow]": added * PERCENT if added else None,
