@@ -19,6 +19,8 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, model_new, project, project_unworn
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
+from atleak.gauges.check import PressureCheck, check_pressures
+from atleak.pressure_table import PressureTable
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
@@ -126,6 +128,7 @@ class Diagnosis:
     unworn_projections: tuple[Projection, ...]  # as wide as its readings may have been when new; growth is judged by it
     losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
     road: RoadLeakage | None
+    pressures: PressureCheck | None  # gauge readings of the standing vehicle; None without any
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
@@ -241,13 +244,12 @@ class Diagnosis:
 
         Of several that are equally bad one that is sure is named before one that is not, a land before a total, a total
         before a pressure, and of pressures the one that is farthest past its limit.
-        Without any reading nothing is decided: the totals are those of a new unit.
+        Without any reading only what gauges showed decides: the totals are those of a new unit.
         """
-        if not self.judged:
-            return None
         candidates: list[LandDiagnosis | Rule] = [*self.flagged]
-        candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
-        past = sorted(self.pressure_rules, key=lambda rule: -rule.severity)
+        candidates += [self.worst_total] if self.judged and self.worst_total.verdict.flagged else []
+        computed = self.pressure_rules if self.judged else ()
+        past = sorted((*computed, *self.gauge_rules), key=lambda rule: -rule.severity)
         candidates += [rule for rule in past if rule.verdict.flagged]
         return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
 
@@ -269,13 +271,20 @@ class Diagnosis:
         return decided.decision if decided else None
 
     def decided(self, rule: Rule) -> RuleDecision | None:
-        """Return the decision on one of the unit's rules; None without readings."""
-        return self.uncertainty.on(rule) if self.uncertainty else None
+        """Return the decision on one of the unit's rules; None of what is computed without readings."""
+        shown = self.pressures.decisions if self.pressures else ()
+        of_gauge = next((each for each in shown if each.rule is rule), None)
+        return of_gauge or (self.uncertainty.on(rule) if self.uncertainty else None)
+
+    @property
+    def gauge_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge what gauges showed."""
+        return self.pressures.rules if self.pressures else ()
 
     @property
     def unit_rules(self) -> tuple[Rule, ...]:
         """Return every rule that judges the whole unit: totals first."""
-        return (*self.total_rules, *self.pressure_rules)
+        return (*self.total_rules, *self.pressure_rules, *self.gauge_rules)
 
     def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
         """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
@@ -283,11 +292,13 @@ class Diagnosis:
 
     @property
     def verdict(self) -> Verdict:
-        """Return the worst of any measured land and of the totals, ``not_measured`` where nothing was measured."""
+        """Return the worst of any measured land, the totals and gauges; ``not_measured`` where nothing was measured."""
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
-        return worst([land.verdict for land in self.lands if land.verdict == Verdict.OK] or [Verdict.NOT_MEASURED])
+        within = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within += [rule.verdict for rule in self.gauge_rules if not self.judged]
+        return worst(within or [Verdict.NOT_MEASURED])
 
     @property
     def judged(self) -> int:
@@ -308,6 +319,7 @@ def diagnose(
     fluid_state: FluidState | None = None,
     readings: Readings | None = None,
     road_test: RoadTest | None = None,
+    pressures: PressureTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
@@ -329,6 +341,8 @@ def diagnose(
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
         log over which leakage is computed.
+    pressures
+        gauge readings of the standing vehicle, which are judged by themselves.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
@@ -385,8 +399,17 @@ def diagnose(
             guard_factor=guard_factor,
         )
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
+    checked = (
+        None
+        if pressures is None
+        else check_pressures(
+            pressures, model, limits, projections=projections, assumptions=assumptions, guard_factor=guard_factor
+        )
+    )
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if checked is not None:
+        messages += checked.messages
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
@@ -407,6 +430,7 @@ def diagnose(
         unworn_projections=unworn,
         losses=tuple(pressure_losses(model, as_new, point, measured) for point in conditions),
         road=road,
+        pressures=checked,
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,

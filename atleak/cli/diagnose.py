@@ -37,7 +37,7 @@ _POSITION = "eccentricity"  # an option of the profile that people also look for
 def add_parser(commands: Any) -> None:
     """Add the command."""
     parser = add_command(commands, "diagnose", run, "a verdict for every land from a measuring sheet and a road test")
-    parser.add_argument("readings", metavar="READINGS", help="measuring sheet: xlsx, xls, ods or csv")
+    parser.add_argument("readings", metavar="READINGS", nargs="?", help="measuring sheet: xlsx, xls, ods or csv")
     parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     parser.add_argument(
         "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
@@ -51,6 +51,11 @@ def add_parser(commands: Any) -> None:
         help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
     )
     parser.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
+    parser.add_argument(
+        "--pressures",
+        metavar="FILE",
+        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
+    )
     add_columns(parser)
     add_controller(parser)
     parser.add_argument("--fluid", metavar="ID|FILE")
@@ -132,7 +137,16 @@ def run(options: argparse.Namespace) -> int:
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
-    inputs = (options.readings, options.road_test, options.job, *(getattr(options, name) for name in SLOTS))
+    if options.readings is None and options.road_test is None and options.pressures is None:
+        expected = "READINGS, --road-test LOG or --pressures FILE"
+        raise InputError("there is nothing to diagnose", expected=expected)
+    inputs = (
+        options.readings,
+        options.road_test,
+        options.pressures,
+        options.job,
+        *(getattr(options, name) for name in SLOTS),
+    )
     targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
     check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     job = None
@@ -158,11 +172,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _case(options: argparse.Namespace) -> Case:
     """Return the files and choices that the command line names."""
-    from atleak.job.case import SLOTS, Case, SourceFile
+    from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
 
     return Case(
-        readings=SourceFile.at(options.readings),
-        road_test=None if options.road_test is None else SourceFile.at(options.road_test),
+        **{name: SourceFile.at(given) for name in OWN_FILES if (given := getattr(options, name)) is not None},
         **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
         fluid_state=options.fluid_state,
         options=_profile_options(options),

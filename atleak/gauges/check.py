@@ -14,7 +14,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection, project
 from atleak.equations.uncertainty import normal_cdf
 from atleak.errors import DomainError, Message, Place
-from atleak.gauges.patterns import FORD, Pattern, Standing, Stands, find_patterns
+from atleak.gauges.patterns import Pattern, Standing, Stands, find_patterns
 from atleak.pressure_table import (
     LINE,
     Cell,
@@ -32,7 +32,6 @@ from atleak.uncertainty import Assumptions, RuleDecision
 from atleak.uncertainty.decision import decide_rule
 from atleak.verdicts import Verdict, worst
 
-BELOW_LINE = 103e3  # [Pa] by which a circuit's tap may be below line pressure: published (Ford)
 _SHOWN = 8  # cells named in a message
 
 
@@ -41,7 +40,7 @@ class CheckedReading:
     """One gauge reading beside what is permissible, what the engine expects, and the line's own reading."""
 
     reading: GaugeReading
-    label: str  # of its cell, for people
+    tap_name: str
     gear: int | None  # that is taken for the range; None where the gears do not tell
     permissible: PermissiblePressure | None  # of main pressure; None where the file does not tell
     expected: (
@@ -54,6 +53,11 @@ class CheckedReading:
     def cell(self) -> Cell:
         """Return its cell."""
         return self.reading.cell
+
+    @property
+    def label(self) -> str:
+        """Return its cell's name for people: ``"D, slow idle, line"``."""
+        return f"{self.cell.range}, {self.cell.engine.label}, {self.tap_name}"
 
     @property
     def stands(self) -> Stands | None:
@@ -157,9 +161,7 @@ def check_pressures(
         ),
     )
     readings = tuple(checker.check(each) for each in taken)
-    patterns = find_patterns(
-        [checker.standing(each) for each in readings], loss=BELOW_LINE, loss_source=FORD, applied=checker.applied
-    )
+    patterns = find_patterns([checker.standing(each) for each in readings], checker.applied)
     return PressureCheck(table, readings, patterns, (*table.messages, *checker.messages(readings)))
 
 
@@ -185,12 +187,20 @@ class _Checker:
         """Judge one reading."""
         cell = reading.cell
         permissible, line = permitted(self.controller, cell), self._line(reading)
-        label = f"{cell.range}, {cell.engine.label}, {tap_name(self.controller, cell.tap)}"
+        checked = CheckedReading(
+            reading=reading,
+            tap_name=tap_name(self.controller, cell.tap),
+            gear=gear_in(cell.range, self.controller.gears),
+            permissible=permissible,
+            expected=self._expected(reading),
+            line=line,
+            decisions=(),
+        )
         rules = []
         if permissible is not None and permissible.low is not None and self.limits.below_permissible is not None:
             below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
             kind, steps = RuleKind.PERMISSIBLE_PRESSURE, self.limits.below_permissible
-            rules.append((Rule(kind, None, below, steps, where=label), u))
+            rules.append((Rule(kind, None, below, steps, where=checked.label), u))
         if line is not None and self.limits.circuit_loss is not None:
             u = self.uncertainty * math.hypot(line, reading.pressure)
             rule = Rule(
@@ -199,18 +209,10 @@ class _Checker:
                 line - reading.pressure,
                 self.limits.circuit_loss,
                 circuit=circuit_at(self.controller, cell.tap),
-                where=f"{label}, below line pressure",
+                where=f"{checked.label}, below line pressure",
             )
             rules.append((rule, u))
-        return CheckedReading(
-            reading=reading,
-            label=label,
-            gear=gear_in(cell.range, self.controller.gears),
-            permissible=permissible,
-            expected=self._expected(reading),
-            line=line,
-            decisions=tuple(self._decide(rule, u) for rule, u in rules),
-        )
+        return replace(checked, decisions=tuple(self._decide(rule, u) for rule, u in rules))
 
     def _decide(self, rule: Rule, u: float) -> RuleDecision:
         levels = rule.steps.levels
@@ -268,9 +270,8 @@ class _Checker:
     def standing(self, checked: CheckedReading) -> Standing:
         """Return a reading as the patterns need it."""
         reading = checked.reading
-        tap = tap_name(self.controller, reading.cell.tap)
         return Standing(
-            cell=reading.cell if reading.cell.tap == LINE else replace(reading.cell, tap=tap),
+            cell=reading.cell,
             pressure=reading.pressure,
             repeat=reading.repeat,
             uncertainty=self.uncertainty * reading.pressure,
@@ -280,10 +281,10 @@ class _Checker:
 
     @property
     def applied(self) -> dict[str, frozenset[str]]:
-        """Return the names of the circuits that are applied in each range."""
+        """Return the ids of the circuits that are applied in each range."""
         gears = {selected: gear_in(selected, self.controller.gears) for selected in ranges_of(self.controller)}
         return {
-            selected: frozenset(circuit.name for circuit in self.controller.circuits if gear in circuit.gears)
+            selected: frozenset(circuit.id for circuit in self.controller.circuits if gear in circuit.gears)
             for selected, gear in gears.items()
         }
 
@@ -297,7 +298,9 @@ class _Checker:
                 by_gear.setdefault(gear, []).append(selected)
         if by_gear:
             taken = "; ".join(f"{', '.join(ranges)} as gear {gear}" for gear, ranges in by_gear.items())
-            text = f"Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project)."
+            text = (
+                f"Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project)."
+            )
             yield Message("info", "ranges_as_gears", text, place)
         unjudged = [each.label for each in readings if not each.decisions]
         if unjudged:

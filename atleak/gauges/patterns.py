@@ -6,25 +6,24 @@ other patterns; a table of a few cells has none.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.pressure_table import LINE, Cell, Engine
-from atleak.workshop_units import KPA, PERCENT
 
 Stands = Literal["low", "normal", "high"]
 PatternKind = Literal["low_at_slow_idle", "one_range_low", "falling", "all_low", "all_high", "below_line"]
+PatternSource = Literal["practice", "project", "ford"]  # trade practice; a choice of this project; a maker's test
 
 RANGES_THAT_TELL = 3  # measured with one state of the engine: choice of this project
 STATES_THAT_TELL = 2  # of the engine, for what holds everywhere: choice of this project
 READINGS_THAT_FALL = 3  # of one cell, one after the other: choice of this project
+_SURELY = 2.0  # standard uncertainties of the gauge
 
-PRACTICE = "trade practice in reading stationary pressure tables"
-SHARED = "what all ranges share (choice of this project)"
-FORD = "Ford clutch pressure test: more than 103 kPa below line pressure"
+BELOW_LINE = 103e3  # [Pa] by which a circuit may be below line pressure: published (Ford)
 
 
 @dataclass(frozen=True)
@@ -41,12 +40,16 @@ class Standing:
 
 @dataclass(frozen=True)
 class Pattern:
-    """A known pattern: what it hints at, in one sentence, who says so, and the cells that show it."""
+    """A known pattern: who says what it hints at, the cells that show it, and what its sentence names."""
 
     kind: PatternKind
-    text: str
-    source: str
+    source: PatternSource
     cells: tuple[Cell, ...]
+    ranges: tuple[SelectorRange, ...] = ()  # that are low
+    others: tuple[SelectorRange, ...] = ()  # that are not
+    circuits: tuple[str, ...] = ()  # ids of those that may leak
+    worst: Cell | None = None  # of those that fall or lie below the line
+    amount: float | None = None  # there: by which fraction it fell, or how far it lies below the line [Pa]
 
 
 @dataclass(frozen=True)
@@ -79,11 +82,7 @@ class _Line:
 
 
 def find_patterns(
-    readings: Sequence[Standing],
-    *,
-    loss: float,
-    loss_source: str = FORD,
-    applied: Mapping[SelectorRange, frozenset[str]] | None = None,
+    readings: Sequence[Standing], applied: Mapping[SelectorRange, frozenset[str]] | None = None
 ) -> tuple[Pattern, ...]:
     """Return the patterns that a table shows; none where too few cells were measured to tell.
 
@@ -91,72 +90,58 @@ def find_patterns(
     ----------
     readings
         every reading, with how it stands to what is permissible.
-    loss
-        by which a circuit's tap may be below line pressure [Pa].
-    loss_source
-        who says so.
     applied
-        names of the circuits that are applied in each range, where the controller's file tells.
+        ids of the circuits that are applied in each range, where the controller's file tells.
     """
     line = _Line.of(readings)
-    found = [
+    return (
         *_low_at_slow_idle(line),
         *_everywhere(line),
         *_one_range(line, applied or {}),
         *_falling(readings),
-        *_below_line(readings, loss, loss_source),
-    ]
-    return tuple(found)
+        *_below_line(readings),
+    )
 
 
 def _low_at_slow_idle(line: _Line) -> Iterator[Pattern]:
+    """All ranges low at slow idle but not at fast idle: the pump first, or internal leakage."""
     slow, fast = (line.of_engine.get(engine, {}) for engine in (Engine.SLOW_IDLE, Engine.FAST_IDLE))
     both = [selected for selected in slow if selected in fast]
-    if len(both) < RANGES_THAT_TELL or set(slow.values()) != {"low"} or "low" in fast.values():
-        return
-    text = (
-        f"Main pressure is low in all ranges at slow idle ({_listed(slow)}) and not at fast idle: look at the pump "
-        "first; internal leakage is possible, since a pump that turns faster covers it."
-    )
-    cells = [Cell(selected, engine) for engine in (Engine.SLOW_IDLE, Engine.FAST_IDLE) for selected in both]
-    yield Pattern("low_at_slow_idle", text, PRACTICE, tuple(cells))
+    if len(both) >= RANGES_THAT_TELL and set(slow.values()) == {"low"} and "low" not in fast.values():
+        cells = [Cell(selected, engine) for engine in (Engine.SLOW_IDLE, Engine.FAST_IDLE) for selected in both]
+        yield Pattern("low_at_slow_idle", "practice", tuple(cells), ranges=tuple(slow))
 
 
 def _everywhere(line: _Line) -> Iterator[Pattern]:
-    low, high = line.all_are("low"), line.all_are("high")
-    if low:
-        text = (
-            f"Main pressure is low everywhere it was measured and judged ({len(low)} cells): what all ranges share "
-            "comes first, that is fluid level, filter, pump and the regulation of main pressure; leakage ahead of the ranges "
-            "is possible."
-        )
-        yield Pattern("all_low", text, SHARED, low)
-    if high:
-        text = (
-            f"Main pressure is high everywhere it was measured and judged ({len(high)} cells): the regulation of main "
-            "pressure comes first, its valve, its solenoid or cable and what commands it; leakage does not raise it."
-        )
-        yield Pattern("all_high", text, SHARED, high)
+    """All low, or all high, with every state of the engine: what all ranges share."""
+    if low := line.all_are("low"):
+        yield Pattern("all_low", "project", low)
+    if high := line.all_are("high"):
+        yield Pattern("all_high", "project", high)
 
 
 def _one_range(line: _Line, applied: Mapping[SelectorRange, frozenset[str]]) -> Iterator[Pattern]:
+    """One range low and the others not: the circuit of its clutch or brake."""
     judged = {engine: ranges for engine, ranges in line.of_engine.items() if len(ranges) >= RANGES_THAT_TELL}
     low = {selected for ranges in line.of_engine.values() for selected, stands in ranges.items() if stands == "low"}
     cells = [Cell(each, engine) for engine, ranges in judged.items() for each in ranges if ranges[each] == "low"]
     if len(low) != 1 or not cells:
         return
     (selected,) = low
-    others = {each for ranges in judged.values() for each in ranges if each != selected}
+    others = [each for each in dict.fromkeys(each for ranges in judged.values() for each in ranges) if each != selected]
     alone = applied.get(selected, frozenset()).difference(*(applied.get(other, frozenset()) for other in others))
-    named = f" ({_listed(sorted(alone))})" if alone else ""
-    text = (
-        f"Main pressure is low in {selected} alone and not in {_listed(sorted(others))}: the circuit of the clutch or "
-        f"brake that is applied in {selected}{named} may leak."
+    yield Pattern(
+        "one_range_low",
+        "practice",
+        tuple(cells),
+        ranges=(selected,),
+        others=tuple(others),
+        circuits=tuple(sorted(alone)),
     )
-    yield Pattern("one_range_low", text, PRACTICE, tuple(cells))
 
 
 def _falling(readings: Sequence[Standing]) -> Iterator[Pattern]:
+    """Pressure that falls with every reading, by more than the gauge may err: the filter."""
     by_cell: dict[Cell, list[Standing]] = {}
     for each in sorted(readings, key=lambda each: each.repeat):
         by_cell.setdefault(each.cell, []).append(each)
@@ -164,30 +149,20 @@ def _falling(readings: Sequence[Standing]) -> Iterator[Pattern]:
     for cell, taken in by_cell.items():
         steadily = all(after.pressure < before.pressure for before, after in pairwise(taken))
         fall = taken[0].pressure - taken[-1].pressure
-        if len(taken) >= READINGS_THAT_FALL and steadily and fall > 2.0 * taken[0].uncertainty:
+        if len(taken) >= READINGS_THAT_FALL and steadily and fall > _SURELY * taken[0].uncertainty:
             fell[cell] = fall / taken[0].pressure
     if fell:
         worst = max(fell, key=lambda cell: fell[cell])
-        text = (
-            f"Pressure falls with every reading, in {worst.range} at {worst.engine.label} by "
-            f"{fell[worst] * PERCENT:.0f} %: the filter may be clogging, or the pump may be drawing air."
-        )
-        yield Pattern("falling", text, PRACTICE, tuple(fell))
+        yield Pattern("falling", "practice", tuple(fell), worst=worst, amount=fell[worst])
 
 
-def _below_line(readings: Sequence[Standing], loss: float, source: str) -> Iterator[Pattern]:
-    far: dict[str, list[Standing]] = {}
+def _below_line(readings: Sequence[Standing]) -> Iterator[Pattern]:
+    """A tap far below the line: that circuit's leak."""
+    far: dict[str, dict[Cell, float]] = {}
     for each in readings:
-        if each.below_line is not None and each.below_line > loss:
-            far.setdefault(each.cell.tap, []).append(each)
-    for tap, found in far.items():
-        worst = max(found, key=lambda each: each.below_line or 0.0)
-        text = (
-            f"{tap} is up to {(worst.below_line or 0.0) * KPA:.0f} kPa below line pressure (in {worst.cell.range} at "
-            f"{worst.cell.engine.label}), more than {loss * KPA:.0f} kPa: that circuit may leak."
-        )
-        yield Pattern("below_line", text, source, tuple(dict.fromkeys(each.cell for each in found)))
-
-
-def _listed(names: Iterable[str]) -> str:
-    return ", ".join(names)
+        if each.below_line is not None and each.below_line > BELOW_LINE:
+            cells = far.setdefault(each.cell.tap, {})
+            cells[each.cell] = max(each.below_line, cells.get(each.cell, 0.0))
+    for tap, cells in far.items():
+        worst = max(cells, key=lambda cell: cells[cell])
+        yield Pattern("below_line", "ford", tuple(cells), circuits=(tap,), worst=worst, amount=cells[worst])

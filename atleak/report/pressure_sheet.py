@@ -11,7 +11,6 @@ from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.circuit_tables import SelectorRange
-from atleak.catalogue.circuits import PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.pressure_table import (
     Cell,
@@ -23,6 +22,7 @@ from atleak.pressure_table import (
     tap_name,
     taps_of,
 )
+from atleak.views.gauge_rows import permissible_text
 from atleak.workshop_units import KPA
 
 PRESSURES = "Pressures"
@@ -75,7 +75,7 @@ def write_pressures(
                 sheet.write_number(last, column, round(given[0].pressure * KPA, 9), formats["pressure"])
             else:
                 sheet.write_blank(last, column, None, formats["pressure"])
-            text = _as_text(permitted(controller, cell))
+            text = permissible_text(permitted(controller, cell)) or ""
             sheet.write_string(last, column + len(Engine), text, formats["origin"])
     sheet.freeze_panes(HEADER + 1, 2)
     sheet.data_validation(
@@ -105,17 +105,3 @@ def _rows(controller: Controller) -> Iterator[tuple[SelectorRange, str]]:
         for selected in ranges_of(controller):
             if applied(controller, Cell(selected, Engine.SLOW_IDLE, tap)):
                 yield selected, tap
-
-
-def _as_text(permissible: PermissiblePressure | None) -> str:
-    """Return what is permitted in kPa, for people.
-
-    >>> _as_text(PermissiblePressure(frozenset(), "idle", 412e3, None, ""))
-    'from 412'
-    """
-    if permissible is None:
-        return ""
-    low, high = (None if end is None else f"{end * KPA:g}" for end in (permissible.low, permissible.high))
-    if low is None or high is None:
-        return f"from {low}" if high is None else f"to {high}"
-    return f"{low} to {high}"

@@ -21,6 +21,7 @@ from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
+from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
@@ -79,6 +80,8 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         console.print(part)
     for line in _repairs(diagnosis):
         console.print(Text(line))
+    for part in _gauges(diagnosis):
+        console.print(part)
     if diagnosis.road is not None:
         console.print(Text(_road(diagnosis.road, diagnosis.uncertainty)))
     for message in diagnosis.messages:
@@ -284,6 +287,25 @@ def _helps(step: RepairStep) -> str:
     at = step.at
     shares = f"{at.before.share * PERCENT:.1f} → {at.after.share * PERCENT:.1f} %"
     return f"total share at {at.condition.label} {shares} ({at.after.band})"
+
+
+def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
+    """Return what gauges showed, reading by reading, and the patterns in it."""
+    check = diagnosis.pressures
+    if check is None:
+        return
+    yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {signed(check.verdict)}")
+    rows = gauge_rows(check)
+    table = Table(*rows[0])
+    for row in rows:
+        verdict, *cells = row.values()
+        texts = ("–" if each is None else f"{each:.0f}" if isinstance(each, float) else str(each) for each in cells)
+        table.add_row(Text(signed(verdict), style=look_of(verdict).style), *map(Text, texts))
+    yield table
+    for pattern in check.patterns:
+        say = wording("en")
+        source = say.get("pattern_sources", pattern.source)
+        yield Text(f"→ {pattern_text(pattern, diagnosis.controller, say)} ({source})")
 
 
 def _share(cell: LandAtCondition) -> Text:

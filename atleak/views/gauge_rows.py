@@ -1,0 +1,130 @@
+"""Rows and the JSON record of gauge readings: what was shown, what is permissible, what is expected, the verdict."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.catalogue.circuits import PermissiblePressure
+from atleak.catalogue.controller import Controller
+from atleak.diagnosis import Diagnosis
+from atleak.gauges.check import CheckedReading, PressureCheck
+from atleak.gauges.patterns import BELOW_LINE, Pattern
+from atleak.pressure_table import LINE, Cell, tap_name
+from atleak.verdicts import Verdict
+from atleak.views.condition_record import finite, scaled, unit_rule_record
+from atleak.wording import Wording, wording
+from atleak.workshop_units import KPA, RPM
+
+
+def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the gauge readings as ``atleak diagnose --json`` writes them; None without any."""
+    check = diagnosis.pressures
+    if check is None:
+        return None
+    deciding = check.deciding
+    return {
+        "file": check.table.file,
+        "sha256": check.table.sha256,
+        "sheet": check.table.sheet,
+        "verdict": check.verdict,
+        "decision": deciding.decision if deciding and check.verdict != Verdict.NOT_MEASURED else None,
+        "decided_by": deciding.rule.where if deciding and check.verdict.flagged else None,
+        "taps": list(check.table.taps),
+        "readings": [_reading(diagnosis, each) for each in check.readings],
+        "patterns": [_pattern(each, diagnosis.controller) for each in check.patterns],
+    }
+
+
+def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
+    reading, permissible, deciding = checked.reading, checked.permissible, checked.deciding
+    line = reading.cell.tap == LINE
+    return {
+        **_cell(checked.cell),
+        "label": checked.label,
+        "repeat": reading.repeat,
+        "gear": checked.gear,
+        "pressure_kpa": reading.pressure * KPA,
+        "temperature_c": reading.temperature,
+        "engine_rpm": scaled(reading.engine_speed, RPM),
+        "permissible_low_kpa": scaled(permissible.low if permissible else None, KPA),
+        "permissible_high_kpa": scaled(permissible.high if permissible else None, KPA),
+        "permissible_source": permissible.source if permissible else None,
+        "stands": checked.stands,
+        "over_permissible_kpa": scaled(checked.over, KPA),
+        "expected_kpa": scaled(checked.expected, KPA),
+        "line_kpa": None if line else scaled(checked.line, KPA),
+        "below_line_kpa": None if line else scaled(checked.below_line, KPA),
+        "verdict": checked.verdict,
+        "decision": deciding.decision if deciding else None,
+        "probability_over_limit": finite(deciding.probability_over_limit) if deciding else None,
+        "rules": [unit_rule_record(diagnosis, each.rule) for each in checked.decisions],
+        "place": {name: value for name, value in vars(reading.place).items() if value is not None},
+    }
+
+
+def _pattern(pattern: Pattern, controller: Controller) -> dict[str, Any]:
+    say = wording("en")
+    return {
+        "kind": pattern.kind,
+        "text": pattern_text(pattern, controller, say),
+        "source": say.get("pattern_sources", pattern.source),
+        "cells": [_cell(cell) for cell in pattern.cells],
+    }
+
+
+def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
+    """Return a pattern as a sentence in a language, with where to look first."""
+    worst, amount = pattern.worst, pattern.amount or 0.0
+    circuits = ", ".join(tap_name(controller, name) for name in pattern.circuits)
+    key = f"{pattern.kind}_named" if pattern.kind == "one_range_low" and circuits else pattern.kind
+    return say(
+        f"patterns.{key}",
+        ranges=", ".join(pattern.ranges),
+        others=", ".join(pattern.others),
+        circuits=circuits,
+        count=len(pattern.cells),
+        worst="" if worst is None else f"{worst.range}, {say.get('engine_states', worst.engine)}",
+        percent=say.percent(amount, 0),
+        kpa=say.number(amount * KPA, 0),
+        limit=say.number(BELOW_LINE * KPA, 0),
+    )
+
+
+def _cell(cell: Cell) -> dict[str, Any]:
+    return {"range": cell.range, "state": cell.engine, "tap": cell.tap}
+
+
+def permissible_text(permissible: PermissiblePressure | None) -> str | None:
+    """Return what is permissible in kPa, for people; None where nothing is stated.
+
+    >>> permissible_text(PermissiblePressure(frozenset(), "idle", 412e3, None, ""))
+    'from 412'
+    """
+    if permissible is None:
+        return None
+    low, high = (None if end is None else f"{end * KPA:.6g}" for end in (permissible.low, permissible.high))
+    if low is None or high is None:
+        return f"from {low}" if high is None else f"up to {high}"
+    return f"{low} to {high}"
+
+
+def gauge_rows(check: PressureCheck) -> list[dict[str, Any]]:
+    """Return a row for every reading under headings for people; columns without any value are left out."""
+    repeated = any(each.reading.repeat > 1 for each in check.readings)
+    rows = [
+        {
+            "Verdict": each.verdict,
+            "Range": each.cell.range,
+            "Engine": each.cell.engine.label,
+            "Tap": each.tap_name,
+            "No.": each.reading.repeat if repeated else None,
+            "Gauge [kPa]": each.reading.pressure * KPA,
+            "Permissible [kPa]": permissible_text(each.permissible),
+            "Expected [kPa]": scaled(each.expected, KPA),
+            "Below line [kPa]": scaled(each.below_line, KPA),
+            "Decision": each.deciding.decision.replace("_", " ") if each.deciding else None,
+        }
+        for each in check.readings
+    ]
+    filled = [name for name in rows[0] if any(row[name] is not None for row in rows)] if rows else []
+    return [{name: row[name] for name in filled} for row in rows]
