@@ -81,9 +81,9 @@ class CheckedReading:
         return None if self.line is None else self.line - self.reading.pressure
 
     @property
-    def verdict(self) -> Verdict:
-        """Return the worst verdict on it; ``not_measured`` where no rule judges it, since nothing unjudged is ok."""
-        return worst(each.rule.verdict for each in self.decisions) if self.decisions else Verdict.NOT_MEASURED
+    def verdict(self) -> Verdict | None:
+        """Return the worst verdict on it; None where no rule judges it, since nothing unjudged is ok."""
+        return worst(each.rule.verdict for each in self.decisions) if self.decisions else None
 
     @property
     def deciding(self) -> RuleDecision | None:
@@ -111,10 +111,9 @@ class PressureCheck:
         return tuple(each.rule for each in self.decisions)
 
     @property
-    def verdict(self) -> Verdict:
-        """Return the worst verdict on any reading; ``not_measured`` where none could be judged."""
-        judged = [reading.verdict for reading in self.readings if reading.decisions]
-        return worst(judged) if judged else Verdict.NOT_MEASURED
+    def verdict(self) -> Verdict | None:
+        """Return the worst verdict on any reading; None where no rule judges one."""
+        return worst(rule.verdict for rule in self.rules) if self.decisions else None
 
     @property
     def deciding(self) -> RuleDecision | None:

@@ -20,6 +20,7 @@ from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
+from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
@@ -294,18 +295,27 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     check = diagnosis.pressures
     if check is None:
         return
-    yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {signed(check.verdict)}")
+    yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
     rows = gauge_rows(check)
-    table = Table(*rows[0])
-    for row in rows:
-        verdict, *cells = row.values()
-        texts = ("–" if each is None else f"{each:.0f}" if isinstance(each, float) else str(each) for each in cells)
-        table.add_row(Text(signed(verdict), style=look_of(verdict).style), *map(Text, texts))
+    table = Table("verdict", *rows[0])
+    for column in table.columns:
+        column.min_width = max(map(len, str(column.header).split()))
+    for reading, row in zip(check.readings, rows, strict=True):
+        style = look_of(reading.verdict).style if reading.verdict else ""
+        cells = (
+            "–" if each is None else f"{each:.0f}" if isinstance(each, float) else str(each) for each in row.values()
+        )
+        table.add_row(Text(_judged(reading.verdict), style=style), *map(Text, cells))
     yield table
     for pattern in check.patterns:
         say = wording("en")
         source = say.get("pattern_sources", pattern.source)
         yield Text(f"→ {pattern_text(pattern, diagnosis.controller, say)} ({source})")
+
+
+def _judged(verdict: Verdict | None) -> str:
+    """Return a verdict's word with its sign; that nothing was judged where there is none."""
+    return "not judged" if verdict is None else signed(verdict)
 
 
 def _share(cell: LandAtCondition) -> Text:

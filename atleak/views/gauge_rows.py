@@ -10,7 +10,6 @@ from atleak.diagnosis import Diagnosis
 from atleak.gauges.check import CheckedReading, PressureCheck
 from atleak.gauges.patterns import BELOW_LINE, Pattern
 from atleak.pressure_table import LINE, Cell, tap_name
-from atleak.verdicts import Verdict
 from atleak.views.condition_record import finite, scaled, unit_rule_record
 from atleak.wording import Wording, wording
 from atleak.workshop_units import KPA, RPM
@@ -27,8 +26,8 @@ def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
         "sha256": check.table.sha256,
         "sheet": check.table.sheet,
         "verdict": check.verdict,
-        "decision": deciding.decision if deciding and check.verdict != Verdict.NOT_MEASURED else None,
-        "decided_by": deciding.rule.where if deciding and check.verdict.flagged else None,
+        "decision": deciding.decision if deciding else None,
+        "decided_by": deciding.rule.where if deciding and deciding.rule.verdict.flagged else None,
         "taps": list(check.table.taps),
         "readings": [_reading(diagnosis, each) for each in check.readings],
         "patterns": [_pattern(each, diagnosis.controller) for each in check.patterns],
@@ -109,14 +108,14 @@ def permissible_text(permissible: PermissiblePressure | None) -> str | None:
 
 
 def gauge_rows(check: PressureCheck) -> list[dict[str, Any]]:
-    """Return a row for every reading under headings for people; columns without any value are left out."""
+    """Return a row for every reading under headings for people, without its verdict; empty columns are left out."""
+    circuits = any(each.cell.tap != LINE for each in check.readings)
     repeated = any(each.reading.repeat > 1 for each in check.readings)
     rows = [
         {
-            "Verdict": each.verdict,
             "Range": each.cell.range,
             "Engine": each.cell.engine.label,
-            "Tap": each.tap_name,
+            "Tap": each.tap_name if circuits else None,
             "No.": each.reading.repeat if repeated else None,
             "Gauge [kPa]": each.reading.pressure * KPA,
             "Permissible [kPa]": permissible_text(each.permissible),

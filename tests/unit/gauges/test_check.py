@@ -17,6 +17,7 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import project
 from atleak.gauges.check import CheckedReading
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable
+from atleak.report.terminal import print_diagnosis
 from atleak.uncertainty import DEFAULTS
 from atleak.verdicts import Verdict
 from atleak.views.gauge_rows import gauge_record, gauge_rows, pattern_text
@@ -115,8 +116,8 @@ def test_forward_ranges_stand_in_first_gear_and_a_range_goes_by_its_name(unit, j
 
 def test_what_nothing_is_permitted_for_is_not_judged_and_never_ok(unit, judged) -> None:
     diagnosis = judged(unit, at("P", SLOW, 400.0), at("N", STALL, 400.0))
-    assert {each.verdict for each in checked(diagnosis)} == {Verdict.NOT_MEASURED}
-    assert diagnosis.pressures.verdict == Verdict.NOT_MEASURED
+    assert {each.verdict for each in checked(diagnosis)} == {None}
+    assert diagnosis.pressures.verdict is None
     assert diagnosis.verdict == Verdict.NOT_MEASURED
     (message,) = [each.text for each in diagnosis.messages if each.code == "pressure_not_judged"]
     assert message.startswith("2 of 2 gauge readings cannot be judged")
@@ -215,7 +216,7 @@ def test_a_circuit_is_held_to_its_regulator_and_only_where_it_is_fed_from_the_li
 
 def test_a_circuits_tap_without_the_lines_gauge_beside_it_is_not_judged(unit, judged) -> None:
     diagnosis = judged(with_circuit(unit), at("D", SLOW, 100.0, "clutch_c1"), at("R", SLOW, 800.0))
-    assert checked(diagnosis)[1].verdict == Verdict.NOT_MEASURED
+    assert checked(diagnosis)[1].verdict is None
 
 
 # --- beside everything else
@@ -240,11 +241,22 @@ def test_the_record_holds_every_reading_with_its_rule(unit, judged) -> None:
     record = gauge_record(diagnosis)
     assert (record["verdict"], record["decision"], record["decided_by"]) == ("watch", "fail", "D, slow idle, line")
     of_park, of_drive = record["readings"]
-    assert (of_park["range"], of_park["verdict"], of_park["rules"]) == ("P", "not_measured", [])
+    assert (of_park["range"], of_park["verdict"], of_park["rules"]) == ("P", None, [])
     assert (of_drive["pressure_kpa"], of_drive["permissible_low_kpa"]) == (380.0, 400.0)
     assert of_drive["rules"][0]["value"] == pytest.approx(5.0, abs=1e-9)
     assert gauge_record(replace(diagnosis, pressures=None)) is None
     assert "Below line [kPa]" not in gauge_rows(diagnosis.pressures)[0]
+
+
+def test_a_terminal_shows_gauges_and_patterns_beside_what_is_permissible(unit, judged, capsys) -> None:
+    slow = [at(each, SLOW, 330.0) for each in ("D", "3", "2")]
+    print_diagnosis(judged(unit, *slow, *(at(each, FAST, 750.0) for each in ("D", "3", "2", "R", "P"))))
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "the vehicle standing: ■ replace" in shown
+    assert "│ ● ok │ D" in shown
+    assert "│ not judged │ P" in shown
+    assert "from 400" in shown
+    assert "→ Main pressure is low in all ranges at slow idle (D, 3, 2)" in shown
 
 
 def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
