@@ -407,7 +407,9 @@ def gap_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPo
     """Report reversed drops, a large entry loss and turbulence at one condition."""
     messages = []
     at = condition.label
-    reversed_ = [gap for gap in gaps if gap.pressure_drop < 0]
+    reversed_ = [
+        gap for gap in gaps if gap.pressure_drop < 0 and not gap.leakage
+    ]  # between circuits gaps leak both ways
     if reversed_:
         text = f"{at}: the pressure drop is negative and counts as no leakage at {_lands(reversed_)}."
         messages.append(Message("warning", "reversed_pressure_drop", text))
