@@ -297,9 +297,9 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
         return
     yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
     rows = gauge_rows(check)
-    table = Table("verdict", *rows[0])
+    table = Table("verdict", *rows[0], show_edge=False)
     for column in table.columns:
-        column.min_width = max(map(len, str(column.header).split()))
+        column.overflow = "fold"  # on a narrow terminal nothing is cut off
     for reading, row in zip(check.readings, rows, strict=True):
         style = look_of(reading.verdict).style if reading.verdict else ""
         cells = (

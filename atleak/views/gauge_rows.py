@@ -114,11 +114,11 @@ def gauge_rows(check: PressureCheck) -> list[dict[str, Any]]:
     rows = [
         {
             "Range": each.cell.range,
-            "Engine": each.cell.engine.label,
+            "State": each.cell.engine.label,
             "Tap": each.tap_name if circuits else None,
             "No.": each.reading.repeat if repeated else None,
             "Gauge [kPa]": each.reading.pressure * KPA,
-            "Permissible [kPa]": permissible_text(each.permissible),
+            "Permitted [kPa]": permissible_text(each.permissible),
             "Expected [kPa]": scaled(each.expected, KPA),
             "Below line [kPa]": scaled(each.below_line, KPA),
             "Decision": each.deciding.decision.replace("_", " ") if each.deciding else None,
