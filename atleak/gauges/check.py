@@ -199,17 +199,14 @@ class _Checker:
         if permissible is not None and permissible.low is not None and self.limits.below_permissible is not None:
             below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
             kind, steps = RuleKind.PERMISSIBLE_PRESSURE, self.limits.below_permissible
-            rules.append((Rule(kind, None, below, steps, where=checked.label), u))
+            where = f"{cell.range}, {cell.engine.label}"
+            rules.append((Rule(kind, None, below, steps, where=where), u))
         if line is not None and self.limits.circuit_loss is not None:
             u = self.uncertainty * math.hypot(line, reading.pressure)
-            rule = Rule(
-                RuleKind.CIRCUIT_LOSS,
-                None,
-                line - reading.pressure,
-                self.limits.circuit_loss,
-                circuit=circuit_at(self.controller, cell.tap),
-                where=f"{checked.label}, below line pressure",
-            )
+            circuit = circuit_at(self.controller, cell.tap)
+            where = f"{cell.range}, {cell.engine.label}"
+            kind, steps = RuleKind.BELOW_LINE, self.limits.circuit_loss
+            rule = Rule(kind, None, line - reading.pressure, steps, circuit=circuit, where=where)
             rules.append((rule, u))
         return replace(checked, decisions=tuple(self._decide(rule, u) for rule, u in rules))
 

@@ -27,6 +27,7 @@ FORMAT = 1
 _DECIDING = {
     RuleKind.TOTAL_SHARE: "total",
     RuleKind.CIRCUIT_LOSS: "circuit",
+    RuleKind.BELOW_LINE: "circuit",
 }  # what decided, where the rule's name differs
 
 

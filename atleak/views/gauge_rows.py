@@ -93,18 +93,28 @@ def _cell(cell: Cell) -> dict[str, Any]:
     return {"range": cell.range, "state": cell.engine, "tap": cell.tap}
 
 
-def permissible_text(permissible: PermissiblePressure | None) -> str | None:
-    """Return what is permissible in kPa, for people; None where nothing is stated.
+def permissible_text(permissible: PermissiblePressure | None, say: Wording | None = None) -> str | None:
+    """Return what is permissible in kPa, in a language; None where nothing is stated.
 
     >>> permissible_text(PermissiblePressure(frozenset(), "idle", 412e3, None, ""))
     'from 412'
     """
     if permissible is None:
         return None
-    low, high = (None if end is None else f"{end * KPA:.6g}" for end in (permissible.low, permissible.high))
-    if low is None or high is None:
-        return f"from {low}" if high is None else f"up to {high}"
-    return f"{low} to {high}"
+    say = say or wording("en")
+    low, high = ("" if end is None else _kpa(end, say) for end in (permissible.low, permissible.high))
+    key = "low_and_high" if low and high else "low" if low else "high"
+    return say(f"permissible.{key}", low=low, high=high)
+
+
+def _kpa(pressure: float, say: Wording) -> str:
+    kpa = round(pressure * KPA, 1)
+    return say.number(kpa, 0 if kpa.is_integer() else 1)
+
+
+def tap_text(controller: Controller, tap: str, say: Wording) -> str:
+    """Return the name of a tap in a language; that of a circuit stands as its file says."""
+    return say("permissible.line") if tap == LINE else tap_name(controller, tap)
 
 
 def gauge_rows(check: PressureCheck) -> list[dict[str, Any]]:

@@ -11,18 +11,12 @@ from atleak.catalogue.controller import load_controller
 from atleak.errors import CatalogueError, Place
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, gear_in, ranges_of
 
-Edited = Callable[..., Path]
+Permitting = Callable[[str], Path]
 PERMISSIBLE = (
     '\n[[permissible_pressure]]\ngear = 1\nstate = "idle"\nlow_kpa = 412.0\nhigh_kpa = 539.0\nsource = "own"\n'
     '\n[[permissible_pressure]]\nranges = ["R", "N"]\nstate = "idle"\nlow_kpa = 726.0\nsource = "own"\n'
     '\n[[permissible_pressure]]\ngears = [1]\nranges = ["S"]\nstate = "fast_idle"\nhigh_kpa = 900.0\nsource = "own"\n'
 )
-
-
-def with_permissible(edited: Edited, text: str = PERMISSIBLE) -> Path:
-    path = edited("controllers", "four_speed_2023")
-    path.write_text(path.read_text(encoding="utf-8") + text, encoding="utf-8")
-    return path
 
 
 @pytest.mark.parametrize(
@@ -43,13 +37,13 @@ def test_a_standing_vehicle_is_in_the_lowest_gear_of_a_forward_range(selected, g
     assert gear_in(selected, gears) == gear
 
 
-def test_a_unit_has_a_range_for_every_gear_below_the_highest_and_those_its_file_names(edited: Edited) -> None:
+def test_a_unit_has_a_range_for_every_gear_below_the_highest_and_those_its_file_names(permitting: Permitting) -> None:
     assert ranges_of(load_controller("four_speed_2023")) == ("P", "R", "N", "D", "3", "2", "1")
-    assert ranges_of(load_controller(with_permissible(edited)))[-1] == "S"
+    assert ranges_of(load_controller(permitting(PERMISSIBLE)))[-1] == "S"
 
 
-def test_a_files_permissible_pressure_holds_for_the_range_it_names_or_else_for_its_gear(edited: Edited) -> None:
-    controller = load_controller(with_permissible(edited))
+def test_a_files_permissible_pressure_holds_for_the_range_it_names_or_else_for_its_gear(permitting: Permitting) -> None:
+    controller = load_controller(permitting(PERMISSIBLE))
     low = {
         selected: getattr(controller.permissible_in(selected, gear_in(selected, controller.gears), "idle"), "low", None)
         for selected in ranges_of(controller)
@@ -73,8 +67,8 @@ def test_a_files_permissible_pressure_holds_for_the_range_it_names_or_else_for_i
         ('gear = 1\ngears = [1]\nstate = "stall"\nlow_kpa = 400.0', "either gear or gears"),
     ],
 )
-def test_permissible_pressures_that_cannot_be_are_refused(edited: Edited, table: str, said: str) -> None:
-    path = with_permissible(edited, f'{PERMISSIBLE}\n[[permissible_pressure]]\n{table}\nsource = "own"\n')
+def test_permissible_pressures_that_cannot_be_are_refused(permitting: Permitting, table: str, said: str) -> None:
+    path = permitting(f'{PERMISSIBLE}\n[[permissible_pressure]]\n{table}\nsource = "own"\n')
     with pytest.raises(CatalogueError) as caught:
         load_controller(path)
     assert said in str(caught.value)

@@ -12,6 +12,7 @@ from atleak.errors import unknown
 from atleak.job.record import RepairDecision
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.conditions import Conditions
+from atleak.report.pdf.gauges import GaugeSection
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
@@ -28,6 +29,7 @@ SECTIONS = (
     "all",
     "shares",
     "again",
+    "pressures",
     "road_test",
     "repair",
     "condition",
@@ -185,6 +187,9 @@ class Body:
             "alt": say("charts.shares_alt", lands=lands),
             "caption": say("charts.caption_shares", condition=self.names.condition(at.condition)),
         }
+
+    def _pressures(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from GaugeSection(self.names).blocks(self.diagnosis.pressures)
 
     def _road_test(self, charts: dict[str, str]) -> Iterable[Block]:
         road, say = self.diagnosis.road, self.say
@@ -474,7 +479,7 @@ class Body:
             ),
             PrintedColumn("SHA-256", lambda name: record[name]["sha256"], width=8),
         ]
-        used = ("readings", "road_test", "controller", "fluid", "limits")
+        used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
 
     def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:

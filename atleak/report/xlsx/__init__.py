@@ -15,6 +15,8 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.gauges_sheet import SHEET as GAUGES
+from atleak.report.xlsx.gauges_sheet import write_gauges
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.sheets import Sheets
 from atleak.system.marks import PROPERTY, sealed, unsealed
@@ -71,6 +73,8 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
         live.write_readings(book.sheet("Readings", frozen=(1, 2)))
     if live.directions.lines:
         live.write_directions(book.sheet("Directions", frozen=(1, 2)))
+    if diagnosis.pressures:
+        write_gauges(book, book.sheet(GAUGES, frozen=(1, 2)), diagnosis)
     if diagnosis.road:
         rest.write_road(book.sheet("Road test"))
     live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))

@@ -48,10 +48,8 @@ source = "own manual"
 
 
 @pytest.fixture
-def unit(edited: Callable[..., Path]) -> Controller:
-    path = edited("controllers", "four_speed_2023")
-    path.write_text(path.read_text(encoding="utf-8") + PERMISSIBLE, encoding="utf-8")
-    return load_controller(path)
+def unit(permitting: Callable[[str], Path]) -> Controller:
+    return load_controller(permitting(PERMISSIBLE))
 
 
 @pytest.fixture
@@ -91,7 +89,7 @@ def test_main_pressure_is_judged_by_how_far_it_is_below_the_permissible(unit, ju
     assert diagnosis.verdict == verdict
     assert diagnosis.pressures.verdict == verdict
     if verdict != "ok":
-        assert diagnosis.decided_by.label == "main pressure below the permissible, D, slow idle, line"
+        assert diagnosis.decided_by.label == "main pressure below the permissible, D, slow idle"
 
 
 @pytest.mark.parametrize(
@@ -131,14 +129,13 @@ def test_over_the_permissible_is_said_with_its_place(unit, judged) -> None:
     assert diagnosis.verdict == Verdict.OK
 
 
-def test_at_a_fast_idle_the_low_limit_of_idle_holds_unless_the_file_states_another(edited, unit, judged) -> None:
+def test_at_a_fast_idle_the_low_limit_of_idle_holds_unless_the_file_states_another(permitting, unit, judged) -> None:
     low, high = checked(judged(unit, at("D", FAST, 380.0), at("D", FAST, 900.0, repeat=2)))
     assert (low.verdict, high.stands, high.permissible.high) == (Verdict.WATCH, "normal", None)
     assert "choice of this project" in low.permissible.source
-    path = edited("controllers", "four_speed_2023")
     stated = '\n[[permissible_pressure]]\ngear = 1\nstate = "fast_idle"\nlow_kpa = 350.0\nsource = "own"\n'
-    path.write_text(path.read_text(encoding="utf-8") + PERMISSIBLE + stated, encoding="utf-8")
-    assert checked(judged(load_controller(path), at("D", FAST, 380.0)))[0].verdict == Verdict.OK
+    own = load_controller(permitting(PERMISSIBLE + stated))
+    assert checked(judged(own, at("D", FAST, 380.0)))[0].verdict == Verdict.OK
 
 
 # --- what the engine expects
@@ -194,6 +191,7 @@ def test_a_circuit_is_judged_by_how_far_it_is_below_the_lines_gauge(unit, judged
     assert {each.kind for each in diagnosis.pressures.patterns} == ({"below_line"} if verdict == "replace" else set())
     if verdict != "ok":
         assert diagnosis.decided_by.circuit.id == "clutch_c1"
+        assert diagnosis.decided_by.label == "pressure below the line of clutch C1, D, slow idle"
 
 
 @pytest.mark.parametrize(
@@ -239,7 +237,7 @@ def test_gauges_and_lands_decide_together(unit, judged, sample_readings) -> None
 def test_the_record_holds_every_reading_with_its_rule(unit, judged) -> None:
     diagnosis = judged(unit, at("D", SLOW, 380.0), at("P", SLOW, 400.0))
     record = gauge_record(diagnosis)
-    assert (record["verdict"], record["decision"], record["decided_by"]) == ("watch", "fail", "D, slow idle, line")
+    assert (record["verdict"], record["decision"], record["decided_by"]) == ("watch", "fail", "D, slow idle")
     of_park, of_drive = record["readings"]
     assert (of_park["range"], of_park["verdict"], of_park["rules"]) == ("P", None, [])
     assert (of_drive["pressure_kpa"], of_drive["permissible_low_kpa"]) == (380.0, 400.0)
@@ -253,8 +251,8 @@ def test_a_terminal_shows_gauges_and_patterns_beside_what_is_permissible(unit, j
     print_diagnosis(judged(unit, *slow, *(at(each, FAST, 750.0) for each in ("D", "3", "2", "R", "P"))))
     shown = " ".join(capsys.readouterr().out.split())
     assert "the vehicle standing: ■ replace" in shown
-    assert "│ ● ok │ D" in shown
-    assert "│ not judged │ P" in shown
+    assert "● ok │ D │ fast idle │ 750" in shown
+    assert "not judged │ P │ fast idle" in shown
     assert "from 400" in shown
     assert "→ Main pressure is low in all ranges at slow idle (D, 3, 2)" in shown
 

@@ -207,13 +207,11 @@ def test_nothing_that_a_user_wrote_becomes_a_formula_or_a_link(tmp_path):
 # --- the tab of pressures
 
 
-def test_the_tab_of_pressures_has_a_row_for_every_range_and_what_the_file_permits(edited):
+def test_the_tab_of_pressures_has_a_row_for_every_range_and_what_the_file_permits(permitting):
     permissible = (
         '\n[[permissible_pressure]]\ngear = 1\nstate = "idle"\nlow_kpa = 412.0\nhigh_kpa = 539.0\nsource = "own"\n'
     )
-    path = edited("controllers", "four_speed_2023")
-    path.write_text(path.read_text(encoding="utf-8") + permissible, encoding="utf-8")
-    sheet = opened(write_template(load_controller(path)))[PRESSURES]
+    sheet = opened(write_template(load_controller(permitting(permissible))))[PRESSURES]
     rows = [[cell.value for cell in row] for row in sheet.iter_rows(min_row=7)]
     assert [row[0] for row in rows] == ["P", "R", "N", "D", "3", "2", "1"]
     assert {row[1] for row in rows} == {"line"}
