@@ -296,7 +296,7 @@ class Diagnosis:
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
-        within = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within: list[Verdict] = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
         within += [rule.verdict for rule in self.gauge_rules if not self.judged]
         return worst(within or [Verdict.NOT_MEASURED])
 

@@ -31,9 +31,14 @@ class Engine(StrEnum):
     @property
     def state(self) -> PermissibleState:
         """Return the state under which a controller's file permits pressures of it."""
-        return "idle" if self is Engine.SLOW_IDLE else self.value
+        return _STATES[self]
 
 
+_STATES: dict[Engine, PermissibleState] = {
+    Engine.SLOW_IDLE: "idle",
+    Engine.FAST_IDLE: "fast_idle",
+    Engine.STALL: "stall",
+}
 _AT_FAST_IDLE = "its low limit at idle, for a pump that turns faster at the same throttle (choice of this project)"
 
 

@@ -172,10 +172,12 @@ def run(options: argparse.Namespace) -> int:
 
 def _case(options: argparse.Namespace) -> Case:
     """Return the files and choices that the command line names."""
-    from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
+    from atleak.job.case import SLOTS, Case, SourceFile
 
     return Case(
-        **{name: SourceFile.at(given) for name in OWN_FILES if (given := getattr(options, name)) is not None},
+        readings=None if options.readings is None else SourceFile.at(options.readings),
+        road_test=None if options.road_test is None else SourceFile.at(options.road_test),
+        pressures=None if options.pressures is None else SourceFile.at(options.pressures),
         **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
         fluid_state=options.fluid_state,
         options=_profile_options(options),

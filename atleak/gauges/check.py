@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.catalogue.limits import Limits, RuleKind
@@ -276,7 +277,7 @@ class _Checker:
         )
 
     @property
-    def applied(self) -> dict[str, frozenset[str]]:
+    def applied(self) -> dict[SelectorRange, frozenset[str]]:
         """Return the ids of the circuits that are applied in each range."""
         gears = {selected: gear_in(selected, self.controller.gears) for selected in ranges_of(self.controller)}
         return {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import re
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,7 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
+from atleak.gauges.check import CheckedReading, PressureCheck
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
@@ -119,6 +120,29 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+
+
+def gauges(readings: Sequence[CheckedReading], rows: list[dict[str, Any]]) -> None:
+    """Show gauge readings with their verdicts in colour; one that nothing judges stays plain and says so."""
+    frame = pd.DataFrame(rows)
+    frame.insert(0, "Verdict", ["not judged" if each.verdict is None else signed(each.verdict) for each in readings])
+    shades = ["" if each.verdict is None else colours(each.verdict) for each in readings]
+    numbers: list[Hashable] = [name for name in frame.columns if pd.api.types.is_float_dtype(frame[name])]
+    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format("{:z.0f}", subset=numbers, na_rep="–")
+    st.dataframe(style, hide_index=True, width="stretch", height="content", placeholder="–")
+
+
+def gauge_banner(check: PressureCheck) -> None:
+    """Show the worst verdict on any gauge reading in a box of its colour, and what gave it."""
+    verdict, deciding = check.verdict, check.deciding
+    if verdict is None or deciding is None:
+        st.info("None of these readings can be judged: the valve body's file does not say what they must reach.")
+        return
+    judged = sum(each.verdict is not None for each in check.readings)
+    said = f"{judged} of {len(check.readings)} readings can be judged"
+    because = f", because of the {plain(deciding.rule.label)}" if verdict.flagged else ""
+    sure = deciding.decision.replace("_", " ")
+    _BOX[look_of(verdict).box](f"**{signed(verdict)}**{because}; decision: {sure}. {said}.")
 
 
 def rounded(value: float) -> str:

@@ -20,6 +20,11 @@ from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, Writt
 HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this project
 _NUMBER_AND_UNIT = re.compile(r"([\d\s.,+\-−'’]*\d[.,]?)\s*([^\d.,\s+\-−'’].*)", re.DOTALL)
 _ASIDE_SHOWN = 6
+_NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names nothing known
+    "range": ("no range in this row", "no such range of this unit"),
+    "engine": ("nothing says what the engine does in this row", "no such state of the engine"),
+    "tap": ("no tap in this row", "no such tap of this unit"),
+}
 
 
 @dataclass
@@ -120,10 +125,14 @@ class _Reader:
         order = self._order(row)
         for column in filled:
             said = named.over(self.table.said(column))
-            pressure = self._pressure(row, column)
-            if pressure is None or said.range is None or said.engine is None:
+            if said.range is None or said.range not in self.ranges or said.engine is None:
+                heading = self.table.headings[column].text
+                self._once("no such range of this unit", self._place(self.table.row, column), heading, self.ranges)
                 continue
             cell = Cell(said.range, said.engine, said.tap or LINE)
+            pressure = self._pressure(row, column, cell)
+            if pressure is None:
+                continue
             stated = speed if speed is not None else said.engine_speed
             place = self._place(row, column)
             repeat = order if order is not None else (None if said.repeat is None else float(said.repeat))
@@ -131,90 +140,79 @@ class _Reader:
 
     def _named(self, row: int) -> Said | None:
         """Return what the cells of a row say of its readings; None where one of them is not understood."""
-        problems = len(self.rows.problems)
-        said = Said()
-        cell, place = self._cell(row, "range")
-        if cell is not None:
-            selected = self.words.range_of(cell)
-            if selected is None or selected not in self.ranges:
-                what = "no range in this row" if is_blank(cell) else "no such range of this unit"
-                self.rows.refuse(what, place, None if is_blank(cell) else text_of(cell), self.ranges)
-            said = Said(range=selected).over(said)
-        cell, place = self._cell(row, "engine")
-        if cell is not None:
-            engine = self.words.engine_of(cell)
-            if engine is None:
-                what = (
-                    "nothing says what the engine does in this row" if is_blank(cell) else "no such state of the engine"
-                )
-                self.rows.refuse(what, place, None if is_blank(cell) else text_of(cell), engine_words())
+        named, understood = Said(), True
+        known: tuple[tuple[str, Sequence[str]], ...] = (
+            ("range", self.ranges),
+            ("engine", engine_words()),
+            ("tap", self.words.tap_ids),
+        )
+        for kind, names in known:
+            column = self.columns[kind]
+            if column is None:
+                continue
+            cell = self.sheet.filled(row, column)
+            said = self.words.said_by(cell, kind)
+            if said is None or (said.range is not None and said.range not in self.ranges):
+                empty, unknown = _NOT_UNDERSTOOD[kind]
+                what, value = (empty, None) if is_blank(cell) else (unknown, text_of(cell))
+                self.rows.refuse(what, self._place(row, column), value, names)
+                understood = False
             else:
-                said = engine.over(said)
-        cell, place = self._cell(row, "tap")
-        if cell is not None:
-            tap = self.words.tap_of(cell)
-            if tap is None:
-                what = "no tap in this row" if is_blank(cell) else "no such tap of this unit"
-                self.rows.refuse(what, place, None if is_blank(cell) else text_of(cell), self.words.tap_ids)
-            said = Said(tap=tap).over(said)
-        return said if len(self.rows.problems) == problems else None
+                named = said.over(named)
+        return named if understood else None
 
-    def _cell(self, row: int, kind: str) -> tuple[SheetCell | None, Place]:
-        """Return what a row says in the column of that kind; None where the table has no such column."""
-        column = self.columns[kind]
-        return (None, Place()) if column is None else (self.sheet.filled(row, column), self._place(row, column))
-
-    def _pressure(self, row: int, column: int) -> float | None:
+    def _pressure(self, row: int, column: int, of: Cell) -> float | None:
         """Return a cell's pressure [Pa]; None where it is a problem."""
-        place, cell = self._place(row, column), self.sheet.cell(row, column)
+        place, cell, label = self._place(row, column), self.sheet.cell(row, column), f"{of.range}, {of.engine.label}"
         fault = self.sheet.faults.get((row, column))
         if fault is not None:
-            self.rows.refuse("a formula without a usable result", place, fault, expected="a pressure")
+            self.rows.refuse(f"{label}: a formula without a usable result", place, fault, expected="a pressure")
             return None
         if isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
             expected = "a pressure: format the cell as number or text and type it again"
-            self.rows.refuse("not a number", place, str(cell), expected=expected)
+            self.rows.refuse(f"{label}: not a number", place, str(cell), expected=expected)
             return None
         text, written = _split(cell)
-        known = self._unit(row, column, written, place)
+        if written and find_unit(written, "pressure") is None:
+            expected = f"a number, and behind it nothing or {one_of(unit_names('pressure'))}"
+            self.rows.refuse(f"{label}: not a pressure", place, str(cell), expected=expected)
+            return None
+        known = find_unit(written, "pressure") if written else self._unit(row, column)
         if known is None:
             return None
         asked = AskedNumber("pressure", known.name, round(450e3 / known.factor, 3), (0.0, HIGHEST / known.factor))
         number = _written(cell, text, asked)
         if number.value is None:
-            self.rows.refuse("not a pressure", place, str(cell), expected=number.doubt.removesuffix("."))
+            self.rows.refuse(f"{label}: not a pressure", place, str(cell), expected=number.doubt.removesuffix("."))
             return None
         self.rows.units[known.name] = None
         return float(known.to_si(number.value))
 
-    def _unit(self, row: int, column: int, written: str, place: Place) -> Unit | None:
-        """Return the unit of a reading: behind its number, in its row, in its heading, or above the table."""
+    def _unit(self, row: int, column: int) -> Unit | None:
+        """Return the unit of a reading: in its row, in its heading, or above the table; None where it is a problem."""
         heading, of_row, head = self.table.headings[column], self.columns["unit"], self.table.head.unit
-        stated = str(self.sheet.filled(row, of_row)) if of_row is not None else ""
-        if written:
-            return self._known_unit(written, place)
+        stated = "" if of_row is None else str(self.sheet.filled(row, of_row))
         if of_row is not None and not is_blank(stated):
-            return self._known_unit(stated, self._place(row, of_row))
-        if heading.unit is not None:
+            name, place = stated, self._place(row, of_row)
+        elif heading.unit is not None:
             return heading.unit
-        if heading.wrong_unit is not None:
-            return self._known_unit(heading.wrong_unit, self._place(self.table.row, column))
-        if head is not None:
-            return self._known_unit(head[0], self._place(*head[1:]))
-        self._once("no unit of the pressures", self._place(self.table.row, column), heading.text or None)
-        return None
-
-    def _known_unit(self, name: str, place: Place) -> Unit | None:
-        known = find_unit(name, "pressure")
+        elif head is not None and heading.wrong_unit is None:
+            name, place = head[0], self._place(*head[1:])
+        else:
+            name, place = heading.wrong_unit or "", self._place(self.table.row, column)
+        known = find_unit(name, "pressure") if name else None
         if known is None:
-            self._once("unknown unit of pressure", place, name)
+            problem = "unknown unit of pressure" if name else "no unit of the pressures"
+            expected = f"{one_of(unit_names('pressure'))}, in the heading as in 'slow idle [kPa]'"
+            self._once(problem, place, name or heading.text or None, expected=expected)
         return known
 
-    def _once(self, problem: str, place: Place, value: str | None) -> None:
-        """Note a problem of a unit, once for each place."""
+    def _once(
+        self, problem: str, place: Place, value: str | None, known: Sequence[str] = (), expected: str = ""
+    ) -> None:
+        """Note a problem of a heading or unit, once for each place."""
         if not any(each.place == place for each in self.rows.problems):
-            expected = f"{one_of(unit_names('pressure'))}, in the heading as in 'slow idle [kPa]'"
-            self.rows.refuse(problem, place, value, expected=expected)
+            self.rows.refuse(problem, place, value, known, expected)
 
     def _number(self, row: int, kind: str, asked: AskedNumber) -> float | None:
         """Return the number of a row in SI, °C for a temperature; None where there is none or it is a problem."""
@@ -240,7 +238,8 @@ class _Reader:
             number = _written(cell, text, AskedNumber(asked.name, known.name, asked.example, (low, high)))
             if number.value is not None:
                 return float(known.to_si(number.value))
-        expected = "{:g} to {:g} {}".format(*asked.limits, asked.unit)
+        low, high = asked.limits
+        expected = f"{low:g} to {high:g} {asked.unit}"
         self.rows.refuse(f"not one {asked.name}", place, str(cell), expected=expected)
         return None
 

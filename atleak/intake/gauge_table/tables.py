@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -118,35 +118,28 @@ def _complete(
     """
     values = [heading for heading in headings.values() if heading.kind == "value"]
     kinds = {heading.kind for heading in headings.values()}
-    says: tuple[tuple[str, Callable[[Said], Any], Callable[[Cell], Any]], ...] = (
-        ("range", lambda said: said.range, words.range_of),
-        ("engine", lambda said: said.engine, words.engine_of),
-        ("tap", lambda said: said.tap, words.tap_of),
-    )
-    for kind, of_heading, of_cell in says:
-        stated = [of_heading(heading.said) is not None for heading in values]
+    for kind in ("range", "engine", "tap"):
+        stated = [getattr(heading.said, kind) is not None for heading in values]
         if any(stated) and not all(stated):
             return None
-        if all(stated) or kind in kinds or of_heading(common) is not None:
+        if all(stated) or kind in kinds or getattr(common, kind) is not None:
             continue
-        column = _column_that_says(sheet, row, headings, of_cell)
+        column = _column_that_says(sheet, row, headings, kind, words)
         if column is not None:
             text = headings[column].text if column in headings else ""
-            headings = {**headings, column: Heading(text, kind)}  # type: ignore[arg-type]
+            headings = {**headings, column: Heading(text, kind)}
         elif kind != "tap":
             return None
     return headings
 
 
-def _column_that_says(
-    sheet: Sheet, row: int, headings: Mapping[int, Heading], of_cell: Callable[[Cell], Any]
-) -> int | None:
+def _column_that_says(sheet: Sheet, row: int, headings: Mapping[int, Heading], kind: str, words: Words) -> int | None:
     """Return the first column without an understood heading whose cells all say what is looked for."""
     rows = range(row + 1, min(row + 1 + _LOOKED_AT, len(sheet.rows)))
     for column in range(sheet.width):
         if column in headings and headings[column].kind is not None:
             continue
-        said = [of_cell(cell) is not None for at in rows if not is_blank(cell := sheet.filled(at, column))]
+        said = [words.said_by(cell, kind) is not None for at in rows if not is_blank(cell := sheet.filled(at, column))]
         if said and said[0] and sum(said) * 2 > len(said):
             return column
     return None
@@ -162,7 +155,7 @@ def _head(sheet: Sheet, rows: Sequence[int], words: Words) -> Head:
             for kind in ("unit", "temperature"):
                 value = _beside(sheet, row, column, label_and_value(cell, kind))
                 if value is not None:
-                    head = replace(head, **{kind: value})
+                    head = replace(head, unit=value) if kind == "unit" else replace(head, temperature=value)
         if len(filled) == 1 and isinstance(filled[0][1], str):
             head = replace(head, said=words.title(filled[0][1]).over(head.said))
     return head

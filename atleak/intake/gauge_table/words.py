@@ -108,28 +108,16 @@ class Words:
             taps |= {tuple(words(name).split()): circuit.id for name in (circuit.name, circuit.id)}
         return cls(taps, (LINE, *(circuit.id for circuit in controller.circuits)))
 
-    def range_of(self, cell: SheetCell) -> SelectorRange | None:
-        """Return the range that a cell names, or None.
+    def said_by(self, cell: SheetCell, kind: str) -> Said | None:
+        """Return the range, the state of the engine or the tap that a cell names; None where it names none.
 
-        >>> Words().range_of("Reverse"), Words().range_of(3.0), Words().range_of("D range"), Words().range_of("X")
-        ('R', '3', 'D', None)
+        >>> [Words().said_by(cell, "range").range for cell in ("Reverse", 3.0, "D range")]
+        ['R', '3', 'D']
+        >>> Words().said_by("fast idle, 1200 rpm", "engine").engine_speed
+        20.0
         """
-        said = self._said(text_of(cell), ("range",))
-        return said and said.range
-
-    def engine_of(self, cell: SheetCell) -> Said | None:
-        """Return what the engine does by a cell, and its speed where it stands there; None where it says neither.
-
-        >>> Words().engine_of("fast idle, 2000 rpm").engine_speed * 60.0
-        2000.0
-        """
-        said = self._said(str(cell), ("engine",))
-        return said if said and said.engine else None
-
-    def tap_of(self, cell: SheetCell) -> str | None:
-        """Return the tap that a cell names, or None."""
-        said = self._said(text_of(cell), ("tap",))
-        return said and said.tap
+        said = self._said(text_of(cell), (kind,))
+        return said if said is not None and getattr(said, kind) is not None else None
 
     def title(self, text: str) -> Said:
         """Return what a line above a table says of all its readings; nothing where it says something else too."""
