@@ -14,9 +14,9 @@ from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel, narrow_gap_messages
-from atleak.engine.losses import Losses, pressure_losses
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, model_new, project, project_unworn
+from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
 from atleak.gauges.check import PressureCheck, check_pressures
@@ -122,6 +122,7 @@ class Diagnosis:
     profile: Profile
     mileage: float | None  # [km]
     model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
+    as_new: LeakageModel = field(repr=False)  # and with every land new
     lands: tuple[LandDiagnosis, ...]  # in the controller's order
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
@@ -424,6 +425,7 @@ def diagnose(
         profile=profile,
         mileage=mileage,
         model=model,
+        as_new=as_new,
         lands=lands,
         projections=tuple(projections),
         new_projections=when_new,

@@ -66,6 +66,14 @@ class Rule:
         return self.value / self.new - 1.0
 
     @property
+    def past_first(self) -> float:
+        """Return how far the value is past its first limit, as a fraction of that; zero within it."""
+        limits = [limit for _, limit in self.steps.levels]
+        first = max(limits) if self.steps.falling else min(limits)
+        past = first - self.value if self.steps.falling else self.value - first
+        return max(past / abs(first) if first else past, 0.0)
+
+    @property
     def severity(self) -> float:
         """Return how far the value is past the limit it reached, as a fraction of that."""
         past = self.limit - self.value if self.steps.falling else self.value - self.limit

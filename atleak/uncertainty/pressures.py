@@ -91,8 +91,8 @@ class DrawnUnit:
         line = self.network.controller.line
         follows = line is not None and line.following is not None
         for _ in range(_ROUNDS):
-            if follows and line is not None:
-                held = np.minimum(held, line.with_pressures(point, pressures))
+            if follows and line is not None:  # what the line is set to is as uncertain as what is required
+                held = np.minimum(held, line.with_pressures(point, pressures) * (main / point.main_pressure))
             if not np.any(np.abs(held - pressures["p_g"]) > _STILL * main):
                 break
             sections = sections_held(self.network.controller, held, converter)

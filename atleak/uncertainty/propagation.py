@@ -15,26 +15,22 @@ The circuits' pressures are solved in every trial: a land that leaks more in it 
 from __future__ import annotations
 
 import math
+import os
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
 from atleak.catalogue.limits import Limits, Steps
-from atleak.catalogue.section_pressures import SECTIONS
-from atleak.engine.circuits import Balance, Network, leaks_both_ways
-from atleak.engine.circuits import network as circuit_network
-from atleak.engine.leakage import LeakageModel, PumpFlow
+from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import consumed
 from atleak.engine.projection import Projection
-from atleak.equations.clearance import effective_clearance
-from atleak.equations.fluid import dynamic_viscosity
-from atleak.equations.uncertainty import rectangular
 from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.drawn import FACTORS, FLUID_STATE, NORMAL_FACTORS, Condition, Drawn
 from atleak.uncertainty.draws import (
     Bore,
     Positions,
@@ -53,13 +49,9 @@ SEED = 7667
 DRAWS = 20_000
 
 _SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction of a standard uncertainty
-_LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
 _SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
 
 ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the budgets
-_NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
-FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
-FACTORS = (*_NORMAL_FACTORS, FLUID_STATE)
 
 
 @dataclass(frozen=True)
@@ -93,146 +85,6 @@ class InstantSpread:
 
     leakage_interval: tuple[float, float]
     share_interval: tuple[float, float]
-
-
-class _Condition:
-    """One operating condition, evaluated for whole arrays of the uncertain factors."""
-
-    def __init__(self, model: LeakageModel, projection: Projection, assumptions: Assumptions) -> None:
-        self.model, self.point, self.assumptions = model, projection.condition, assumptions
-        self.gaps: dict[tuple[str, int], list[tuple[Gap, bool]]] = {}
-        for gap_leakage in projection.gaps:
-            self.gaps.setdefault(gap_leakage.gap.key, []).append((gap_leakage.gap, gap_leakage.drawn_from_pump))
-
-    def at(self, deviates: dict[str, Any]) -> _Drawn:
-        """Return fluid, pressures and pump at given standard deviates of `FACTORS`."""
-        model, point, u = self.model, self.point, self.assumptions
-        temperature = point.temperature + u.temperature * deviates["temperature"]
-        nu, rho = _fluid_at(model, temperature)
-        nu = nu * np.exp(u.viscosity * deviates["viscosity"])
-        if model.fluid.viscosity_half_width:
-            nu = nu * (1.0 + rectangular(model.fluid.viscosity_half_width) * deviates[FLUID_STATE])
-        main = point.main_pressure * np.maximum(1.0 + u.main_pressure * deviates["main pressure"], 0.0)
-        converter = point.converter_pressure * np.maximum(
-            1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
-        )
-        pressures: dict[str, Any] = model.controller.section_pressures(main, converter)
-        pump = model.controller.pump
-        if model.uses_slip:
-            coefficient = pump.slip_coefficient * np.exp(u.slip_coefficient * deviates["pump efficiency"])
-            pump = replace(pump, slip_coefficient=coefficient)
-        else:
-            efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviates["pump efficiency"]
-            pump = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
-        rise = temperature - REFERENCE_TEMPERATURE
-        return _Drawn(self, rise, nu, rho, pressures, PumpFlow(pump, model.uses_slip))
-
-
-def _touches_circuit(gap: Gap) -> bool:
-    """Return whether a gap leads from or to a circuit."""
-    return any(end.section is not None and end.section not in SECTIONS for end in (gap.high, gap.low))
-
-
-def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:
-    """Return ν and ρ at a temperature [°C].
-
-    A draw beyond the end of the fluid's data follows the slope of ln ν and of ρ over the last kelvin.
-    """
-    fluid, kind = model.fluid, model.profile.viscosity
-    low, high = fluid.span(kind)
-    inside = np.clip(temperature, low, high)
-    nu, rho = fluid.kinematic_viscosity(inside, kind), fluid.density(inside, kind)
-    beyond = temperature - inside
-    if np.any(beyond):
-        ends = np.array([low, low + 1.0, high - 1.0, high])
-        ln_nu, densities = np.log(fluid.kinematic_viscosity(ends, kind)), fluid.density(ends, kind)
-        nu = nu * np.exp(beyond * np.where(beyond < 0.0, ln_nu[1] - ln_nu[0], ln_nu[3] - ln_nu[2]))
-        rho = rho + beyond * np.where(beyond < 0.0, densities[1] - densities[0], densities[3] - densities[2])
-    return nu, rho
-
-
-class _Drawn:
-    """A condition with its uncertain factors drawn; arrays of shape (draws,)."""
-
-    def __init__(
-        self,
-        condition: _Condition,
-        rise: Any,
-        nu: Any,
-        rho: Any,
-        pressures: dict[str, Any],
-        pump: PumpFlow,
-        solved: frozenset[str] = frozenset(),
-    ) -> None:
-        self.solved = solved  # the circuits whose pressure follows from a balance
-        self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
-        self.pressures, self.pump = pressures, pump
-        self.viscosity = dynamic_viscosity(nu, rho)
-        self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
-        self._drops: dict[Any, Any] = {}
-
-    def with_circuits(self, lands: Iterable[tuple[LandSources, Bore, Any, Any]]) -> tuple[_Drawn, Network, Balance]:
-        """Return the same with the pressures that the circuits hold where the lands are as given.
-
-        Each land comes with its bore, its contact length and where its spool lies.
-        """
-        model, point = self.condition.model, self.condition.point
-        law, gaps = model.law, []
-        for land, bore, length, position in lands:
-            touching = [each for each in self.condition.gaps.get(land.state.land.key, ()) if _touches_circuit(each[0])]
-            if touching:
-                mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
-                c = law.flow_clearance(mean, bore.square, bore.cube)
-                factors = law.diameter(land.state.spool_diameter, mean), c, self.nu, self.rho, length, position
-                gaps += [(gap, law.restriction(*factors), counts) for gap, counts in touching]
-        solves = model.profile.circuits == "on"
-        network = circuit_network(model.controller, point, gaps, self.nu, self.rho, solves=solves)
-        balance = network.balance(self.pressures)
-        if not network.has_circuits:
-            return self, network, balance
-        parts = self.rise, self.nu, self.rho, dict(balance.pressures), self.pump
-        return _Drawn(self.condition, *parts, network.solved), network, balance
-
-    def drop(self, gap: Gap) -> Any:
-        """Return the pressure drop [Pa]; a negative one that leaks nothing is given as zero."""
-        key = gap.high, gap.low
-        if key not in self._drops:
-            drop = gap.high.at(self.pressures) - gap.low.at(self.pressures)
-            self._drops[key] = drop if leaks_both_ways(gap, self.solved) else np.maximum(drop, 0.0)
-        return self._drops[key]
-
-    def driving(self, gaps: Sequence[Gap]) -> Any:
-        """Return the sum of the pressure drops, divided by the dynamic viscosity [1/s]."""
-        key = tuple((gap.high, gap.low) for gap in gaps)
-        if key not in self._drops:
-            self._drops[key] = sum(self.drop(gap) for gap in gaps) / self.viscosity
-        return self._drops[key]
-
-    def leakage(self, land: LandSources, bore: Bore, length: Any, position: Any = None) -> tuple[Any, Any]:
-        """Return the flow of one land through all its gaps, and the part of it drawn from the pump [m³/s].
-
-        ``position`` takes the place of the profile's factor for an eccentric spool.
-        A clearance below zero cannot exist: it is taken as zero and leaks nothing.
-        """
-        state = land.state
-        gaps = self.condition.gaps.get(state.land.key)
-        if not gaps:
-            nothing = np.zeros_like(self.viscosity)
-            return nothing, nothing
-        law = self.condition.model.law
-        mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
-        c, d = law.flow_clearance(mean, bore.square, bore.cube), law.diameter(state.spool_diameter, mean)
-        if not law.linear:
-            flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length, position) for gap, _ in gaps]
-            flow = sum(flows)
-            drawn_flows = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
-            return flow, sum(drawn_flows) if drawn_flows else np.zeros_like(flow)
-        geometry = law.flow(1.0, d, c, 1.0, 1.0, length, position)  # for a pressure drop over viscosity of one
-        flow = geometry * self.driving([gap for gap, _ in gaps])
-        drawn_gaps = [gap for gap, counts in gaps if counts]
-        if len(drawn_gaps) == len(gaps):
-            return flow, flow
-        return flow, geometry * self.driving(drawn_gaps) if drawn_gaps else np.zeros_like(flow)
 
 
 @dataclass
@@ -277,7 +129,7 @@ def propagate(
         A condition's temperature outside the fluid's data.
     """
     shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
-    deviates = {name: shared.standard_normal(draws) for name in _NORMAL_FACTORS}
+    deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
     deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
     names = sorted({group for land in sources for group in land.groups})
     common = {
@@ -288,10 +140,10 @@ def propagate(
     most = assumptions.one_sided_wear if model.law.counts_form else 0.0
     fraction = 0.5 * most * shared.integers(3, size=draws)
     positions = Positions(model, draws, seed)
-    conditions = [_Condition(model, projection, assumptions) for projection in projections]
+    conditions = [Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
-    at_instants = [_Condition(model, instant, assumptions).at(deviates) for instant in instants]
+    at_instants = [Condition(model, instant, assumptions).at(deviates) for instant in instants]
     instant_totals = [np.zeros(draws) for _ in instants]
     lands: list[_LandDraws] = []
     for number, land in enumerate(sources):
@@ -302,10 +154,14 @@ def propagate(
         total += network.beside_lands(balance)
         for each in lands:
             total += solved.leakage(*each.now)[1]
-    by_condition = [
-        _at_condition(model, projection, now, probe, lands, assumptions, positions.relative_spread, limits, coverage)
-        for projection, now, probe in zip(projections, drawn, probes, strict=True)
-    ]
+
+    def spreads_at(number: int) -> tuple[list[LandSpread], TotalSpread]:
+        each = projections[number], drawn[number], probes[number]
+        return _at_condition(model, *each, lands, assumptions, positions.relative_spread, limits, coverage)
+
+    # conditions share nothing that is drawn in them, and NumPy lets other threads run while it computes
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as threads:
+        by_condition = list(threads.map(spreads_at, range(len(projections))))
     return Propagated(
         [tuple(spreads[number] for spreads, _ in by_condition) for number in range(len(lands))],
         [total for _, total in by_condition],
@@ -369,8 +225,8 @@ def _land_draws(
 def _at_condition(
     model: LeakageModel,
     projection: Projection,
-    drawn: _Drawn,
-    probe: _Drawn,
+    drawn: Drawn,
+    probe: Drawn,
     lands: Sequence[_LandDraws],
     assumptions: Assumptions,
     relative_spread: float,
@@ -385,7 +241,7 @@ def _at_condition(
     unworn, unworn_network, unworn_balance = (
         (new, new_network, new_balance) if same else drawn.with_circuits(each.unworn for each in lands)
     )
-    probe, probe_network, probe_balance = probe.with_circuits(_as_measured(each) for each in lands)
+    probe, probe_network, probe_balance = probe.with_circuits((_as_measured(each) for each in lands), keep=False)
     total, new_total, unworn_total = (
         np.full(draws, 0.0) + each.beside_lands(at)
         for each, at in ((network, balance), (new_network, new_balance), (unworn_network, unworn_balance))
@@ -488,7 +344,7 @@ class _Slopes:
     counted_length_effect: float
 
 
-def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions, position: float) -> _Slopes:
+def _probe(probe: Drawn, land: LandSources, assumptions: Assumptions, position: float) -> _Slopes:
     state = land.state
     step = _SMALL * (land.standard_uncertainty or 1e-7)
     clearance = np.full(_PROBES, state.radial_clearance)
@@ -542,8 +398,8 @@ def _difference(values: np.ndarray, index: int) -> float:
 
 
 def _total(
-    now: _Drawn,
-    probe: _Drawn,
+    now: Drawn,
+    probe: Drawn,
     total: np.ndarray,
     new_total: np.ndarray,
     unworn_total: np.ndarray,

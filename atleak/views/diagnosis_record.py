@@ -9,6 +9,7 @@ from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Extremes
 from atleak.engine.leakage import GapLeakage
+from atleak.engine.repaired import LINE
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
@@ -297,6 +298,7 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
                 "share_before_percent": finite(each.before.share * PERCENT),
                 "share_after_percent": finite(each.after.share * PERCENT),
                 "band_after": each.after.band,
+                **_held(each.after),
             }
             for each in step.conditions
         ],
@@ -317,6 +319,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
             }
             for left in plan.remaining
         ],
+        "pressures_past": [rule.id for rule in plan.pressures_past],
         "lands_not_measured": plan.unmeasured,
         "text": " ".join(plan_ends(plan)),
     }
@@ -328,6 +331,17 @@ def _end(total: Total) -> dict[str, Any]:
         "label": total.condition.label,
         "share_percent": finite(total.share * PERCENT),
         "band": total.band,
+        **_held(total),
+    }
+
+
+def _held(total: Total) -> dict[str, Any]:
+    """Return the reserve and the pressures that hold with some lands repaired."""
+    circuits = {name: pressure * KPA for name, pressure in total.pressures.items() if name != LINE}
+    return {
+        "reserve_after": finite(total.reserve),
+        "p_g_held_after_kpa": total.pressures[LINE] * KPA,
+        "circuits_after_kpa": circuits,
     }
 
 

@@ -41,7 +41,7 @@ FLOORS = (
     ("events", "engine.profile", "engine.extremes", "engine.circuits"),
     ("engine.leakage",),
     ("engine.line",),
-    ("engine.series", "engine.projection", "engine.losses"),
+    ("engine.series", "engine.projection", "engine.repaired"),
     ("engine.road_leakage", "rules"),
     ("uncertainty", "variants"),
     ("sheet_checks", "gauges"),
@@ -127,7 +127,7 @@ def test_every_room_of_the_floors_is_there() -> None:
     [
         ("equations.gap", "diagnosis"),  # upward
         ("engine.leakage", "engine.series"),  # upward inside the engine
-        ("engine.series", "engine.projection", "engine.losses"),  # sideways
+        ("engine.series", "engine.projection"),  # sideways
         ("views.window", "intake.units"),  # sideways
         ("intake.readings.rows", "engine.leakage"),  # the intake knows no engine
         ("diagnosis", "intake.readings"),  # and the engine no intake
