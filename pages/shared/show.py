@@ -128,7 +128,7 @@ def gauges(readings: Sequence[CheckedReading], rows: list[dict[str, Any]]) -> No
     frame.insert(0, "Verdict", ["not judged" if each.verdict is None else signed(each.verdict) for each in readings])
     shades = ["" if each.verdict is None else colours(each.verdict) for each in readings]
     numbers: list[Hashable] = [name for name in frame.columns if pd.api.types.is_float_dtype(frame[name])]
-    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format("{:z.0f}", subset=numbers, na_rep="–")
+    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format("{:z.1f}", subset=numbers, na_rep="–")
     st.dataframe(style, hide_index=True, width="stretch", height="content", placeholder="–")
 
 
