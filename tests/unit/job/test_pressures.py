@@ -24,15 +24,12 @@ def gauges(text: str = GAUGES, name: str = "gauges.csv") -> SourceFile:
     return SourceFile(name, text.encode())
 
 
-def sheet_with_tab(content: bytes, **cells: float) -> SourceFile:
-    """A measuring sheet with readings on its tab: cells by their addresses."""
+def sheet_with_tab(content: bytes, drive: float | None = None) -> SourceFile:
+    """A measuring sheet with a reading in drive at slow idle on its tab; none leaves the tab empty."""
     book = openpyxl.load_workbook(io.BytesIO(content))
-    tab = book[PRESSURES] if PRESSURES in book.sheetnames else book.create_sheet(PRESSURES)
-    if tab.max_row == 1:
-        tab.append(["range", "slow idle [kPa]"])
-        tab.append(["D", None])
-    for address, value in cells.items():
-        tab[address] = value
+    tab = book[PRESSURES]
+    row = next(row for row in tab.iter_rows(min_row=7) if row[0].value == "D")
+    row[2].value = drive
     target = io.BytesIO()
     book.save(target)
     return SourceFile("sheet.xlsx", target.getvalue())
@@ -47,7 +44,7 @@ def test_gauge_readings_are_a_job_of_their_own() -> None:
 
 
 def test_a_template_of_which_only_the_tab_is_filled_in_is_a_job(four_speed) -> None:
-    diagnosis = Case(readings=sheet_with_tab(write_template(four_speed), C10=300.0)).diagnose()
+    diagnosis = Case(readings=sheet_with_tab(write_template(four_speed), 300.0)).diagnose()
     assert diagnosis.readings is None
     assert diagnosis.verdict == Verdict.CRITICAL
     with pytest.raises(ReadingsError, match="no readings are filled in"):
@@ -55,7 +52,7 @@ def test_a_template_of_which_only_the_tab_is_filled_in_is_a_job(four_speed) -> N
 
 
 def test_a_file_of_its_own_goes_before_the_tab_and_says_so(sample_readings: Path) -> None:
-    sheet = sheet_with_tab(sample_readings.read_bytes(), B2=450.0)
+    sheet = sheet_with_tab(sample_readings.read_bytes(), 450.0)
     of_tab = Case(readings=sheet).diagnose()
     assert of_tab.pressures.table.file == "sheet.xlsx"
     assert [each.reading.pressure for each in of_tab.pressures.readings] == [450e3]
@@ -79,8 +76,8 @@ def test_a_job_file_keeps_the_table_and_gives_the_same_result(kind: str, sample_
     case = {
         "alone": Case(pressures=gauges()),
         "beside a sheet": Case(readings=SourceFile.at(sample_readings), pressures=gauges()),
-        "tab": Case(readings=sheet_with_tab(sample_readings.read_bytes(), B2=450.0)),
-        "tab alone": Case(readings=sheet_with_tab(write_template(four_speed), C10=300.0)),
+        "tab": Case(readings=sheet_with_tab(sample_readings.read_bytes(), 450.0)),
+        "tab alone": Case(readings=sheet_with_tab(write_template(four_speed), 300.0)),
     }[kind]
     before = case.diagnose()
     opened = read_job_file(write_job_file(before, None, case))
