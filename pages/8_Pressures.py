@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.views.gauge_rows import gauge_rows, pattern_text
+from atleak.views.gauge_rows import pattern_text
 from atleak.wording import wording
 from pages.shared import panel, pressure_form, show
 
@@ -20,7 +20,7 @@ if check is None:
 
 st.subheader("Beside what is permitted")
 show.gauge_banner(check)
-show.gauges(check.readings, gauge_rows(check))
+show.gauges(check)
 st.caption(
     "Permitted: by the valve body's file, for the range or its gear. Expected: what pump and circuits hold by the "
     "clearances as measured, or when new. Below line: a circuit against what the line's gauge beside it should give it."

@@ -9,7 +9,7 @@ from pydantic import Field, PlainValidator, field_validator, model_validator
 from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
 
 State = Literal["idle", "stall", "driving"]
-PermissibleState = Literal["idle", "fast_idle", "stall", "driving"]  # fast idle: standing, of gauge readings alone
+StandingState = Literal["idle", "fast_idle", "stall", "driving"]  # fast idle: of gauge readings alone
 SelectorRange = Literal["P", "R", "N", "D", "S", "1", "2", "3", "4", "5", "6", "7", "8", "9"]  # of the lever
 DISCHARGE_COEFFICIENT = 0.62  # of a sharp-edged orifice, where a feed states none
 
@@ -147,7 +147,7 @@ class PermissiblePressureTable(Strict):
     gear: int | None = None
     gears: list[int] | None = Field(default=None, min_length=1)
     ranges: list[SelectorRange] | None = Field(default=None, min_length=1)
-    state: PermissibleState
+    state: StandingState
     low_kpa: Positive | None = None
     high_kpa: Positive | None = None
     source: NonEmptyText

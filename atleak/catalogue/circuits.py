@@ -22,9 +22,10 @@ from atleak.catalogue.circuit_tables import (
     FollowingTable,
     LeakTable,
     PermissiblePressureTable,
-    PermissibleState,
     SelectorRange,
     SetTable,
+    StandingState,
+    State,
 )
 from atleak.catalogue.entries import catalogue_error
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS, Pressure
@@ -145,14 +146,25 @@ class Consumer:
 
 @dataclass(frozen=True)
 class PermissiblePressure:
-    """Between which pressures main pressure must lie in some gears, or ranges of the lever, and one state."""
+    """Between which pressures main pressure must lie in some gears and one state of driving."""
 
     gears: frozenset[int]
-    state: PermissibleState
+    state: State
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
-    ranges: frozenset[SelectorRange] = frozenset()  # of the selector lever, for gauge readings of a standing vehicle
+
+
+@dataclass(frozen=True)
+class StandingPressure:
+    """The same for gauge readings of a standing vehicle: in gears, and in ranges of the selector lever by name."""
+
+    gears: frozenset[int]
+    ranges: frozenset[SelectorRange]
+    state: StandingState
+    low: float | None  # [Pa]
+    high: float | None  # [Pa]
+    source: str
 
 
 def _at_point(stated: Mapping[str, float], point: OperatingPoint) -> float:
@@ -357,27 +369,36 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
     return tuple(consumers)
 
 
-def read_permissible(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[PermissiblePressure, ...]:
-    """Return between which pressures main pressure must lie.
+def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[StandingPressure, ...]:
+    """Return between which pressures main pressure must lie, for gauge readings of a standing vehicle.
 
     Raises
     ------
     CatalogueError
         an unknown gear, or a gear or range given twice in one state.
     """
-    permissible: list[PermissiblePressure] = []
+    standing: list[StandingPressure] = []
     for number, table in enumerate(tables, start=1):
         where = f"permissible_pressure[{number}]"
         stated = (table.gears or []) if table.gear is None else [table.gear]
         gears = reading.gears_of(stated, where, "gears" if table.gear is None else "gear")
         ranges = frozenset(table.ranges or ())
-        for other in permissible:
+        for other in standing:
             if other.state == table.state:
                 _refuse_twice("gear", gears & other.gears, table.state, where, reading.path)
                 _refuse_twice("range", ranges & other.ranges, table.state, where, reading.path)
         low, high = (None if kpa is None else kpa * 1e3 for kpa in (table.low_kpa, table.high_kpa))
-        permissible.append(PermissiblePressure(gears, table.state, low, high, table.source, ranges))
-    return tuple(permissible)
+        standing.append(StandingPressure(gears, ranges, table.state, low, high, table.source))
+    return tuple(standing)
+
+
+def permissible_in_gear(standing: Iterable[StandingPressure]) -> tuple[PermissiblePressure, ...]:
+    """Return those of them that hold in gears, at operating points and over logs."""
+    return tuple(
+        PermissiblePressure(each.gears, each.state, each.low, each.high, each.source)
+        for each in standing
+        if each.gears and each.state != "fast_idle"
+    )
 
 
 def _refuse_twice(what: str, both: Iterable[int | str], state: str, where: str, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Give a verdict for every land, and its reports: ``atleak diagnose``."""
+"""Give the verdict on a unit, and its reports: ``atleak diagnose``."""
 
 from __future__ import annotations
 
@@ -36,8 +36,13 @@ _POSITION = "eccentricity"  # an option of the profile that people also look for
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "diagnose", run, "a verdict for every land from a measuring sheet and a road test")
-    parser.add_argument("readings", metavar="READINGS", nargs="?", help="measuring sheet: xlsx, xls, ods or csv")
+    parser = add_command(commands, "diagnose", run, "a verdict from a measuring sheet, a road test or gauge readings")
+    parser.add_argument(
+        "readings",
+        metavar="READINGS",
+        nargs="?",
+        help="measuring sheet: xlsx, xls, ods or csv; without one the road test is judged by itself",
+    )
     parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     parser.add_argument(
         "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
@@ -107,7 +112,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--fail-on",
         choices=[level.value for level in FLAGGED],
-        help="end with status 1 where a land or a total is at or past this level",
+        help="end with status 1 where a land, a total or a pressure is at or past this level",
     )
     add_force(parser)
 
@@ -133,13 +138,13 @@ def run(options: argparse.Namespace) -> int:
     from atleak.job.case import SLOTS
     from atleak.verdicts import Verdict
 
+    if options.readings is None and options.road_test is None and options.pressures is None:
+        problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
+        raise InputError(problem, expected="READINGS, --road-test LOG or --pressures FILE")
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
-    if options.readings is None and options.road_test is None and options.pressures is None:
-        expected = "READINGS, --road-test LOG or --pressures FILE"
-        raise InputError("there is nothing to diagnose", expected=expected)
     inputs = (
         options.readings,
         options.road_test,

@@ -15,6 +15,7 @@ from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.engine.circuits import Balance, Network
 from atleak.engine.leakage import PumpFlow
 
+LINE = "p_g"  # the section that supplies all others
 _ROOT = 1e-13  # relative width of the bracket of a line pressure at which the search ends
 _STEPS = 200  # of it at the most
 SURELY_LESS = 1e-9  # relative: a pressure that is lower than another by more than rounding

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from atleak.catalogue.circuit_tables import SelectorRange
-from atleak.catalogue.circuits import Circuit, PermissiblePressure
+from atleak.catalogue.circuits import Circuit, StandingPressure
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel
@@ -43,7 +43,7 @@ class CheckedReading:
     reading: GaugeReading
     tap_name: str
     gear: int | None  # that is taken for the range; None where the gears do not tell
-    permissible: PermissiblePressure | None  # of main pressure; None where the file does not tell
+    permissible: StandingPressure | None  # of main pressure; None where the file does not tell
     expected: (
         float | None
     )  # [Pa] that pump or circuit hold there by the engine; None where no operating point is like it

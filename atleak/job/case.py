@@ -28,7 +28,7 @@ from atleak.catalogue.limits import load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
-from atleak.errors import InputError, Message, Place
+from atleak.errors import InputError, Message, Place, RoadTestError
 from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
@@ -286,10 +286,18 @@ class Case:
 
 
 def _road_test(log: Understood) -> RoadTest:
-    """Return the road test of a log, or raise the reason why there is none."""
-    if log.road_test is None:
-        raise log.problem or InputError("the log's columns cannot be identified", place=Place(file=log.file))
-    return log.road_test
+    """Return the road test of a log, or raise the reason why there is none.
+
+    A log that may hold a main pressure is not taken while it is open which column that is.
+    """
+    test, place = log.road_test, Place(file=log.file)
+    if test is None:
+        raise log.problem or InputError("the log's columns cannot be identified", place=place)
+    asked = any(question.quantity == "main_pressure" for question in log.ambiguous)
+    if asked and test.channel("commanded_pressure") is None:
+        problem = f"the log's column of main pressure is not usable: {test.refused['main_pressure']}"
+        raise RoadTestError(problem, place=place, expected="the column of main pressure, and its unit, to be named")
+    return test
 
 
 def _one_table(own: PressureTable | None, readings: Readings | None) -> PressureTable | None:

@@ -145,7 +145,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
     of_tab = gauges if case.pressures is None else None
     sheet = _source(case.readings, diagnosis.readings or of_tab, "the measuring sheet")
     table = _source(case.pressures, None if gauges is of_tab else gauges, "the table of gauge readings")
-    log = _source(case.road_test, diagnosis.road.road_test if diagnosis.road else None, "the road-test log")
+    log = _source(case.road_test, diagnosis.log.road_test if diagnosis.log else None, "the road-test log")
     own = dict(zip(OWN_FILES, (sheet, log, table), strict=True))
     uncertainty = diagnosis.uncertainty
     choices = Choices(
@@ -160,8 +160,8 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         road_test=_log_choices(case) if log else {},
-        assumptions=uncertainty.assumptions.settings if uncertainty else {},
-        guard_factor=uncertainty.guard_factor if uncertainty else None,
+        assumptions=uncertainty.assumptions.settings if uncertainty else _assumptions(case),
+        guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
         files=_names(own, entries),
     )
     target = io.BytesIO()
@@ -322,6 +322,11 @@ class Choices(_Strict):
             assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
             guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
         ).with_files(sources)
+
+
+def _assumptions(case: Case) -> dict[str, float]:
+    """Return the assumptions that were chosen: a log is judged with them also where nothing was measured."""
+    return DEFAULTS.with_settings(dict(case.assumptions)).settings if case.assumptions else {}
 
 
 def _reading_choices(case: Case) -> ReadingChoices:

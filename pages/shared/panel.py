@@ -159,8 +159,8 @@ def _status(slot: str, result: Diagnosis) -> None:
         about = f"{result.measured} of {len(result.lands)} lands measured"
     elif slot == "pressures":
         about = f"{len(result.pressures.readings) if result.pressures else 0} readings"
-    elif result.road is not None:
-        test = result.road.road_test
+    elif result.log is not None:
+        test = result.log.road_test
         about = f"{test.rows} rows, {test.duration:.0f} s"
     st.caption(f"{origin}**{show.plain(file.name)}** · {about}")
 

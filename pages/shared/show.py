@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import re
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable
 from functools import partial
 from typing import Any
 
@@ -13,15 +13,16 @@ import pandas as pd
 import plotly.graph_objects as go
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
-from atleak.gauges.check import CheckedReading, PressureCheck
+from atleak.gauges.check import PressureCheck
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
+from atleak.views.gauge_rows import gauge_rows
 from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import signed, wording
@@ -122,9 +123,9 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
 
 
-def gauges(readings: Sequence[CheckedReading], rows: list[dict[str, Any]]) -> None:
+def gauges(check: PressureCheck) -> None:
     """Show gauge readings with their verdicts in colour; one that nothing judges stays plain and says so."""
-    frame = pd.DataFrame(rows)
+    readings, frame = check.readings, pd.DataFrame(gauge_rows(check))
     frame.insert(0, "Verdict", ["not judged" if each.verdict is None else signed(each.verdict) for each in readings])
     shades = ["" if each.verdict is None else colours(each.verdict) for each in readings]
     numbers: list[Hashable] = [name for name in frame.columns if pd.api.types.is_float_dtype(frame[name])]
@@ -191,9 +192,16 @@ def open_verdicts(lines: list[str]) -> None:
 
 
 def log_messages(diagnosis: Diagnosis) -> None:
-    """Show the messages of the road-test log."""
-    if diagnosis.road is not None:
-        messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
+    """Show the messages of the road-test log and of the leakage over it."""
+    messages(_of_log(diagnosis), "the road-test log")
+
+
+def _of_log(diagnosis: Diagnosis) -> list[Message]:
+    if diagnosis.log is None:
+        return []
+    of_leakage = diagnosis.road.messages if diagnosis.road is not None else ()
+    why = [each for each in diagnosis.messages if each.code == NO_LEAKAGE]
+    return [*diagnosis.log.road_test.messages, *of_leakage, *why]
 
 
 def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
@@ -209,11 +217,11 @@ def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show the basis of the result: choices, sources, and what of it is representative."""
-    road, readings = diagnosis.road, diagnosis.readings
+    readings = diagnosis.readings
     said = [message for land in diagnosis.lands for message in land.messages]
     said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
     said += readings.messages if readings else ()
-    said += (*road.road_test.messages, *road.messages) if road else ()
+    said += _of_log(diagnosis)
     messages([message for message in diagnosis.messages if message not in said], "valve body, fluid and conditions")
     if diagnosis.uncertainty is not None:
         messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")

@@ -12,7 +12,7 @@ from atleak.verdicts import VERDICTS
 from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.wording import signed, wording
 
-SHEET = "Pressures"
+SHEET = "Gauge readings"
 _WIDTHS = {"Verdict": 14, "Range": 8, "State": 12, "Tap": 26, "Permitted [kPa]": 16, "Decision": 18}
 
 

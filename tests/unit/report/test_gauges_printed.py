@@ -40,10 +40,10 @@ def text_of(content: bytes) -> str:
 @pytest.mark.parametrize("language", languages())
 def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnosis, language: str) -> None:
     say = wording(language)
-    printed = write_pdf(gauged, language=language, sections=["pressures"])
+    printed = write_pdf(gauged, language=language, sections=["gauges"])
     text = " ".join(text_of(printed).split())
     assert b"<pdfaid:part>2<" in printed
-    assert say("sections.pressures") in text
+    assert say("sections.gauges") in text
     for reading in ("900", "690", "480"):
         assert reading in text
     for word in (say.level("watch"), say.get("engine_states", "fast_idle").split()[0], "gauges.csv"):
@@ -71,5 +71,5 @@ def test_the_workbook_has_a_sheet_of_them_with_numbers(gauged: Diagnosis) -> Non
 def test_a_job_without_gauges_has_neither_sheet_nor_section() -> None:
     diagnosis = Case(controller="minimal_example").diagnose()
     assert SHEET not in openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis))).sheetnames
-    text = text_of(write_pdf(diagnosis, sections=["pressures", "signatures"]))
-    assert wording("en")("sections.pressures") not in text
+    text = text_of(write_pdf(diagnosis, sections=["gauges", "signatures"]))
+    assert wording("en")("sections.gauges") not in text
