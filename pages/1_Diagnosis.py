@@ -11,8 +11,12 @@ record = diagnosis_record(diagnosis)
 st.title("Diagnosis")
 show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
 conditions.complaint(diagnosis)
-if diagnosis.log_alone:
-    road.alone(diagnosis)
+if diagnosis.without_sheet:
+    if diagnosis.pressures is not None:
+        st.subheader("What gauges show")
+        show.gauges(diagnosis.pressures)
+    if diagnosis.log is not None:
+        road.alone(diagnosis)
     files.take_along(case, diagnosis, record)
     st.stop()
 
@@ -37,6 +41,10 @@ conditions.repairs(diagnosis)
 
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)
+
+if diagnosis.pressures is not None:
+    st.subheader("What gauges show")
+    show.gauges(diagnosis.pressures)
 
 if diagnosis.log is not None:
     st.subheader("Over the road test")

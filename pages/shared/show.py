@@ -16,11 +16,13 @@ import streamlit as st
 from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
+from atleak.gauges.check import PressureCheck
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
+from atleak.views.gauge_rows import gauge_rows
 from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import signed, wording
@@ -119,6 +121,29 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+
+
+def gauges(check: PressureCheck) -> None:
+    """Show gauge readings with their verdicts in colour; one that nothing judges stays plain and says so."""
+    readings, frame = check.readings, pd.DataFrame(gauge_rows(check))
+    frame.insert(0, "Verdict", ["not judged" if each.verdict is None else signed(each.verdict) for each in readings])
+    shades = ["" if each.verdict is None else colours(each.verdict) for each in readings]
+    numbers: list[Hashable] = [name for name in frame.columns if pd.api.types.is_float_dtype(frame[name])]
+    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format("{:z.1f}", subset=numbers, na_rep="–")
+    st.dataframe(style, hide_index=True, width="stretch", height="content", placeholder="–")
+
+
+def gauge_banner(check: PressureCheck) -> None:
+    """Show the worst verdict on any gauge reading in a box of its colour, and what gave it."""
+    verdict, deciding = check.verdict, check.deciding
+    if verdict is None or deciding is None:
+        st.info("None of these readings can be judged: the valve body's file does not say what they must reach.")
+        return
+    judged = sum(each.verdict is not None for each in check.readings)
+    said = f"{judged} of {len(check.readings)} readings can be judged"
+    because = f", because of the {plain(deciding.rule.label)}" if verdict.flagged else ""
+    sure = deciding.decision.replace("_", " ")
+    _BOX[look_of(verdict).box](f"**{signed(verdict)}**{because}; decision: {sure}. {said}.")
 
 
 def rounded(value: float) -> str:
