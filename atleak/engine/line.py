@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import Controller, OperatingPoint
-from atleak.engine.circuits import Balance, Network
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import PumpFlow
 
 LINE = "p_g"  # the section that supplies all others

@@ -13,9 +13,14 @@ from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
-LEFT_OUT_OF_SPEED = wording("en")("texts.left_out_of_speed")
 LOOK_FIRST = 3  # lands that are named where a pressure decided
 _SHOWS = 0.05  # [dm³/min] a lack that one decimal shows
+
+
+def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say which consumers are in the lowest engine speed that the pump needs: none where the file states none."""
+    consumers = ", ".join(isolated(each.name) for each in diagnosis.controller.consumers)
+    return say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
 
 
 def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
@@ -65,10 +70,10 @@ def when_new(diagnosis: Diagnosis, projection: Projection) -> str:
     return f"{new:.1f} % when new" + ("" if f"{unworn:.1f}" == f"{new:.1f}" else as_wide)
 
 
-def covered_from(projection: Projection) -> str:
-    """Say from which engine speed the pump covers the leakage of a condition, and what that speed leaves out."""
+def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
+    """Say from which engine speed the pump covers the leakage of a condition, and which consumers that speed counts."""
     speed = f"{projection.minimum_speed * RPM:.0f} rpm"
-    return f"the pump covers this leakage and its own slip from {speed}; {LEFT_OUT_OF_SPEED}"
+    return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"
 
 
 # --- pressures
@@ -149,7 +154,9 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = la
         return None
     at = pressures_at(diagnosis, diagnosis.at(rule.condition))
     values = {"condition": named(rule.condition)}
-    held = next((each for each in at.applied if each.rule is rule), at.line)
+    held = next((each for each in at.applied if each.rule == rule), at.line if rule == at.reserve_rule else None)
+    if held is None:
+        return None
     if rule.kind is RuleKind.RESERVE:
         limit = say.number(rule.limit, 2)
         because = say("held.by_reserve", reserve=say.number(rule.value, 2), limit=limit, **values)
