@@ -15,7 +15,8 @@ from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.engine.leakage import LeakageModel, narrow_gap_messages
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import Projection, mileage_at_wear, project, project_new, project_unworn
+from atleak.engine.projection import Projection, mileage_at_wear, model_new, project, project_unworn
+from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
@@ -119,13 +120,16 @@ class Diagnosis:
     profile: Profile
     mileage: float | None  # [km]
     model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
+    as_new: LeakageModel = field(repr=False)  # and with every land new
     lands: tuple[LandDiagnosis, ...]  # in the controller's order
     projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     unworn_projections: tuple[Projection, ...]  # as wide as its readings may have been when new; growth is judged by it
+    losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
     road: RoadLeakage | None
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
+    pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
     complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
     messages: tuple[Message, ...]
 
@@ -183,6 +187,21 @@ class Diagnosis:
         """Return the projection of the same unit new at the condition of one of the projections."""
         return next(each for each in self.new_projections if each.condition == projection.condition)
 
+    def losses_at(self, projection: Projection) -> Losses:
+        """Return which lands cost the line and every circuit what at one of the conditions [Pa]."""
+        return self.losses[self.projections.index(projection)]
+
+    def loss_by(self, land: LandDiagnosis, projection: Projection) -> float | None:
+        """Return what a land costs the circuit that loses most by it [Pa]; None where no pressure is solved."""
+        losses = self.losses_at(projection)
+        return max((of_lands.get(land.key, 0.0) for of_lands in losses.values()), default=None)
+
+    def circuit_verdict(self, rule: Rule | None) -> Verdict | None:
+        """Return the verdict of a circuit; None of one that is vented, and nothing unmeasured is ok."""
+        if rule is None:
+            return None
+        return rule.verdict if self.judged or rule.verdict.flagged else Verdict.NOT_MEASURED
+
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
         return next(each for each in self.projections if each.condition == condition)
@@ -219,15 +238,18 @@ class Diagnosis:
 
     @property
     def decided_by(self) -> LandDiagnosis | Rule | None:
-        """Return what put the unit past a limit: a land or a total, the worst; None within all limits.
+        """Return what put the unit past a limit: a land, a total or a pressure, the worst; None within all limits.
 
-        Of several that are equally bad one that is sure is named before one that is not, a land before a total.
+        Of several that are equally bad one that is sure is named before one that is not, a land before a total, a total
+        before a pressure, and of pressures the one that is farthest past its limit.
         Without any reading nothing is decided: the totals are those of a new unit.
         """
         if not self.judged:
             return None
         candidates: list[LandDiagnosis | Rule] = [*self.flagged]
         candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
+        past = sorted(self.pressure_rules, key=lambda rule: -rule.severity)
+        candidates += [rule for rule in past if rule.verdict.flagged]
         return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
 
     @property
@@ -238,14 +260,27 @@ class Diagnosis:
             return self._decision_on(decided_by)
         if self.verdict == Verdict.NOT_MEASURED:
             return None
-        every: list[LandDiagnosis | Rule] = [*self.lands, *self.total_rules]
+        every: list[LandDiagnosis | Rule] = [*self.lands, *self.unit_rules]
         return max((self._decision_on(each) for each in every), key=_certainty, default=None)
 
     def _decision_on(self, each: LandDiagnosis | Rule) -> Decision | None:
         if not isinstance(each, Rule):
             return each.decision
-        totals = self.uncertainty.totals if self.uncertainty else ()
-        return next((total.decision.decision for total in totals if total.decision.rule == each), None)
+        decided = self.decided(each)
+        return decided.decision if decided else None
+
+    def decided(self, rule: Rule) -> RuleDecision | None:
+        """Return the decision on one of the unit's rules; None without readings."""
+        return self.uncertainty.on(rule) if self.uncertainty else None
+
+    @property
+    def unit_rules(self) -> tuple[Rule, ...]:
+        """Return every rule that judges the whole unit: totals first."""
+        return (*self.total_rules, *self.pressure_rules)
+
+    def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
+        """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
+        return tuple(rule for rule in self.pressure_rules if rule.condition == projection.condition)
 
     @property
     def verdict(self) -> Verdict:
@@ -329,7 +364,9 @@ def diagnose(
     conditions = [condition]
     conditions += [point for point in controller.operating_points if point != condition]
     projections = [project(model, point) for point in conditions]
-    when_new = project_new(states, model, projections)
+    as_new = model_new(states, model)
+    measured = [state.land.key for state in states if state.measured]
+    when_new = tuple(project(as_new, point) for point in conditions)
     unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     road = None if road_test is None else evaluate_road_test(model, road_test, condition)
@@ -365,13 +402,16 @@ def diagnose(
         profile=profile,
         mileage=mileage,
         model=model,
+        as_new=as_new,
         lands=lands,
         projections=tuple(projections),
         new_projections=when_new,
         unworn_projections=unworn,
+        losses=tuple(pressure_losses(model, as_new, point, measured) for point in conditions),
         road=road,
         uncertainty=uncertainty,
         total_rules=rules.totals,
+        pressure_rules=rules.pressures,
         complaint=complaint,
         messages=tuple(messages),
     )

@@ -1,22 +1,29 @@
 """Plan the repairs of a unit: which lands, in which order, what each brings at every condition, and where that ends.
 
-A repaired land is as new. Flows add up, so what a repair saves at a condition does not depend on the repairs before it.
+A repaired land is as new. What a repair saves depends on those before it where lands share a circuit, so every stage of
+the plan is computed as a whole: leakage, line pressure and what each circuit holds.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.rules import Rule
+from atleak.engine.repaired import LINE, WORTH_NAMING, with_new
+from atleak.rules import LandKey, Rule, permissible_low
 from atleak.verdicts import BANDS, Band
 
 _NEARLY = 1e-8  # relative: a total must be under its limit by more than floating point can tell
+_WORTH_A_REPAIR = (
+    0.01  # of how far pressures are past their limits, that one more land must help: choice of this project
+)
 _NODES = 20_000  # of the search for the fewest lands; beyond it a few more than the fewest may be named
 
 
@@ -27,6 +34,9 @@ class Total:
     projection: Projection  # as measured
     leakage: float  # [m³/s] drawn from the pump
     rule: Rule  # of the total as measured, whose limits hold after a repair too
+    pressures: Mapping[str, float]  # [Pa] that the line, as p_g, and every circuit hold
+    measured_rules: tuple[Rule, ...]  # of reserve and pressures as measured
+    unworn: Projection  # of the unit as it may have been when new
 
     @property
     def condition(self) -> OperatingPoint:
@@ -37,6 +47,30 @@ class Total:
     def share(self) -> float:
         """Return leakage / pump capacity; infinite where the pump delivers nothing."""
         return self.projection.share_of(self.leakage)
+
+    @property
+    def reserve(self) -> float:
+        """Return the pump's reserve."""
+        return replace(self.projection, leakage=self.leakage).reserve
+
+    @cached_property
+    def pressure_rules(self) -> tuple[Rule, ...]:
+        """Return the rules of reserve, circuits and permissible pressure, judged anew."""
+        return tuple(replace(rule, value=self._value(rule)) for rule in self.measured_rules)
+
+    def _value(self, rule: Rule) -> float:
+        if rule.kind is RuleKind.RESERVE:
+            return self.reserve
+        if rule.circuit is not None:
+            return abs((rule.new or 0.0) - self.pressures[rule.circuit.id])
+        low = permissible_low(self.projection, self.unworn)
+        return 1.0 - self.pressures[LINE] / low if low else rule.value
+
+    @property
+    def past(self) -> tuple[Rule, ...]:
+        """Return every rule, the total's first, that is past a limit."""
+        rules = replace(self.rule, value=self.share), *self.pressure_rules
+        return tuple(rule for rule in rules if rule.verdict.flagged)
 
     @property
     def band(self) -> Band:
@@ -64,7 +98,16 @@ class RepairedAt:
     def saving(self) -> float:
         """Return the share that is saved over the share at which green ends: so that conditions can be compared."""
         saved = self.before.share - self.after.share
+        if abs(saved) <= _NEARLY * self.before.share:  # what rounding leaves of nothing
+            return 0.0
         return saved / self.before.limit_above(Band.GREEN) if math.isfinite(saved) else 0.0
+
+    @property
+    def gained(self) -> float:
+        """Return the pressure that the line, or the circuit that gains most by the repair, gains [Pa]."""
+        both = self.before.pressures, self.after.pressures
+        gain = max(both[1][name] - both[0][name] for name in both[0])
+        return gain if gain >= WORTH_NAMING else 0.0
 
 
 @dataclass(frozen=True)
@@ -76,18 +119,18 @@ class RepairStep:
 
     @property
     def for_total(self) -> bool:
-        """Tell whether the land is within its limits, and is repaired for the sake of the total alone."""
+        """Tell whether the land is within its limits, and is repaired for the sake of a total or a pressure alone."""
         return not self.land.verdict.flagged
 
     @cached_property
     def at(self) -> RepairedAt:
-        """Return the condition that the repair helps most, measured by its limit."""
+        """Return the condition whose total the repair helps most, measured by its limit."""
         return max(self.conditions, key=lambda each: each.saving)
 
     @property
     def helps(self) -> bool:
-        """Tell whether the repair lowers the total at any condition."""
-        return self.at.saving > 0.0
+        """Tell whether the repair lowers the total, or raises a pressure, at any condition."""
+        return self.at.saving > 0.0 or any(each.gained > 0.0 for each in self.conditions)
 
     @property
     def leaks(self) -> bool:
@@ -117,12 +160,13 @@ class RepairPlan:
     steps: tuple[RepairStep, ...]
     ends: tuple[Total, ...]  # at every condition, the stated one first
     remaining: tuple[Remainder, ...]  # the ends that are not green
+    pressures_past: tuple[Rule, ...]  # rules of reserve and pressures that stay past a limit
     unmeasured: int  # lands of which a part was not measured and is computed as new
 
     @property
     def reached(self) -> bool:
-        """Tell whether the plan ends green at every condition."""
-        return not self.remaining
+        """Tell whether the plan ends green at every condition, with every pressure within its limits."""
+        return not self.remaining and not self.pressures_past
 
     @property
     def for_total(self) -> int:
@@ -135,62 +179,89 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
 
     First come the lands that reached a limit of their own, the worst verdict first; of equal ones that which saves
     most, measured by the limit of the condition at which it saves most. Where totals are still not green, the fewest
-    lands within their limits follow that bring each into the best band that repairs can bring it into.
+    lands within their limits follow that bring each into the best band that repairs can bring it into. Where a pressure
+    is still past a limit, those follow that help it most, one after the other.
     """
     lands = [land for land in diagnosis.lands if land.state.measured]
-    saved = {land.key: _saved_by(land, diagnosis) for land in lands}
-    totals = tuple(Total(each, each.leakage, diagnosis.total_rule(each)) for each in diagnosis.projections)
+    totals, *alone = _totals(diagnosis, [[], *([land] for land in lands)])
+    single = {land.key: _both(totals, after) for land, after in zip(lands, alone, strict=True)}
 
     def saving(land: LandDiagnosis) -> float:
-        return max(step.saving for step in _repaired(totals, saved[land.key]))
+        return max(each.saving for each in single[land.key])
 
     flagged = sorted(
         (land for land in lands if land.verdict.flagged), key=lambda land: (-land.verdict.rank, -saving(land))
     )
-    steps = _steps(flagged, totals, saved)
-    ends = _ends(steps, totals)
-    others = [land for land in lands if not land.verdict.flagged and saving(land) > 0.0]
-    more = sorted(_best_bands(others, ends, saved), key=lambda land: -saving(land))
-    steps = _steps([*flagged, *more], totals, saved)
-    ends = _ends(steps, totals)
+    ends = _totals(diagnosis, [flagged])[0]
+    others = [land for land in lands if not land.verdict.flagged]
+    more = _best_bands([land for land in others if saving(land) > 0.0], ends, single)
+    more += _for_pressures(diagnosis, [*flagged, *more], [land for land in others if land not in more])
+    chosen = [*flagged, *sorted(more, key=lambda land: -saving(land))]
+    stages = _totals(diagnosis, [chosen[:count] for count in range(len(chosen) + 1)])
+    ends = stages[-1]
     return RepairPlan(
-        steps=steps,
+        steps=tuple(
+            RepairStep(land, _both(before, after))
+            for land, before, after in zip(chosen, stages, stages[1:], strict=False)
+        ),
         ends=ends,
         remaining=tuple(
             _remainder(diagnosis, end, new)
             for end, new in zip(ends, diagnosis.new_projections, strict=True)
             if end.band is not Band.GREEN
         ),
+        pressures_past=tuple(rule for end in ends for rule in end.pressure_rules if rule.verdict.flagged),
         unmeasured=len(diagnosis.lands) - diagnosis.measured,
     )
 
 
-def _saved_by(land: LandDiagnosis, diagnosis: Diagnosis) -> tuple[float, ...]:
-    """Return how much less a land draws from the pump when it is new [m³/s], at every condition."""
-    both = zip(diagnosis.projections, diagnosis.new_projections, strict=True)
-    return tuple(now.drawn_by(land.key) - new.drawn_by(land.key) for now, new in both)
+def _totals(diagnosis: Diagnosis, choices: Sequence[Sequence[LandDiagnosis]]) -> list[tuple[Total, ...]]:
+    """Return the totals at every condition, the stated one first, for each choice of lands that are new."""
+    chosen = [{land.key for land in choice} for choice in choices]
+    by_condition: list[list[Total]] = []
+    for projection in diagnosis.projections:
+        done = with_new(diagnosis.model, diagnosis.as_new, projection.condition, chosen)
+        of_total, of_pressure = diagnosis.total_rule(projection), diagnosis.pressure_rules_at(projection)
+        by_condition.append(
+            [
+                Total(
+                    projection,
+                    float(done.leakage[number]),
+                    of_total,
+                    {name: float(pressure[number]) for name, pressure in done.pressures.items()},
+                    of_pressure,
+                    diagnosis.unworn_at(projection),
+                )
+                for number in range(len(choices))
+            ]
+        )
+    return list(zip(*by_condition, strict=True))
 
 
-def _repaired(totals: Iterable[Total], saved: Iterable[float]) -> tuple[RepairedAt, ...]:
-    """Return what a repair that saves so much [m³/s] at each condition brings."""
-    return tuple(
-        RepairedAt(total, Total(total.projection, total.leakage - less, total.rule))
-        for total, less in zip(totals, saved, strict=True)
-    )
+def _both(before: Iterable[Total], after: Iterable[Total]) -> tuple[RepairedAt, ...]:
+    """Return what a repair brings at every condition."""
+    return tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True)))
 
 
-def _steps(
-    lands: Iterable[LandDiagnosis], totals: tuple[Total, ...], saved: dict[tuple[str, int], tuple[float, ...]]
-) -> tuple[RepairStep, ...]:
-    steps: list[RepairStep] = []
-    for land in lands:
-        steps.append(RepairStep(land, _repaired(_ends(steps, totals), saved[land.key])))
-    return tuple(steps)
+def _for_pressures(
+    diagnosis: Diagnosis, chosen: Sequence[LandDiagnosis], others: Sequence[LandDiagnosis]
+) -> list[LandDiagnosis]:
+    """Return the lands that help most, one after the other, as long as a pressure is past a limit and one helps it."""
+    added: list[LandDiagnosis] = []
+    while True:
+        left = [land for land in others if land not in added]
+        now, *with_one_more = _totals(diagnosis, [[*chosen, *added], *([*chosen, *added, land] for land in left)])
+        past = _past_pressures(now)
+        gains = [past - _past_pressures(after) for after in with_one_more]
+        if past == 0.0 or not gains or max(gains) <= _WORTH_A_REPAIR * past:
+            return added
+        added.append(left[gains.index(max(gains))])
 
 
-def _ends(steps: Sequence[RepairStep], totals: tuple[Total, ...]) -> tuple[Total, ...]:
-    """Return the totals after the last step."""
-    return tuple(each.after for each in steps[-1].conditions) if steps else totals
+def _past_pressures(totals: Iterable[Total]) -> float:
+    """Return how far all pressures that are past a limit are past it, each as a fraction of that."""
+    rules = (rule for total in totals for rule in total.pressure_rules if rule.verdict.flagged)
+    return sum(rule.past_first for rule in rules)
 
 
 def _remainder(diagnosis: Diagnosis, end: Total, new: Projection) -> Remainder:
@@ -210,13 +281,19 @@ def _remainder(diagnosis: Diagnosis, end: Total, new: Projection) -> Remainder:
 
 
 def _best_bands(
-    lands: Sequence[LandDiagnosis], totals: Sequence[Total], saved: dict[tuple[str, int], tuple[float, ...]]
+    lands: Sequence[LandDiagnosis], totals: Sequence[Total], single: Mapping[LandKey, Sequence[RepairedAt]]
 ) -> list[LandDiagnosis]:
-    """Return the fewest lands whose repair brings every total into the best band that repairs can bring it into."""
+    """Return the fewest lands whose repair brings every total into the best band that repairs can bring it into.
+
+    Parameters
+    ----------
+    single
+        what the repair of each land alone brings at every condition; savings are taken to add up.
+    """
     gains: list[list[float]] = [[] for _ in lands]
     needs: list[float] = []
     for number, total in enumerate(totals):
-        less = [max(saved[land.key][number], 0.0) for land in lands]
+        less = [_saved(single[land.key][number]) for land in lands]
         best = replace(total, leakage=total.leakage - sum(less)).band
         if best is total.band:
             continue
@@ -225,6 +302,11 @@ def _best_bands(
         for gain, flow in zip(gains, less, strict=True):
             gain.append(total.projection.share_of(flow) / limit)
     return [lands[number] for number in fewest(gains, needs)]
+
+
+def _saved(each: RepairedAt) -> float:
+    """Return how much less is drawn from the pump [m³/s], never less than nothing."""
+    return max(each.before.leakage - each.after.leakage, 0.0)
 
 
 def fewest(gains: Sequence[Sequence[float]], needs: Sequence[float]) -> list[int]:

@@ -8,10 +8,11 @@ after it (decisions, reports, pages) takes these objects as they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Level, LimitOrigin, Limits, RuleKind, Steps
 from atleak.engine.projection import Projection
@@ -30,13 +31,13 @@ class Rule:
     condition: OperatingPoint | None  # of a share; None where the rule holds everywhere
     value: float
     steps: Steps  # with the limits that apply to this land or unit at this condition
-    new: float | None = (
-        None  # the same share of the same land or unit as it may have been when new; None for wear and clearance
-    )
+    new: float | None = None  # the same of the same land or unit as it may have been when new; None for wear, clearance
+    circuit: Circuit | None = None  # whose pressure it is
+    where: str = ""  # in a log or table: at which time or place the value was taken
 
     @cached_property
     def _judged(self) -> tuple[Level, float]:
-        return self.steps.judge(self.value, Band.GREEN if self.kind is RuleKind.TOTAL_SHARE else Verdict.OK)
+        return self.steps.judge(self.value, Band.GREEN if self.kind.in_bands else Verdict.OK)
 
     @property
     def level(self) -> Level:
@@ -56,9 +57,27 @@ class Rule:
     @property
     def growth(self) -> float | None:
         """Return how much the share has grown over that of a new one, as a fraction; None where that is no number."""
-        if self.new is None or not (0.0 < self.new < math.inf and math.isfinite(self.value)):
+        if (
+            self.new is None
+            or "share" not in self.kind
+            or not (0.0 < self.new < math.inf and math.isfinite(self.value))
+        ):
             return None
         return self.value / self.new - 1.0
+
+    @property
+    def past_first(self) -> float:
+        """Return how far the value is past its first limit, as a fraction of that; zero within it."""
+        limits = [limit for _, limit in self.steps.levels]
+        first = max(limits) if self.steps.falling else min(limits)
+        past = first - self.value if self.steps.falling else self.value - first
+        return max(past / abs(first) if first else past, 0.0)
+
+    @property
+    def severity(self) -> float:
+        """Return how far the value is past the limit it reached, as a fraction of that."""
+        past = self.limit - self.value if self.steps.falling else self.value - self.limit
+        return past / abs(self.limit) if self.limit else past
 
     @property
     def origin(self) -> LimitOrigin:
@@ -73,18 +92,19 @@ class Rule:
     @property
     def quantity(self) -> str:
         """Name what is limited, in plain words."""
-        return _LABELS[self.kind]
+        return _LABELS[self.kind] + (f" of {self.circuit.name}" if self.circuit else "")
 
     @property
     def label(self) -> str:
         """Name the quantity and its condition in plain words."""
-        return self.quantity + (f", {self.condition.label}" if self.condition else "")
+        return ", ".join(filter(None, (self.quantity, self.condition.label if self.condition else "", self.where)))
 
     @property
     def id(self) -> str:
         """Return the rule's name in records, with the unit of its value: ``share_hot_idle_percent``."""
-        at = () if self.condition is None else (self.condition.name,)
-        return "_".join((_IDS[self.kind], *at, self.kind.suffix))
+        circuit = self.circuit.id if self.circuit else ""
+        at = "" if self.condition is None else self.condition.name
+        return "_".join(filter(None, (_IDS[self.kind], circuit, at, self.kind.suffix)))
 
 
 _LABELS = {
@@ -92,21 +112,30 @@ _LABELS = {
     RuleKind.CLEARANCE: "radial clearance",
     RuleKind.PAIR_SHARE: "share of pump flow",
     RuleKind.TOTAL_SHARE: "total share of pump flow",
+    RuleKind.RESERVE: "reserve of the pump",
+    RuleKind.CIRCUIT_LOSS: "pressure lost against new",
+    RuleKind.PERMISSIBLE_PRESSURE: "main pressure below the permissible",
+    RuleKind.COMMANDED_PRESSURE: "main pressure off the commanded",
 }
 _IDS = {
     RuleKind.WEAR: "wear",
     RuleKind.CLEARANCE: "radial_clearance",
     RuleKind.PAIR_SHARE: "share",
     RuleKind.TOTAL_SHARE: "total_share",
+    RuleKind.RESERVE: "reserve",
+    RuleKind.CIRCUIT_LOSS: "circuit_loss",
+    RuleKind.PERMISSIBLE_PRESSURE: "below_permissible_pressure",
+    RuleKind.COMMANDED_PRESSURE: "off_commanded_pressure",
 }
 
 
 @dataclass(frozen=True)
 class UnitRules:
-    """The rules of every measured land, and of the total at every condition."""
+    """The rules of every measured land, and those of the whole unit at every condition."""
 
     lands: Mapping[LandKey, tuple[Rule, ...]]
     totals: tuple[Rule, ...]  # in the order of the conditions
+    pressures: tuple[Rule, ...]  # reserves, circuits and permissible pressures, in the order of the conditions
     limits: Limits  # the set that was applied
 
     def of_land(self, key: LandKey) -> tuple[Rule, ...]:
@@ -115,7 +144,10 @@ class UnitRules:
 
 
 def unit_rules(
-    states: Sequence[LandClearance], projections: Sequence[Projection], unworn: Sequence[Projection], limits: Limits
+    states: Sequence[LandClearance],
+    projections: Sequence[Projection],
+    unworn: Sequence[Projection],
+    limits: Limits,
 ) -> UnitRules:
     """Make and judge every rule of a unit.
 
@@ -133,7 +165,42 @@ def unit_rules(
     at = tuple(zip(projections, unworn, strict=True))
     lands = {state.land.key: _land_rules(state, at, limits) for state in states if state.measured}
     totals = tuple(_share_rule(RuleKind.TOTAL_SHARE, now, now.share, new.share, limits.total_share) for now, new in at)
-    return UnitRules(lands, totals, limits)
+    pressures = tuple(rule for now, new in at for rule in _pressure_rules(now, new, limits))
+    return UnitRules(lands, totals, pressures, limits)
+
+
+def _pressure_rules(now: Projection, new: Projection, limits: Limits) -> Iterable[Rule]:
+    """Make the rules of the pump's reserve, of every circuit that is applied, and of main pressure at one condition."""
+    condition = now.condition
+    if limits.reserve is not None:
+        steps = replace(limits.reserve, levels=limits.reserve.under(new.reserve))
+        yield Rule(RuleKind.RESERVE, condition, now.reserve, steps, new.reserve)
+    if limits.circuit_loss is not None:
+        for circuit, when_new in zip(now.circuits, new.circuits, strict=True):
+            if not circuit.vented:
+                moved = abs(when_new.pressure - circuit.pressure)  # a rise is judged too
+                yield Rule(
+                    RuleKind.CIRCUIT_LOSS, condition, moved, limits.circuit_loss, when_new.pressure, circuit.circuit
+                )
+    low = permissible_low(now, new)
+    if low is not None and limits.below_permissible is not None:
+        below = 1.0 - now.main_pressure_held / low
+        yield Rule(RuleKind.PERMISSIBLE_PRESSURE, condition, below, limits.below_permissible, new.main_pressure_held)
+
+
+def permissible_low(now: Projection, new: Projection) -> float | None:
+    """Return the lowest permissible main pressure at a condition [Pa], or None where there is none to judge by.
+
+    A main pressure that is only assumed is not judged: where the condition itself states less than is permissible, and
+    the pump holds it. Nor is one judged by more than the same unit new holds.
+    """
+    condition, permissible = now.condition, now.permissible
+    if permissible is None or permissible.low is None:
+        return None
+    if condition.main_pressure < permissible.low and not now.pressure_falls:
+        return None
+    low = min(permissible.low, new.main_pressure_held)
+    return low if low > 0.0 else None
 
 
 def _share_rule(kind: RuleKind, at: Projection, share: float, new: float, steps: Steps) -> Rule:

@@ -25,8 +25,8 @@ from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import held_with
 from atleak.engine.profile import WORKSHOP
+from atleak.engine.repaired import with_new
 from atleak.readings import clearances
 
 OPTIONS = options(__doc__)
@@ -43,7 +43,7 @@ def main(chosen: argparse.Namespace) -> int:
     slow = median_time(lambda: [by_scipy(network) for network in networks], rounds=3) / len(points)
     lands = keys[:3] if chosen.small else keys
     choices = [{key} for key in lands]
-    held = median_time(lambda: [held_with(model, new, point, choices) for point in points], rounds=3) / len(points)
+    held = median_time(lambda: [with_new(model, new, point, choices) for point in points], rounds=3) / len(points)
     difference = max(_difference(network) for network in networks)
     print(f"{len(model.controller.gaps)} lands, {len(model.controller.circuits)} circuits, {len(points)} conditions")
     print(f"  solve / scipy                      {solve / slow:8.3f}   ({solve * 1e3:.2f} / {slow * 1e3:.1f} ms)")

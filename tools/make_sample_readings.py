@@ -1,8 +1,8 @@
-"""Write the sample measuring sheet: spool 6 as published, every other reading representative.
+"""Write the sample measuring sheets: spool 6 of the study as published, every other reading representative.
 
     python tools/make_sample_readings.py
 
-The same controller file gives the same bytes. What is published and what is not stands in ``sample_data/README.md``.
+The same controller files give the same bytes. What is published and what is not stands in ``sample_data/README.md``.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-from atleak.catalogue.controller import Land, load_controller
+from atleak.catalogue.controller import Controller, Land, load_controller
 from atleak.readings import Reading
 from atleak.report.measuring_sheet import write_readings
 
-TARGET = Path(__file__).resolve().parents[1] / "sample_data" / "measuring_sheet_four_speed.xlsx"
+SAMPLE_DATA = Path(__file__).resolve().parents[1] / "sample_data"
 SEED = 7667
 
 # Dziubak & Szczepaniak, Energies 2023, 16, 7667, Table 1 (spool 6): plane, direction [°], the two coordinates [mm]
@@ -30,9 +30,9 @@ PUBLISHED = (
     ("2", 90.0, 75.178, 85.121),
 )
 
-# Growth of the radial clearance that the sample shows, in percent of the mounting clearance; all other lands are
-# within a few percent of new. Representative of a unit whose main pressure side has worn.
-WEAR_PERCENT = {
+# Growth of the radial clearance that the study's sample shows, in percent of the mounting clearance; all other lands
+# are within a few percent of new. Representative of a unit whose main pressure side has worn.
+FOUR_SPEED_WEAR_PERCENT = {
     ("25", 1): 68,
     ("26", 2): 58,
     ("17", 2): 34,
@@ -44,17 +44,30 @@ WEAR_PERCENT = {
 }
 
 
+# Radial clearances of the five-speed's sample [µm]: two lands of the forward clutch are worn, every other one is
+# somewhere within what new valves have.
+FIVE_SPEED_WORN_UM = {("manual_valve", 3): 46.0, ("forward_engagement", 1): 48.0}
+FIVE_SPEED_NEW_UM = (8.0, 17.0)
+
+
 def main() -> None:
-    controller = load_controller("four_speed_2023")
     chance = random.Random(SEED)
-    readings = [reading for land in controller.lands for reading in _land(land, chance)]
-    fields = {"Job": "atleak sample", "Vehicle": "sample, no real vehicle", "Mileage": "106 315 km"}
-    TARGET.write_bytes(write_readings(controller, readings, fields=fields, blank_rows=False))
+    controller = load_controller("four_speed_2023")
+    readings = [reading for land in controller.lands for reading in _four_speed_land(land, chance)]
+    _write("measuring_sheet_four_speed.xlsx", controller, readings, {"Mileage": "106 315 km"})
+    controller = load_controller("five_speed_2005")
+    readings = [reading for land in controller.lands for reading in _five_speed_land(land, chance)]
+    instruments = {"Mileage": "212 000 km", "Instrument": "micrometer, bore gauge"}
+    _write("measuring_sheet_five_speed.xlsx", controller, readings, instruments)
 
 
-def _land(land: Land, chance: random.Random) -> Iterator[Reading]:
-    wear = WEAR_PERCENT.get(land.key, chance.uniform(-4.0, 6.0)) / 100.0
-    sleeve = land.nominal_diameter * 1e3 + 2.0 * land.new_clearance * 1e3 * (1.0 + wear)
+def _write(name: str, controller: Controller, readings: list[Reading], fields: dict[str, str]) -> None:
+    head = {"Job": "atleak sample", "Vehicle": "sample, no real vehicle", **fields}
+    (SAMPLE_DATA / name).write_bytes(write_readings(controller, readings, fields=head, blank_rows=False))
+
+
+def _four_speed_land(land: Land, chance: random.Random) -> Iterator[Reading]:
+    wear = FOUR_SPEED_WEAR_PERCENT.get(land.key, chance.uniform(-4.0, 6.0)) / 100.0
     lean = max(wear, 0.0) * land.new_clearance * 1e3  # a bore wears to one side: wider across than along
     if land.component == "6":
         yield from _published(land)
@@ -65,6 +78,21 @@ def _land(land: Land, chance: random.Random) -> Iterator[Reading]:
                 start = chance.randint(82_000, 92_000) / 1e3
                 pair = (start, round(start - diameter, 3))
                 yield _reading(land, "spool", direction, repeat, pair[0] - pair[1], pair)
+    yield from _sleeve(land, land.new_clearance * 1e3 * (1.0 + wear), lean, chance)
+
+
+def _five_speed_land(land: Land, chance: random.Random) -> Iterator[Reading]:
+    new = chance.uniform(*FIVE_SPEED_NEW_UM) * 1e-3
+    clearance = FIVE_SPEED_WORN_UM.get(land.key, 0.0) * 1e-3 or new
+    for direction in (0.0, 90.0):
+        for repeat in (1, 2):
+            yield _reading(land, "spool", direction, repeat, land.nominal_diameter * 1e3 + _reading_error(chance))
+    yield from _sleeve(land, clearance, 0.4 * (clearance - new), chance)
+
+
+def _sleeve(land: Land, clearance: float, lean: float, chance: random.Random) -> Iterator[Reading]:
+    """Read the sleeve of a land of so much radial clearance, wider across by twice the lean than along [mm]."""
+    sleeve = land.nominal_diameter * 1e3 + 2.0 * clearance
     for direction, across in ((0.0, -lean), (90.0, lean)):
         for repeat in (1, 2):
             yield _reading(land, "sleeve", direction, repeat, sleeve + across + _reading_error(chance))

@@ -27,6 +27,7 @@ from atleak.catalogue.circuit_tables import (
 )
 from atleak.catalogue.entries import catalogue_error
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS, Pressure
+from atleak.errors import unknown
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import OperatingPoint
@@ -56,11 +57,17 @@ class SetPressure:
     following: Following | None = None
 
     def at(self, point: OperatingPoint) -> float | None:
-        """Return the set pressure at an operating point [Pa]; None where it follows another circuit."""
+        """Return the set pressure at an operating point [Pa]; None where it follows another circuit.
+
+        Raises
+        ------
+        InputError
+            it is stated by operating point, and this is none of the file's.
+        """
         if self.number is not None:
             return self.number
         if self.points is not None:
-            return self.points[point.like]
+            return _at_point(self.points, point)
         if self.gears is not None:
             return self.gears.get(point.gear, 0.0)
         if self.currents is not None and point.solenoid_current is not None:
@@ -125,8 +132,14 @@ class Consumer:
     source: str
 
     def at(self, point: OperatingPoint) -> float:
-        """Return the flow at an operating point [m³/s]."""
-        return self.flow[point.like] if isinstance(self.flow, Mapping) else self.flow
+        """Return the flow at an operating point [m³/s].
+
+        Raises
+        ------
+        InputError
+            the flow is stated by operating point, and this is none of the file's.
+        """
+        return _at_point(self.flow, point) if isinstance(self.flow, Mapping) else self.flow
 
 
 @dataclass(frozen=True)
@@ -138,6 +151,13 @@ class PermissiblePressure:
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
+
+
+def _at_point(stated: Mapping[str, float], point: OperatingPoint) -> float:
+    """Return what is stated for an operating point, or for the one of the file whose values hold there."""
+    if point.like not in stated:
+        raise unknown("the valve body's file states nothing for this operating point", point.like, stated)
+    return stated[point.like]
 
 
 @dataclass(frozen=True)

@@ -211,6 +211,7 @@ class Controller:
     leaks: tuple[Leak, ...] = ()
     consumers: tuple[Consumer, ...] = ()
     line: SetPressure | None = None  # of main pressure, where it is not simply that of the operating point
+    line_source: str = ""
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
 
     @property
@@ -372,6 +373,7 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         leaks=read_leaks(entry.leaks, reading),
         consumers=read_consumers(entry.consumers, reading),
         line=None if entry.line is None else _line(entry.line, reading),
+        line_source="" if entry.line is None else entry.line.source,
         permissible=read_permissible(entry.permissible_pressure, reading),
     )
     return replace(controller, operating_points=tuple(controller.with_line(point) for point in points))

@@ -24,15 +24,25 @@ from atleak.catalogue.entries import (
     read_entry,
 )
 from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
-from atleak.workshop_units import PERCENT, UM
+from atleak.workshop_units import KPA, PERCENT, UM
 
 Level = Verdict | Band
 ROUNDING = 1e-9  # relative: a value that equals its limit but for floating point has reached it
 
 
 def reaches(value: float, limit: float) -> bool:
-    """Tell whether a value is at or past a limit, whatever rounding does to its last digits."""
+    """Tell whether a value is at or past a limit, whatever rounding does to its last digits.
+
+    A limit of zero is passed by what is over zero: what lies below a permissible pressure at all.
+    """
+    if limit == 0.0:
+        return value > ROUNDING
     return value >= limit or value > limit - ROUNDING * abs(limit)
+
+
+def falls_below(value: float, limit: float) -> bool:
+    """Tell whether a value is under a limit by more than rounding."""
+    return value < limit - ROUNDING * abs(limit)
 
 
 class LimitOrigin(StrEnum):
@@ -50,21 +60,53 @@ class RuleKind(StrEnum):
     CLEARANCE = "radial_clearance"  # of a land [m]
     PAIR_SHARE = "pair_share"  # leakage of one land / pump capacity
     TOTAL_SHARE = "total_share"  # leakage of the unit / pump capacity
+    RESERVE = "reserve"  # pump supply / (leakage + slip + consumers)
+    CIRCUIT_LOSS = "circuit_loss"  # [Pa] pressure that a circuit has lost, or gained, against new
+    PERMISSIBLE_PRESSURE = "permissible_pressure"  # how far main pressure is below the permissible, a fraction of it
+    COMMANDED_PRESSURE = "commanded_pressure"  # [Pa] how far main pressure is from what is commanded
 
     @property
     def factor(self) -> float:
         """Return the factor from SI, or a fraction, to the unit that people read."""
-        return UM if self is RuleKind.CLEARANCE else PERCENT
+        return _UNITS[self][0]
 
     @property
     def unit(self) -> str:
-        """Return the unit that people read."""
-        return "µm" if self is RuleKind.CLEARANCE else "%"
+        """Return the unit that people read; none of a plain number."""
+        return _UNITS[self][1]
 
     @property
     def suffix(self) -> str:
-        """Return that unit as the end of a key."""
-        return "um" if self is RuleKind.CLEARANCE else "percent"
+        """Return that unit as the end of a key; none of a plain number."""
+        return _UNITS[self][2]
+
+    @property
+    def in_bands(self) -> bool:
+        """Return whether its levels are bands of the whole unit."""
+        return self in {RuleKind.TOTAL_SHARE, RuleKind.RESERVE}
+
+    @property
+    def is_share(self) -> bool:
+        """Return whether it is a share of the pump's flow, which can be judged by its growth over new."""
+        return self in {RuleKind.PAIR_SHARE, RuleKind.TOTAL_SHARE}
+
+    @property
+    def of_land(self) -> bool:
+        """Return whether it judges one land."""
+        return self in {RuleKind.WEAR, RuleKind.CLEARANCE, RuleKind.PAIR_SHARE}
+
+
+_FRACTION, _PRESSURE = (PERCENT, "%", "percent"), (KPA, "kPa", "kpa")
+_UNITS: Mapping[RuleKind, tuple[float, str, str]] = {
+    RuleKind.WEAR: _FRACTION,
+    RuleKind.CLEARANCE: (UM, "µm", "um"),
+    RuleKind.PAIR_SHARE: _FRACTION,
+    RuleKind.TOTAL_SHARE: _FRACTION,
+    RuleKind.RESERVE: (1.0, "", ""),
+    RuleKind.CIRCUIT_LOSS: _PRESSURE,
+    RuleKind.PERMISSIBLE_PRESSURE: _FRACTION,
+    RuleKind.COMMANDED_PRESSURE: _PRESSURE,
+}
 
 
 @dataclass(frozen=True)
@@ -75,6 +117,9 @@ class Steps:
     that a new pair of the type commonly has, where only the type's clearance and its tolerance are known. Of a share a
     level may ask for growth over the same land or unit new: by the fraction ``growth``, and by ``added``, a fraction
     of the pump's flow. A level with no limit of its own is reached by growth alone.
+
+    Of a reserve the limits fall, and a level is reached under its limit. Where the same unit new is itself under one,
+    the level begins where the reserve has fallen by the fraction ``fall`` from that of the new one.
     """
 
     levels: tuple[tuple[Level, float], ...]
@@ -82,6 +127,31 @@ class Steps:
     source: str
     at_least: Mapping[Level, float] = field(default_factory=dict)
     growth: Mapping[Level, tuple[float, float]] = field(default_factory=dict)  # level → growth, added
+    fall: float | None = None  # fraction; None where the limits rise
+
+    @property
+    def falling(self) -> bool:
+        """Return whether a level is reached under its limit instead of over it."""
+        return self.fall is not None
+
+    def has_limit(self, level: Level) -> bool:
+        """Return whether a level has a limit of its own, and is not reached by growth alone."""
+        return level not in self.growth or bool(self.limit_of(level))
+
+    def under(self, new: Any) -> tuple[tuple[Level, Any], ...]:
+        """Return the falling limits where the same unit new has the reserve ``new``, a number or an array.
+
+        >>> steps = Steps(((Band.AMBER, 1.5), (Band.CRITICAL, 1.0)), LimitOrigin.PROJECT, "", fall=0.1)
+        >>> [(band.value, round(limit, 3)) for band, limit in steps.under(1.4)]
+        [('amber', 1.26), ('critical', 1.0)]
+        """
+        limits: list[tuple[Level, Any]] = []
+        least: Any = 0.0
+        for level, limit in reversed(self.levels):  # a level never begins below a worse one
+            fallen = np.where(new < limit, (1.0 - (self.fall or 0.0)) * new, limit)
+            least = np.maximum(fallen, least)
+            limits.append((level, float(least) if np.ndim(least) == 0 else least))
+        return tuple(reversed(limits))
 
     def over(self, new: Any) -> tuple[tuple[Level, Any], ...]:
         """Return the limits of a share where the same land or unit has the share ``new`` when new.
@@ -124,9 +194,10 @@ class Steps:
         >>> level.value, limit
         ('replace', 50.0)
         """
-        reached, limit = below, min(level for _, level in self.levels)
+        passes, first = (falls_below, max) if self.falling else (reaches, min)
+        reached, limit = below, first(level for _, level in self.levels)
         for name, level in self.levels:
-            if reaches(value, level):
+            if passes(value, level):
                 reached, limit = name, level
         return reached, limit
 
@@ -149,6 +220,10 @@ class Limits:
     pair_share: Steps | None  # of leakage / pump capacity of one land, as a fraction
     total_share: Steps  # of the whole controller, as a fraction
     origin: Origin
+    reserve: Steps | None = None  # of the pump, falling
+    circuit_loss: Steps | None = None  # of the pressure lost against new [Pa]
+    below_permissible: Steps | None = None  # of how far main pressure is below the permissible, as a fraction of it
+    commanded_pressure: Steps | None = None  # of how far main pressure is from what is commanded [Pa]
 
     @property
     def fixed_bands(self) -> tuple[tuple[Band, float], ...]:
@@ -164,6 +239,10 @@ class Limits:
             RuleKind.CLEARANCE: self.clearance,
             RuleKind.PAIR_SHARE: self.pair_share,
             RuleKind.TOTAL_SHARE: self.total_share,
+            RuleKind.RESERVE: self.reserve,
+            RuleKind.CIRCUIT_LOSS: self.circuit_loss,
+            RuleKind.PERMISSIBLE_PRESSURE: self.below_permissible,
+            RuleKind.COMMANDED_PRESSURE: self.commanded_pressure,
         }
         return MappingProxyType({kind: steps for kind, steps in stated.items() if steps is not None})
 
@@ -184,6 +263,10 @@ def load_limits(id_or_path: str | Path) -> Limits:
         pair_share=_steps(entry.pair_share_percent, 1e-2),
         total_share=entry.total_share_percent.steps(1e-2),
         origin=origin,
+        reserve=None if entry.reserve is None else entry.reserve.steps(),
+        circuit_loss=_steps(entry.circuit_loss_kpa, 1e3),
+        below_permissible=_steps(entry.below_permissible_percent, 1e-2),
+        commanded_pressure=_steps(entry.commanded_pressure_kpa, 1e3),
     )
 
 
@@ -199,7 +282,7 @@ def limit_sets() -> list[Limits]:
 class LevelLimit(Strict):
     """Where one level begins; all that is stated is asked for."""
 
-    percent: Positive | None = None  # the limit itself
+    percent: NonNegative | None = None  # the limit itself, in the unit of its table
     at_least_um: Positive | None = None  # of wear: growth of the radial clearance
     growth_percent: Positive | None = None  # of a share: growth over the same land or unit new
     added_points: NonNegative = 0.0  # of a share: what it adds to that of a new one, in points of the pump's flow
@@ -216,7 +299,7 @@ def _a_number_or_a_table(value: object) -> object:
         return value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError("a number greater than 0, or a table such as { percent = 10.0 }")
-    if not value > 0.0:
+    if not value >= 0.0:
         raise ValueError("a number greater than 0")
     return {"percent": float(value)}
 
@@ -281,6 +364,28 @@ else:
     BandTable = create_model("BandTable", __base__=LevelTable, __module__=__name__, **_every)
 
 
+class ReserveTable(Strict):
+    """The falling limits of the pump's reserve as a file states them."""
+
+    origin: Annotated[LimitOrigin, Field(strict=False)]
+    source: NonEmptyText
+    amber: Positive
+    red: Positive
+    critical: Positive
+    fall_percent: Annotated[float, Field(ge=0, lt=100)] = 10.0  # under a new unit that is itself under a limit
+
+    @model_validator(mode="after")
+    def _falling(self) -> ReserveTable:
+        if not self.amber > self.red > self.critical:
+            raise ValueError("amber above red above critical: a reserve is worse the smaller it is")
+        return self
+
+    def steps(self) -> Steps:
+        """Return the same limits as steps."""
+        levels = ((Band.AMBER, self.amber), (Band.RED, self.red), (Band.CRITICAL, self.critical))
+        return Steps(levels, self.origin, self.source, fall=self.fall_percent * 1e-2)
+
+
 class LimitsFile(Entry):
     """A limits file as it is read."""
 
@@ -288,6 +393,10 @@ class LimitsFile(Entry):
     clearance_um: VerdictTable | None = None
     pair_share_percent: VerdictTable | None = None
     total_share_percent: BandTable
+    reserve: ReserveTable | None = None
+    circuit_loss_kpa: VerdictTable | None = None
+    below_permissible_percent: VerdictTable | None = None
+    commanded_pressure_kpa: VerdictTable | None = None
 
     @model_validator(mode="after")
     def _judges_lands(self) -> LimitsFile:
@@ -305,6 +414,8 @@ class LimitsFile(Entry):
                     raise ValueError(f"at_least_um in wear_percent only, not in {where}")
                 if each.growth is not None and "share" not in name:
                     raise ValueError(f"growth_percent of a share only, not in {where}")
+                if each.percent == 0.0 and name != "below_permissible_percent":
+                    raise ValueError(f"a number greater than 0 in {where}")
                 if each.percent is None and (each.growth is None or name == "wear_percent"):
                     raise ValueError(f"a limit in {where}: a number, or growth_percent of a share")
         return self

@@ -32,6 +32,7 @@ def _controllers(options: argparse.Namespace) -> int:
             "components": len({land.component for land in controller.lands}),
             "lands": len(controller.lands),
             "gaps": len(controller.gaps),
+            "circuits": [circuit.id for circuit in controller.circuits],
             "gears": list(controller.gears),
             "operating_points": [point.name for point in controller.operating_points],
             "complaints": [complaint.record for complaint in controller.complaints],

@@ -183,12 +183,19 @@ class GapLaw:
         return gap_equations.entry_loss_flow(*factors, eccentricity_factor=eccentric)
 
     def restriction(
-        self, diameter: Any, clearance: Any, kinematic_viscosity: Any, density: Any, contact_length: Any
+        self,
+        diameter: Any,
+        clearance: Any,
+        kinematic_viscosity: Any,
+        density: Any,
+        contact_length: Any,
+        eccentricity_factor: Any = None,
     ) -> restrictions.Gap:
-        """Return a gap as a branch of a network: its `flow` at any pressure drop."""
+        """Return a gap as a restriction of a network: its `flow` at any pressure drop, with the same arguments."""
         factors = (diameter, clearance, kinematic_viscosity, density, contact_length)
+        eccentric = self.eccentricity_factor if eccentricity_factor is None else eccentricity_factor
         loss = 0.0 if self.linear else gap_equations.ENTRY_AND_EXIT_LOSS
-        return restrictions.Gap(*gap_equations.entry_loss_terms(*factors, loss, self.eccentricity_factor))
+        return restrictions.Gap(*gap_equations.entry_loss_terms(*factors, loss, eccentric))
 
     def entry_loss(
         self, pressure_drop: Any, clearance: Any, kinematic_viscosity: Any, density: Any, contact_length: Any
@@ -400,7 +407,9 @@ def gap_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPo
     """Report reversed drops, a large entry loss and turbulence at one condition."""
     messages = []
     at = condition.label
-    reversed_ = [gap for gap in gaps if gap.pressure_drop < 0]
+    reversed_ = [
+        gap for gap in gaps if gap.pressure_drop < 0 and not gap.leakage
+    ]  # between circuits gaps leak both ways
     if reversed_:
         text = f"{at}: the pressure drop is negative and counts as no leakage at {_lands(reversed_)}."
         messages.append(Message("warning", "reversed_pressure_drop", text))

@@ -6,19 +6,17 @@ or not, and the consumers, but for those behind the line's regulator: these get 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from atleak.catalogue.circuits import SetPressure
-from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
-from atleak.engine.leakage import LeakageModel, PumpFlow
-from atleak.engine.restrictions import Gap
+from atleak.engine.leakage import PumpFlow
 
 _EXACT = 1e-12  # of the pressure, or of the flow that is lacking: at which a search for the line pressure ends
 _STEPS = 200  # of it at the most
@@ -152,49 +150,3 @@ def _following(
         balance = at(main.item() if one else main)
         lower = set_pressure(balance)
     return main.item() if one else main, balance, settled
-
-
-# --- a model at a condition, and with some of its lands new
-
-
-def held_at(model: LeakageModel, point: OperatingPoint) -> Held:
-    """Find the line pressure that holds in a unit at an operating point.
-
-    Raises
-    ------
-    DomainError
-        temperature outside the fluid's data.
-    """
-    return hold(model.network(point), point, model.pump, model.dynamic_viscosity(point.temperature))
-
-
-def held_with(
-    model: LeakageModel, new: LeakageModel, point: OperatingPoint, chosen: Sequence[Collection[LandKey]]
-) -> Held:
-    """Find the pressures that hold with some lands as in another model of the same unit, for several choices at once.
-
-    Parameters
-    ----------
-    model, new
-        of the unit as it is, and with every land new.
-    chosen
-        for each choice the lands that are as in ``new``.
-
-    Returns
-    -------
-    Held
-        whose arrays have the shape (choices,).
-
-    Raises
-    ------
-    DomainError
-        temperature outside the fluid's data.
-    """
-    network, other = model.network(point), model.gaps_in(point.gear)
-    lands = []
-    for gap, now, then in zip(other, network.lands, new.network(point).lands, strict=True):
-        as_new = np.array([gap.key in lands for lands in chosen])
-        parts = [(restriction.conductance, restriction.bend) for restriction in (now.restriction, then.restriction)]
-        restriction = Gap(*(np.where(as_new, b, a) for a, b in zip(*parts, strict=True)))
-        lands.append(replace(now, restriction=restriction))
-    return hold(replace(network, lands=tuple(lands)), point, model.pump, model.dynamic_viscosity(point.temperature))

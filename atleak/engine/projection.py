@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from atleak.catalogue.circuits import Circuit
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import STATED, Controller, OperatingPoint
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
@@ -50,6 +50,7 @@ class Projection:
     main_pressure_held: float  # [Pa] the required pressure, or less where the pump or the line's regulator holds less
     starved: float  # [m³/s] by which consumers behind the line's regulator get less than they take
     circuits: tuple[CircuitState, ...]  # in the order of the controller's file
+    permissible: PermissiblePressure | None  # of main pressure in this gear and state
     messages: tuple[Message, ...]
 
     @property
@@ -132,6 +133,7 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         main_pressure_held=main_held,
         starved=max(consumed(controller, condition, after_line=True) - max(left, 0.0), 0.0),
         circuits=tuple(_circuit_state(circuit, network, held, condition) for circuit in controller.circuits),
+        permissible=controller.permissible_at(condition.gear, condition.state),
         messages=(
             *gap_messages(model.law, gaps, condition),
             *_relation_messages(controller, condition),
@@ -240,12 +242,10 @@ def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int
     )
 
 
-def project_new(
-    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
-) -> tuple[Projection, ...]:
-    """Project the same unit with every land as new pairs are, with the same fluid and to the same conditions."""
+def model_new(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
+    """Return the model of the same unit with every land as new pairs are."""
     states = tuple(states)
-    return _project_others(repaired(states, [state.land.key for state in states]), model, projections)
+    return replace(model, clearances=repaired(states, [state.land.key for state in states]))
 
 
 def project_unworn(
@@ -254,7 +254,7 @@ def project_unworn(
     """Project the same unit with every land as wide as it may have been when new, given its reading.
 
     This is what growth is judged against: where only a range or a type's value is known of new pairs, a reading within
-    it is no wear. Where each pair's own clearance is known, it is the unit of `project_new`.
+    it is no wear. Where each pair's own clearance is known, it is the unit of `model_new`.
     """
     unworn = (
         _with_clearance(state, float(state.land.unworn(state.radial_clearance)))
@@ -262,13 +262,7 @@ def project_unworn(
         else _with_clearance(state, state.land.new_clearance)
         for state in states
     )
-    return _project_others((replace(state, stations=()) for state in unworn), model, projections)
-
-
-def _project_others(
-    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
-) -> tuple[Projection, ...]:
-    other = LeakageModel(model.controller, tuple(states), model.fluid, model.profile)
+    other = replace(model, clearances=tuple(replace(state, stations=()) for state in unworn))
     return tuple(project(other, each.condition) for each in projections)
 
 

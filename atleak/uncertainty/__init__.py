@@ -6,15 +6,7 @@
 from __future__ import annotations
 
 from atleak.uncertainty.advice import Remedy
-from atleak.uncertainty.assess import (
-    AtCondition,
-    InstantUncertainty,
-    LandUncertainty,
-    Shape,
-    TotalUncertainty,
-    UnitUncertainty,
-    assess,
-)
+from atleak.uncertainty.assess import assess
 from atleak.uncertainty.assumptions import DEFAULTS, NOTHING_ELSE, Assumptions
 from atleak.uncertainty.decision import (
     DECISIONS,
@@ -23,6 +15,14 @@ from atleak.uncertainty.decision import (
     LevelDecision,
     RuleDecision,
     decide,
+)
+from atleak.uncertainty.results import (
+    AtCondition,
+    InstantUncertainty,
+    LandUncertainty,
+    Shape,
+    TotalUncertainty,
+    UnitUncertainty,
 )
 from atleak.uncertainty.sources import LandSources, RepeatSpread, UncertaintySource
 

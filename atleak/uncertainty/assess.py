@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from types import MappingProxyType
 
 from atleak.catalogue.controller import OperatingPoint
@@ -18,233 +16,23 @@ from atleak.equations.uncertainty import normal_quantile, probability_over
 from atleak.errors import InputError, Message
 from atleak.readings import LandClearance, Readings
 from atleak.rules import Rule, UnitRules
-from atleak.uncertainty.advice import Remedy, advise, gauges_that_do, remedy
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
-from atleak.uncertainty.decision import GUARD_FACTOR, Decision, RuleDecision, decide_rule
+from atleak.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
+from atleak.uncertainty.pressures import PressureSpread
 from atleak.uncertainty.propagation import DRAWS, SEED, InstantSpread, LandSpread, TotalSpread, propagate
+from atleak.uncertainty.results import (
+    AtCondition,
+    InstantUncertainty,
+    Interval,
+    LandUncertainty,
+    Shape,
+    TotalUncertainty,
+    UnitUncertainty,
+)
 from atleak.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
 from atleak.verdicts import Band
-from atleak.workshop_units import UM
 
 COVERAGE = 0.95
-Interval = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Shape:
-    """The shape of a land's clearance, which its mean does not show.
-
-    ``effective_clearance`` [m] is the cube root of the mean of c³ over the directions and planes measured, which is
-    what leaks. ``cube_factor`` is that mean over the cube of the mean clearance; None where a direction closes the
-    gap. ``lower_bound`` says that the sleeve was measured in one direction only, so that wear to one side may not be
-    in the clearance at all.
-    """
-
-    worst_direction: float | None  # [°]
-    worst_clearance: float  # [m]
-    effective_clearance: float | None  # [m]
-    cube_factor: float | None
-    lower_bound: bool
-
-
-@dataclass(frozen=True)
-class AtCondition:
-    """A land's leakage and share at one condition, with 95 % intervals (or what ``coverage`` was set to)."""
-
-    condition: str  # name of the operating point
-    label: str
-    leakage: float  # [m³/s]
-    u_leakage: float
-    leakage_interval: Interval
-    share: float  # of the pump's flow, what is drawn from the pump
-    u_share: float
-    share_interval: Interval
-    eccentric: Interval  # [m³/s] the leakage concentric and touching the bore, everything else as measured
-    budget: tuple[tuple[str, float], ...]  # parts of the share's linear variance, the largest first
-    clearance_fraction: float  # part of that variance which the clearance carries
-
-
-@dataclass(frozen=True)
-class LandUncertainty:
-    """The uncertainty of one land's numbers and decisions; a land that was not measured has none."""
-
-    sources: LandSources
-    u_clearance: float | None  # [m] standard uncertainty of the radial clearance
-    clearance_interval: Interval | None  # [m]
-    wear_interval: Interval | None  # of (c_r − c_m)/c_m, what is known of c_m included
-    conditions: tuple[AtCondition, ...]  # the stated one first; empty where not measured
-    rules: tuple[RuleDecision, ...]
-    shape: Shape
-    guard_factor: float
-
-    @property
-    def key(self) -> tuple[str, int]:
-        """Return component and number of the land."""
-        return self.sources.key
-
-    @property
-    def budget(self) -> tuple[tuple[str, float], ...]:
-        """Return the part of the clearance's variance that each source carries, the largest first."""
-        return tuple((source.label, fraction) for source, fraction in self.sources.budget if fraction > 0.0)
-
-    @property
-    def leakage_interval(self) -> Interval | None:
-        """Return the interval of the leakage at the stated condition [m³/s]."""
-        return self.conditions[0].leakage_interval if self.conditions else None
-
-    @property
-    def share_interval(self) -> Interval | None:
-        """Return the interval of the share at the stated condition, as a fraction."""
-        return self.conditions[0].share_interval if self.conditions else None
-
-    @property
-    def deciding(self) -> RuleDecision | None:
-        """Return the rule with the worst verdict; of several, the likeliest to be over its limit."""
-        return max(self.rules, key=lambda rule: rule.severity, default=None)
-
-    @property
-    def suspect(self) -> bool:
-        """Return whether the pair measures tighter than a new one can be, so that no limit is surely kept."""
-        return self.sources.suspect
-
-    @property
-    def decision(self) -> Decision | None:
-        """Return the decision about the limit of the deciding rule; a suspect pair is never a plain pass."""
-        decided = self.deciding.decision if self.deciding else None
-        return "conditional_pass" if decided == "pass" and self.suspect else decided
-
-    @property
-    def probability_over_limit(self) -> float | None:
-        """Return the probability that the limit of the deciding rule is passed."""
-        return self.deciding.probability_over_limit if self.deciding else None
-
-    def on(self, rule: Rule) -> RuleDecision | None:
-        """Return the decision on one of the land's rules."""
-        return next((decided for decided in self.rules if decided.rule == rule), None)
-
-    def measurable(self, rule: RuleDecision) -> bool:
-        """Return whether these gauges can tell a pair at the limit of wear or clearance from a new one."""
-        allowed = self._allowed_wear(rule)
-        return allowed is None or self.guard_factor * rule.standard_uncertainty < allowed
-
-    def _allowed_wear(self, rule: RuleDecision) -> float | None:
-        """Return how far the limit is above a new pair, in the rule's unit; None for a share, or below a new pair."""
-        if rule.rule.kind is RuleKind.WEAR:
-            return rule.limit
-        allowed = rule.limit - self.sources.state.land.mounting_high
-        return allowed if rule.rule.kind is RuleKind.CLEARANCE and allowed > 0.0 else None
-
-    def gauges_that_do(self, rule: RuleDecision) -> str:
-        """Say which gauges of the catalogue tell the limit from a new pair."""
-        allowed = self._allowed_wear(rule) or 0.0
-        return gauges_that_do(self.sources, rule, self._per_clearance(rule), self.guard_factor, allowed)
-
-    def remedy(self, rule: RuleDecision) -> Remedy | None:
-        """Return what would decide a conditional rule; None where it is decided already.
-
-        Where the limit is finer than the gauge, this is what would tell a pair at the limit from a new one.
-        """
-        if not rule.conditional:
-            return None
-        measurable = self.measurable(rule)
-        distance = abs(rule.value - rule.limit) if measurable else self._allowed_wear(rule)
-        return remedy(self.sources, rule, self._per_clearance(rule), self.guard_factor, distance or 0.0, measurable)
-
-    def advice_on(self, rule: RuleDecision) -> str | None:
-        """Say in plain words what would decide a conditional rule; None where it is decided already."""
-        way = self.remedy(rule)
-        if way is None:
-            return None
-        name, limit, guard = _in_words(rule, self)
-        return advise(rule, name, way, self.sources, limit, guard)
-
-    @cached_property
-    def advice(self) -> str | None:
-        """Say in plain words what would decide the deciding rule, or else its next limit.
-
-        None where both are decided already.
-        """
-        rule = self.deciding
-        if rule is None:
-            return None
-        above = rule.at_next_level
-        advice = self.advice_on(rule) or (self.advice_on(above) if above else None)
-        if self.suspect:
-            tight = "tighter than when new, which wear cannot do: check the readings and the gauges, and measure again"
-            return f"{tight}; {advice}" if advice else f"{tight}."
-        return advice
-
-    def _at(self, rule: Rule) -> AtCondition:
-        """Return the condition at which a rule about a share holds."""
-        return next(each for each in self.conditions if rule.condition and each.condition == rule.condition.name)
-
-    def _per_clearance(self, decided: RuleDecision) -> float:
-        rule = decided.rule
-        if rule.kind is RuleKind.CLEARANCE:
-            return 1.0
-        if rule.kind is RuleKind.WEAR:
-            return 1.0 / self.sources.state.land.mounting_high
-        if not self.u_clearance:
-            return 0.0
-        condition = self._at(rule)
-        return condition.u_share * math.sqrt(condition.clearance_fraction) / self.u_clearance
-
-
-@dataclass(frozen=True)
-class TotalUncertainty:
-    """The uncertainty of the whole controller's leakage at one condition."""
-
-    condition: str
-    label: str
-    leakage: float  # [m³/s]
-    u_leakage: float
-    leakage_interval: Interval
-    share: float
-    u_share: float
-    share_interval: Interval
-    minimum_speed_interval: Interval  # [1/s]
-    new_leakage_interval: Interval  # [m³/s] of the same unit new
-    growth_interval: Interval  # of the leakage over that of the same unit new, as a fraction
-    decision: RuleDecision  # about the total's bands
-    band_probabilities: tuple[tuple[Band, float], ...]
-    budget: tuple[tuple[str, float], ...]  # of the share's linear variance, the largest first
-
-
-@dataclass(frozen=True)
-class InstantUncertainty:
-    """The 95 % intervals of leakage [m³/s] and share at one instant of a road test."""
-
-    leakage_interval: Interval
-    share_interval: Interval | None  # None where the instant has no share
-
-
-@dataclass(frozen=True)
-class UnitUncertainty:
-    """The uncertainty of all lands and totals, with the inputs it follows from."""
-
-    lands: tuple[LandUncertainty, ...]
-    totals: tuple[TotalUncertainty, ...]  # in the order of the projections given
-    instants: Mapping[Instant, InstantUncertainty]  # of the road test
-    instruments: Instruments
-    assumptions: Assumptions
-    repeats: dict[Part, RepeatSpread]
-    coverage: float
-    guard_factor: float
-    draws: int
-    seed: int
-    messages: tuple[Message, ...]
-
-    @cached_property
-    def _by_key(self) -> dict[tuple[str, int], LandUncertainty]:
-        return {land.key: land for land in self.lands}
-
-    def land(self, key: tuple[str, int]) -> LandUncertainty:
-        """Return one land by component and number."""
-        return self._by_key[key]
-
-    def total(self, condition: str) -> TotalUncertainty | None:
-        """Return the total at the operating point of that name; None where there is none."""
-        return next((total for total in self.totals if total.condition == condition), None)
 
 
 def assess(
@@ -319,8 +107,7 @@ def assess(
         sources,
         projections,
         assumptions,
-        pair_share=limits.pair_share,
-        total_share=limits.total_share,
+        limits=limits,
         coverage=coverage,
         draws=draws,
         seed=seed,
@@ -331,7 +118,7 @@ def assess(
         for land, land_spreads in zip(sources, spread.lands, strict=True)
     )
     totals = tuple(
-        _total(projection, total_spread, rule, guard_factor)
+        _total(projection, total_spread, rule, rules, guard_factor)
         for projection, total_spread, rule in zip(projections, spread.totals, rules.totals, strict=True)
     )
     return UnitUncertainty(
@@ -488,7 +275,9 @@ def _lower_bound(state: LandClearance) -> bool:
 # --- the whole
 
 
-def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor: float) -> TotalUncertainty:
+def _total(
+    projection: Projection, spread: TotalSpread, rule: Rule, rules: UnitRules, guard_factor: float
+) -> TotalUncertainty:
     condition, share, bands = projection.condition, projection.share, rule.steps.levels
     u = spread.share_spread.standard_uncertainty
     us, probabilities = spread.share_spread.level_uncertainties, spread.share_spread.probabilities
@@ -507,9 +296,27 @@ def _total(projection: Projection, spread: TotalSpread, rule: Rule, guard_factor
         new_leakage_interval=spread.new_leakage_interval,
         growth_interval=spread.growth_interval,
         decision=decision,
+        reserve_interval=spread.pressures.reserve.interval,
+        main_pressure_interval=spread.pressures.main_pressure_interval,
+        circuit_intervals={name: each.pressure_interval for name, each in spread.pressures.circuits.items()},
+        pressures=tuple(
+            _pressure_decision(each, spread.pressures, guard_factor)
+            for each in rules.pressures
+            if each.condition == condition
+        ),
         band_probabilities=tuple(zip(names, spread.band_probabilities, strict=True)),
         budget=_fractions({name: effect**2 for name, effect in spread.effects.items()}),
     )
+
+
+def _pressure_decision(rule: Rule, spread: PressureSpread, guard_factor: float) -> RuleDecision:
+    """Decide a rule about the pump's reserve or a pressure by the draws, which follow no normal distribution."""
+    drawn = spread.reserve if rule.kind is RuleKind.RESERVE else spread.below_permissible
+    if rule.circuit is not None:
+        drawn = spread.circuits[rule.circuit.id].moved
+    assert drawn is not None
+    skewed = drawn.standard_uncertainty > 0.0
+    return decide_rule(rule, drawn.level_uncertainties, drawn.probabilities, guard_factor, skewed=skewed)
 
 
 def _at_instant(instant: Instant, projection: Projection, spread: InstantSpread) -> InstantUncertainty:
@@ -569,16 +376,3 @@ def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
     text = f"Not measurable with this gauge: a limit is finer than what the gauges can tell from a new pair at {names}."
     text = f"{text} {land.gauges_that_do(rule)}"
     return [Message("info", "limit_finer_than_gauge", text)]
-
-
-def _in_words(decided: RuleDecision, land: LandUncertainty) -> tuple[str, str, str]:
-    guard, kind = land.guard_factor * decided.standard_uncertainty, decided.rule.kind
-    if kind is RuleKind.CLEARANCE:
-        name = f"radial clearance {decided.value * UM:.1f} µm"
-        return name, f"{decided.about} limit of {decided.limit * UM:.1f} µm", f"± {guard * UM:.1f} µm"
-    if kind is RuleKind.WEAR:
-        name = f"wear {100.0 * decided.value:.1f} %"
-    else:
-        name = f"share of pump flow {100.0 * decided.value:.3g} % ({land._at(decided.rule).label})"
-    band = f"± {100.0 * guard:.2g} %" if math.isfinite(guard) else "the pump may deliver nothing"
-    return name, f"{decided.about} limit of {100.0 * decided.limit:.3g} %", band

@@ -63,14 +63,19 @@ class RuleDecision:
     @property
     def at_next_level(self) -> RuleDecision | None:
         """Return the decision on the same value against the limit above; None where there is none."""
-        above = (number for number, level in enumerate(self.levels) if level.limit > self.limit)
-        number = next((number for number in above if number > self._number), None)
+        beyond = (number for number, level in enumerate(self.levels) if self._beyond(level.limit))
+        number = next((number for number in beyond if number > self._number), None)
         return None if number is None else self._at(number)
+
+    def _beyond(self, limit: float) -> bool:
+        """Return whether a limit is reached after this one's."""
+        return limit < self.limit if self.rule.steps.falling else limit > self.limit
 
     @property
     def at_first_level(self) -> RuleDecision:
-        """Return the decision on the same value against the lowest limit."""
-        return self._at(_number_of(min(level.limit for level in self.levels), self.levels))
+        """Return the decision on the same value against the limit that is reached first."""
+        first = max if self.rule.steps.falling else min
+        return self._at(_number_of(first(level.limit for level in self.levels), self.levels))
 
     def _at(self, number: int) -> RuleDecision:
         level = self.levels[number]
@@ -155,8 +160,9 @@ def decide_rule(
     skewed: bool,
 ) -> RuleDecision:
     """Decide a rule level by level; uncertainty and probability over the limit are given for each of its levels."""
+    sign = -1.0 if rule.steps.falling else 1.0  # under a falling limit is over the same limit with another sign
     levels = tuple(
-        LevelDecision(name, limit, decide(rule.value, limit, u, guard_factor, p if skewed else None), p)
+        LevelDecision(name, limit, decide(sign * rule.value, sign * limit, u, guard_factor, p if skewed else None), p)
         for (name, limit), u, p in zip(rule.steps.levels, standard_uncertainties, probabilities, strict=True)
     )
     index = _number_of(rule.limit, levels)

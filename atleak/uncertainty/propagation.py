@@ -9,28 +9,28 @@ A bore wears to one side, which two-point diameters cannot see: by how much is o
 trial for the whole unit, with a phase of its own for each land. Where nobody knows how the spools lie, e/c is drawn for
 each component, the same for its lands now and new.
 
-No array of lands by draws is kept: a land's draws are made, used at every condition, added to the totals and discarded.
+The circuits' pressures are solved in every trial: a land that leaks more in it finds less pressure before it.
 """
 
 from __future__ import annotations
 
 import math
+import os
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
-from atleak.catalogue.limits import Steps
-from atleak.engine.leakage import LeakageModel, PumpFlow
+from atleak.catalogue.limits import Limits, Steps
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.line import consumed
 from atleak.engine.projection import Projection
-from atleak.equations.clearance import effective_clearance
-from atleak.equations.fluid import dynamic_viscosity
-from atleak.equations.uncertainty import rectangular
 from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.drawn import FACTORS, FLUID_STATE, NORMAL_FACTORS, Condition, Drawn
 from atleak.uncertainty.draws import (
     Bore,
     Positions,
@@ -41,29 +41,17 @@ from atleak.uncertainty.draws import (
     with_one_side,
     worn_bore,
 )
+from atleak.uncertainty.pressures import DrawnUnit, PressureSpread, pressure_spread
 from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
+from atleak.uncertainty.spread import Spread, interval_of, spread_of
 
 SEED = 7667
 DRAWS = 20_000
 
 _SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction of a standard uncertainty
-_LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
 _SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
 
 ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the budgets
-_NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
-FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
-FACTORS = (*_NORMAL_FACTORS, FLUID_STATE)
-
-
-@dataclass(frozen=True)
-class Spread:
-    """The standard uncertainty and the interval of one quantity, from its draws."""
-
-    standard_uncertainty: float
-    interval: tuple[float, float]
-    probabilities: tuple[float, ...]  # that the quantity has reached each of the limits
-    level_uncertainties: tuple[float, ...]  # of the quantity over each limit, which may follow what was new
 
 
 @dataclass(frozen=True)
@@ -87,6 +75,7 @@ class TotalSpread:
     band_probabilities: tuple[float, ...]  # below the first limit, between, above the last
     new_leakage_interval: tuple[float, float]  # [m³/s] of the same unit new
     growth_interval: tuple[float, float]  # of the leakage over that of the same unit new
+    pressures: PressureSpread
     effects: dict[str, float]  # change of the share for one standard uncertainty of each source
 
 
@@ -96,117 +85,6 @@ class InstantSpread:
 
     leakage_interval: tuple[float, float]
     share_interval: tuple[float, float]
-
-
-class _Condition:
-    """One operating condition, evaluated for whole arrays of the uncertain factors."""
-
-    def __init__(self, model: LeakageModel, projection: Projection, assumptions: Assumptions) -> None:
-        self.model, self.point, self.assumptions = model, projection.condition, assumptions
-        self.gaps: dict[tuple[str, int], list[tuple[Gap, bool]]] = {}
-        for gap_leakage in projection.gaps:
-            self.gaps.setdefault(gap_leakage.gap.key, []).append((gap_leakage.gap, gap_leakage.drawn_from_pump))
-
-    def at(self, deviates: dict[str, Any]) -> _Drawn:
-        """Return fluid, pressures and pump at given standard deviates of `FACTORS`."""
-        model, point, u = self.model, self.point, self.assumptions
-        temperature = point.temperature + u.temperature * deviates["temperature"]
-        nu, rho = _fluid_at(model, temperature)
-        nu = nu * np.exp(u.viscosity * deviates["viscosity"])
-        if model.fluid.viscosity_half_width:
-            nu = nu * (1.0 + rectangular(model.fluid.viscosity_half_width) * deviates[FLUID_STATE])
-        main = point.main_pressure * np.maximum(1.0 + u.main_pressure * deviates["main pressure"], 0.0)
-        converter = point.converter_pressure * np.maximum(
-            1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
-        )
-        pressures = model.controller.section_pressures(main, converter)
-        pump = model.controller.pump
-        if model.uses_slip:
-            coefficient = pump.slip_coefficient * np.exp(u.slip_coefficient * deviates["pump efficiency"])
-            pump = replace(pump, slip_coefficient=coefficient)
-        else:
-            efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviates["pump efficiency"]
-            pump = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
-        rise = temperature - REFERENCE_TEMPERATURE
-        return _Drawn(self, rise, nu, rho, pressures, PumpFlow(pump, model.uses_slip))
-
-
-def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:
-    """Return ν and ρ at a temperature [°C].
-
-    A draw beyond the end of the fluid's data follows the slope of ln ν and of ρ over the last kelvin.
-    """
-    fluid, kind = model.fluid, model.profile.viscosity
-    low, high = fluid.span(kind)
-    inside = np.clip(temperature, low, high)
-    nu, rho = fluid.kinematic_viscosity(inside, kind), fluid.density(inside, kind)
-    beyond = temperature - inside
-    if np.any(beyond):
-        ends = np.array([low, low + 1.0, high - 1.0, high])
-        ln_nu, densities = np.log(fluid.kinematic_viscosity(ends, kind)), fluid.density(ends, kind)
-        nu = nu * np.exp(beyond * np.where(beyond < 0.0, ln_nu[1] - ln_nu[0], ln_nu[3] - ln_nu[2]))
-        rho = rho + beyond * np.where(beyond < 0.0, densities[1] - densities[0], densities[3] - densities[2])
-    return nu, rho
-
-
-class _Drawn:
-    """A condition with its uncertain factors drawn; arrays of shape (draws,)."""
-
-    def __init__(
-        self,
-        condition: _Condition,
-        rise: Any,
-        nu: Any,
-        rho: Any,
-        pressures: dict[str, Any],
-        pump: PumpFlow,
-    ) -> None:
-        self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
-        self.pressures, self.pump = pressures, pump
-        self.viscosity = dynamic_viscosity(nu, rho)
-        self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
-        self._drops: dict[Any, Any] = {}
-
-    def drop(self, gap: Gap) -> Any:
-        """Return the pressure drop [Pa]; a negative one leaks nothing and is given as zero."""
-        key = gap.high, gap.low
-        if key not in self._drops:
-            ends = [0.0 if end.section is None else end.coefficient * self.pressures[end.section] for end in key]
-            self._drops[key] = np.maximum(ends[0] - ends[1], 0.0)
-        return self._drops[key]
-
-    def driving(self, gaps: Sequence[Gap]) -> Any:
-        """Return the sum of the pressure drops, divided by the dynamic viscosity [1/s]."""
-        key = tuple((gap.high, gap.low) for gap in gaps)
-        if key not in self._drops:
-            self._drops[key] = sum(self.drop(gap) for gap in gaps) / self.viscosity
-        return self._drops[key]
-
-    def leakage(self, land: LandSources, bore: Bore, length: Any, position: Any = None) -> tuple[Any, Any]:
-        """Return the flow of one land through all its gaps, and the part of it drawn from the pump [m³/s].
-
-        ``position`` takes the place of the profile's factor for an eccentric spool.
-        A clearance below zero cannot exist: it is taken as zero and leaks nothing.
-        """
-        state = land.state
-        gaps = self.condition.gaps.get(state.land.key)
-        if not gaps:
-            nothing = np.zeros_like(self.viscosity)
-            return nothing, nothing
-        law = self.condition.model.law
-        mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
-        c, d = law.flow_clearance(mean, bore.square, bore.cube), law.diameter(state.spool_diameter, mean)
-        if not law.linear:
-            flows = [law.flow(self.drop(gap), d, c, self.nu, self.rho, length, position) for gap, _ in gaps]
-            flow = sum(flows)
-            drawn_flows = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
-            return flow, sum(drawn_flows) if drawn_flows else np.zeros_like(flow)
-        geometry = law.flow(1.0, d, c, 1.0, 1.0, length, position)  # for a pressure drop over viscosity of one
-        flow = geometry * self.driving([gap for gap, _ in gaps])
-        drawn_gaps = [gap for gap, counts in gaps if counts]
-        if len(drawn_gaps) == len(gaps):
-            return flow, flow
-        return flow, geometry * self.driving(drawn_gaps) if drawn_gaps else np.zeros_like(flow)
 
 
 @dataclass
@@ -224,8 +102,7 @@ def propagate(
     projections: Sequence[Projection],
     assumptions: Assumptions,
     *,
-    pair_share: Steps | None,
-    total_share: Steps,
+    limits: Limits,
     coverage: float,
     draws: int,
     seed: int,
@@ -235,9 +112,9 @@ def propagate(
 
     Parameters
     ----------
-    pair_share, total_share
-        limits of the share for lands and for the total: the probability of having reached each is computed, growth
-        against the same land or unit new included.
+    limits
+        of shares, reserve and pressures: the probability of having reached each is computed, growth against the same
+        land or unit new included.
     coverage
         probability of the intervals, 0 … 1; they leave out as much below as above.
     draws, seed
@@ -252,7 +129,7 @@ def propagate(
         A condition's temperature outside the fluid's data.
     """
     shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
-    deviates = {name: shared.standard_normal(draws) for name in _NORMAL_FACTORS}
+    deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
     deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
     names = sorted({group for land in sources for group in land.groups})
     common = {
@@ -263,100 +140,168 @@ def propagate(
     most = assumptions.one_sided_wear if model.law.counts_form else 0.0
     fraction = 0.5 * most * shared.integers(3, size=draws)
     positions = Positions(model, draws, seed)
-    conditions = [_Condition(model, projection, assumptions) for projection in projections]
+    conditions = [Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
-    at_instants = [_Condition(model, instant, assumptions).at(deviates) for instant in instants]
+    at_instants = [Condition(model, instant, assumptions).at(deviates) for instant in instants]
     instant_totals = [np.zeros(draws) for _ in instants]
-    totals = [np.zeros(draws) for _ in conditions]
-    new_totals = [np.zeros(draws) for _ in conditions]
-    unworn_totals = [np.zeros(draws) for _ in conditions]
-    probe_totals = [np.zeros(_PROBES) for _ in conditions]
-    variances = [0.0 for _ in conditions]  # of each total, from errors that no land shares
-    group_slopes = [dict.fromkeys(names, 0.0) for _ in conditions]
-    by_component: list[dict[str, float]] = [defaultdict(float) for _ in conditions]  # drawn, as measured
-    lands: list[tuple[LandSpread, ...]] = []
+    lands: list[_LandDraws] = []
     for number, land in enumerate(sources):
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
-        new = new_bore(stream, land, draws)
-        # what was not measured is as new: the same in every trial
-        bore = unworn = new
-        if land.state.measured:
-            measured = measured_clearance(stream, land, common, new.clearance)
-            bore = worn_bore(stream, land, measured, new.clearance, fraction)
-            unworn = unworn_bore(land, measured, new)
-        nominal = land.state.land.contact_length
-        length: float | np.ndarray = nominal
-        if assumptions.contact_length:
-            lengths = stream.standard_normal(draws)
-            lengths *= assumptions.contact_length
-            lengths += nominal
-            length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
-        by_condition = []
-        position = positions.of(land)
-        for now, instant_total in zip(at_instants, instant_totals, strict=True):
-            instant_total += now.leakage(land, bore, length, position)[1]
-        for index, (now, probe) in enumerate(zip(drawn, probes, strict=True)):
-            flow, drawn_flow = now.leakage(land, bore, length, position)
-            new_flow = now.leakage(land, new, length, position)[1] if land.state.measured else drawn_flow
-            unworn_flow = new_flow if unworn is new else now.leakage(land, unworn, length, position)[1]
-            totals[index] += drawn_flow
-            new_totals[index] += new_flow
-            unworn_totals[index] += unworn_flow
-            slopes = _probe(probe, land, assumptions, positions.relative_spread)
-            by_component[index][land.key[0]] += float(slopes.counted_probe[-1])
-            shares = _ratio(drawn_flow, now.capacity), _ratio(unworn_flow, now.capacity)
-            by_condition.append(
-                LandSpread(
-                    leakage=slopes.leakage,
-                    leakage_spread=_spread(flow, (), coverage),
-                    share_spread=_share_spread(*shares, pair_share, coverage),
-                    share_per_clearance=slopes.share_per_clearance,
-                    share_effects=slopes.share_effects,
-                )
-            )
-            probe_totals[index] += slopes.counted_probe
-            variances[index] += slopes.counted_per_clearance**2 * land.own_variance
-            variances[index] += slopes.counted_length_effect**2
-            for name, u in land.groups.items():
-                group_slopes[index][name] += slopes.counted_per_clearance * u
-        lands.append(tuple(by_condition))
+        lands.append(_land_draws(stream, land, common, fraction, assumptions, positions.of(land)))
+    for now, total in zip(at_instants, instant_totals, strict=True):
+        solved, network, balance = now.with_circuits(each.now for each in lands)
+        total += network.beside_lands(balance)
+        for each in lands:
+            total += solved.leakage(*each.now)[1]
+
+    def spreads_at(number: int) -> tuple[list[LandSpread], TotalSpread]:
+        each = projections[number], drawn[number], probes[number]
+        return _at_condition(model, *each, lands, assumptions, positions.relative_spread, limits, coverage)
+
+    # conditions share nothing that is drawn in them, and NumPy lets other threads run while it computes
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as threads:
+        by_condition = list(threads.map(spreads_at, range(len(projections))))
     return Propagated(
-        lands,
+        [tuple(spreads[number] for spreads, _ in by_condition) for number in range(len(lands))],
+        [total for _, total in by_condition],
         [
-            _total(
-                now,
-                probe,
-                total,
-                new_total,
-                unworn_total,
-                probe_total,
-                variance,
-                positions.relative_spread * math.hypot(*components.values()),
-                slopes,
-                total_share,
-                coverage,
-            )
-            for now, probe, total, new_total, unworn_total, probe_total, variance, components, slopes in zip(
-                drawn,
-                probes,
-                totals,
-                new_totals,
-                unworn_totals,
-                probe_totals,
-                variances,
-                by_component,
-                group_slopes,
-                strict=True,
-            )
-        ],
-        [
-            InstantSpread(
-                _spread(total, (), coverage).interval, _spread(_ratio(total, now.capacity), (), coverage).interval
-            )
+            InstantSpread(interval_of(total, coverage), interval_of(_ratio(total, now.capacity), coverage))
             for now, total in zip(at_instants, instant_totals, strict=True)
         ],
     )
+
+
+@dataclass(frozen=True)
+class _LandDraws:
+    """What is not known of one land, drawn: its bore now, new and unworn, its contact length, where its spool lies."""
+
+    land: LandSources
+    bore: Bore
+    new_bore: Bore
+    unworn_bore: Bore
+    length: Any
+    position: Any
+
+    @property
+    def now(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.bore, self.length, self.position
+
+    @property
+    def new(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.new_bore, self.length, self.position
+
+    @property
+    def unworn(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.unworn_bore, self.length, self.position
+
+
+def _land_draws(
+    stream: np.random.Generator,
+    land: LandSources,
+    common: dict[str, np.ndarray],
+    fraction: np.ndarray,
+    assumptions: Assumptions,
+    position: Any,
+) -> _LandDraws:
+    draws = fraction.size
+    new = new_bore(stream, land, draws)
+    # what was not measured is as new: the same in every trial
+    bore = unworn = new
+    if land.state.measured:
+        measured = measured_clearance(stream, land, common, new.clearance)
+        bore = worn_bore(stream, land, measured, new.clearance, fraction)
+        unworn = unworn_bore(land, measured, new)
+    nominal = land.state.land.contact_length
+    length: float | np.ndarray = nominal
+    if assumptions.contact_length:
+        lengths = stream.standard_normal(draws)
+        lengths *= assumptions.contact_length
+        lengths += nominal
+        length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
+    return _LandDraws(land, bore, new, unworn, length, position)
+
+
+def _at_condition(
+    model: LeakageModel,
+    projection: Projection,
+    drawn: Drawn,
+    probe: Drawn,
+    lands: Sequence[_LandDraws],
+    assumptions: Assumptions,
+    relative_spread: float,
+    limits: Limits,
+    coverage: float,
+) -> tuple[list[LandSpread], TotalSpread]:
+    """Return the spread of every land and of the total at one condition."""
+    draws = lands[0].bore.clearance.size if lands else 1
+    now, network, balance = drawn.with_circuits(each.now for each in lands)
+    new, new_network, new_balance = drawn.with_circuits(each.new for each in lands)
+    same = all(each.unworn_bore is each.new_bore for each in lands)
+    unworn, unworn_network, unworn_balance = (
+        (new, new_network, new_balance) if same else drawn.with_circuits(each.unworn for each in lands)
+    )
+    probe, probe_network, probe_balance = probe.with_circuits((_as_measured(each) for each in lands), keep=False)
+    total, new_total, unworn_total = (
+        np.full(draws, 0.0) + each.beside_lands(at)
+        for each, at in ((network, balance), (new_network, new_balance), (unworn_network, unworn_balance))
+    )
+    probe_total = np.zeros(_PROBES) + probe_network.beside_lands(probe_balance)
+    variance = 0.0  # of the total, from errors that no land shares
+    group_slopes: dict[str, float] = defaultdict(float)
+    by_component: dict[str, float] = defaultdict(float)  # drawn, as measured
+    spreads = []
+    for each in lands:
+        land = each.land
+        flow, drawn_flow = now.leakage(*each.now)
+        as_new = new is now and each.bore is each.new_bore
+        new_flow = drawn_flow if as_new else new.leakage(*each.new)[1]
+        as_unworn = unworn is new and each.unworn_bore is each.new_bore
+        unworn_flow = new_flow if as_unworn else unworn.leakage(*each.unworn)[1]
+        total += drawn_flow
+        new_total += new_flow
+        unworn_total += unworn_flow
+        slopes = _probe(probe, land, assumptions, relative_spread)
+        by_component[land.key[0]] += float(slopes.counted_probe[-1])
+        shares = _ratio(drawn_flow, now.capacity), _ratio(unworn_flow, now.capacity)
+        spreads.append(
+            LandSpread(
+                leakage=slopes.leakage,
+                leakage_spread=spread_of(flow, (), coverage),
+                share_spread=_share_spread(*shares, limits.pair_share, coverage),
+                share_per_clearance=slopes.share_per_clearance,
+                share_effects=slopes.share_effects,
+            )
+        )
+        probe_total += slopes.counted_probe
+        variance += slopes.counted_per_clearance**2 * land.own_variance
+        variance += slopes.counted_length_effect**2
+        for name, u in land.groups.items():
+            group_slopes[name] += slopes.counted_per_clearance * u
+    measured_unit, unworn_unit = (
+        DrawnUnit(each, at, leakage, drawn.pressures, drawn.pump, drawn.viscosity)
+        for each, at, leakage in ((network, balance, total), (unworn_network, unworn_balance, unworn_total))
+    )
+    return spreads, _total(
+        now,
+        probe,
+        total,
+        new_total,
+        unworn_total,
+        probe_total,
+        variance,
+        relative_spread * math.hypot(*by_component.values()),
+        group_slopes,
+        limits.total_share,
+        coverage,
+        pressure_spread(projection, model, measured_unit, unworn_unit, limits, coverage),
+    )
+
+
+def _as_measured(draws: _LandDraws) -> tuple[LandSources, Bore, Any, Any]:
+    """Return a land as its readings have it: the budget changes one land at a time, at the same circuit pressures."""
+    state = draws.land.state
+    return draws.land, Bore(state.radial_clearance, *state.form_moments), state.land.contact_length, None
 
 
 # --- what the draws say
@@ -369,33 +314,9 @@ def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
     return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
 
 
-def _spread(values: np.ndarray, limits: Sequence[Any], coverage: float) -> Spread:
-    finite = bool(np.isfinite(values).all())
-    reached = tuple(float(np.count_nonzero(values >= limit)) / values.size for limit in limits)
-    u = float(values.std()) if finite else math.inf
-    return Spread(
-        u,
-        _quantiles(values, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
-        reached,
-        tuple(float((values - limit).std()) if finite and np.ndim(limit) else u for limit in limits),
-    )
-
-
 def _share_spread(share: np.ndarray, unworn: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
     """Return the spread of a share, and how likely it has reached each limit beside that of an unworn land or unit."""
-    return _spread(share, [limit for _, limit in steps.over(unworn)] if steps else (), coverage)
-
-
-def _quantiles(values: np.ndarray, probabilities: tuple[float, float]) -> tuple[float, float]:
-    places = [(values.size - 1) * p for p in probabilities]
-    edges = [int(place) for place in places]
-    ends = sorted({min(edge + step, values.size - 1) for edge in edges for step in (0, 1)})
-    ordered = np.partition(values, ends)
-    quantiles = []
-    for place, edge in zip(places, edges, strict=True):
-        low, high = float(ordered[edge]), float(ordered[min(edge + 1, values.size - 1)])
-        quantiles.append(low if low == high else low + (place - edge) * (high - low))
-    return quantiles[0], quantiles[1]
+    return spread_of(share, [limit for _, limit in steps.over(unworn)] if steps else (), coverage)
 
 
 # --- the linear budget: one factor is changed at a time, by central differences
@@ -423,7 +344,7 @@ class _Slopes:
     counted_length_effect: float
 
 
-def _probe(probe: _Drawn, land: LandSources, assumptions: Assumptions, position: float) -> _Slopes:
+def _probe(probe: Drawn, land: LandSources, assumptions: Assumptions, position: float) -> _Slopes:
     state = land.state
     step = _SMALL * (land.standard_uncertainty or 1e-7)
     clearance = np.full(_PROBES, state.radial_clearance)
@@ -477,8 +398,8 @@ def _difference(values: np.ndarray, index: int) -> float:
 
 
 def _total(
-    now: _Drawn,
-    probe: _Drawn,
+    now: Drawn,
+    probe: Drawn,
     total: np.ndarray,
     new_total: np.ndarray,
     unworn_total: np.ndarray,
@@ -488,6 +409,7 @@ def _total(
     group_slopes: dict[str, float],
     steps: Steps,
     coverage: float,
+    pressures: PressureSpread,
 ) -> TotalSpread:
     share_spread = _share_spread(_ratio(total, now.capacity), _ratio(unworn_total, now.capacity), steps, coverage)
     # a band counts as reached where a worse one is
@@ -500,13 +422,15 @@ def _total(
     effects[ONE_SIDE] = _one_side_effect(probe_share)
     effects[POSITION] = position * per_flow
     effects |= {f"common to all lands: {name}": slope * per_flow for name, slope in group_slopes.items()}
-    speed = now.pump.minimum_speed(total, now.pressures["p_g"], now.viscosity)
+    consumers = consumed(now.condition.model.controller, now.condition.point)
+    speed = now.pump.minimum_speed(total + consumers, now.pressures["p_g"], now.viscosity)
     return TotalSpread(
-        leakage_spread=_spread(total, (), coverage),
+        leakage_spread=spread_of(total, (), coverage),
         share_spread=share_spread,
-        minimum_speed_interval=_quantiles(speed, (0.5 - 0.5 * coverage, 0.5 + 0.5 * coverage)),
+        minimum_speed_interval=interval_of(speed, coverage),
         band_probabilities=tuple(max(a - b, 0.0) for a, b in pairwise(over)),
-        new_leakage_interval=_spread(new_total, (), coverage).interval,
-        growth_interval=_spread(_ratio(total, new_total) - 1.0, (), coverage).interval,
+        new_leakage_interval=interval_of(new_total, coverage),
+        growth_interval=interval_of(_ratio(total, new_total) - 1.0, coverage),
+        pressures=pressures,
         effects=effects,
     )

@@ -9,6 +9,7 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
+from atleak.views.circuit_rows import MILLIAMPERE, circuit_tables
 from atleak.wording import value_names
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
 
@@ -23,7 +24,7 @@ def representative(entry: Controller | Fluid) -> str:
 
 
 def controller_tables(controller: Controller) -> Tables:
-    """Return the tables of operating points, lands, gaps, pump and complaints; those without a row are left out."""
+    """Return the tables of operating points, circuits, lands, gaps, pump and complaints; none without a row."""
     labels = {point.name: point.label for point in controller.operating_points}
     tables: Tables = {
         "Operating points": [
@@ -34,10 +35,13 @@ def controller_tables(controller: Controller) -> Tables:
                 "gear": point.gear,
                 "p_g [kPa]": point.main_pressure * KPA,
                 "p_k [kPa]": point.converter_pressure * KPA,
+                "state": point.state,
+                "solenoid [mA]": None if point.solenoid_current is None else point.solenoid_current * MILLIAMPERE,
                 "source": point.source,
             }
             for point in controller.operating_points
         ],
+        **circuit_tables(controller),
         "Lands": [
             {
                 "component": f"{land.component} · {controller.components[land.component]}",
@@ -127,8 +131,8 @@ def limit_tables(limits: Limits) -> Tables:
                 {
                     "rule": name.replace("_", " "),
                     "from here": str(level),
-                    "limit": limit * name.factor if limit else None,
-                    "unit": name.unit if limit else None,
+                    "limit": limit * name.factor if steps.has_limit(level) else None,
+                    "unit": name.unit if steps.has_limit(level) else None,
                     "at least [µm]": None if at_least is None else at_least * UM,
                     "growth over new [%]": None if growth is None else growth * PERCENT,
                     "added [points of pump flow]": added * PERCENT if added else None,

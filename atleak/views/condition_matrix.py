@@ -25,6 +25,7 @@ class LandAtCondition:
     share: float  # drawn from the pump / pump capacity: the shares of all lands add up to the total's
     rule: Rule | None  # of the land's share there; None where nothing was measured or no such limit is set
     verdict: Verdict | None  # of that share alone; None where no such limit is set
+    loss: float | None  # [Pa] that it costs the circuit that loses most by it; None where no pressure is solved
     #: sections into which it leaks without drawing from the pump; None for one that the valve body's file does not name
     circuits: tuple[str | None, ...]
 
@@ -42,9 +43,9 @@ class MatrixRow:
     cells: tuple[LandAtCondition, ...]
 
     @classmethod
-    def of(cls, land: LandDiagnosis, projections: Iterable[Projection]) -> MatrixRow:
+    def of(cls, land: LandDiagnosis, diagnosis: Diagnosis, projections: Iterable[Projection]) -> MatrixRow:
         """Return one land at some of the conditions of its diagnosis."""
-        return cls(land, tuple(land_at(land, projection) for projection in projections))
+        return cls(land, tuple(land_at(land, diagnosis, projection) for projection in projections))
 
     @property
     def leaks(self) -> bool:
@@ -88,7 +89,7 @@ def condition_matrix(diagnosis: Diagnosis, projections: Sequence[Projection] | N
         those of the diagnosis that are wanted, in their order; all of them, the stated one first, unless given.
     """
     at = diagnosis.projections if projections is None else projections
-    return tuple(MatrixRow.of(land, at) for land in diagnosis.lands)
+    return tuple(MatrixRow.of(land, diagnosis, at) for land in diagnosis.lands)
 
 
 def leaking_worst_first(diagnosis: Diagnosis, projections: Sequence[Projection] | None = None) -> tuple[MatrixRow, ...]:
@@ -97,7 +98,7 @@ def leaking_worst_first(diagnosis: Diagnosis, projections: Sequence[Projection] 
     return tuple(sorted(rows, key=lambda row: (-row.land.verdict.rank, -_largest(row))))
 
 
-def land_at(land: LandDiagnosis, projection: Projection) -> LandAtCondition:
+def land_at(land: LandDiagnosis, diagnosis: Diagnosis, projection: Projection) -> LandAtCondition:
     """Return what one land leaks at one of the conditions of its diagnosis."""
     shares = (rule for rule in land.rules if rule.kind is RuleKind.PAIR_SHARE)
     rule = next((rule for rule in shares if rule.condition == projection.condition), None)
@@ -108,6 +109,7 @@ def land_at(land: LandDiagnosis, projection: Projection) -> LandAtCondition:
         drawn_from_pump=projection.drawn_by(land.key),
         share=projection.share_drawn_by(land.key),
         rule=rule,
+        loss=diagnosis.loss_by(land, projection),
         verdict=_verdict(land, rule),
         circuits=tuple(dict.fromkeys(gap.low.section for gap in aside)),
     )

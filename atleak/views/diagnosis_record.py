@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
 from atleak.engine.extremes import Extremes
 from atleak.engine.leakage import GapLeakage
-from atleak.engine.projection import Projection
+from atleak.engine.repaired import LINE
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import Message
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
@@ -18,13 +17,17 @@ from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
+from atleak.views.condition_record import condition_record, finite, scaled
 from atleak.views.measure_first import measure_first, reason
-from atleak.views.positions import concentric_factors
 from atleak.views.repair_words import plan_ends
 from atleak.views.road_instants import instant_record
-from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
+from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
 
 FORMAT = 1
+_DECIDING = {
+    RuleKind.TOTAL_SHARE: "total",
+    RuleKind.CIRCUIT_LOSS: "circuit",
+}  # what decided, where the rule's name differs
 
 
 def to_json(record: Any) -> str:
@@ -74,9 +77,9 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "unit": _unit(diagnosis),
         "lands": [_land(row) for row in condition_matrix(diagnosis)],
         "gaps": [_gap(gap) for gap in projection.gaps],
-        "projection": _projection(diagnosis, projection),
-        "hot_idle": None if idle is None else _projection(diagnosis, idle),
-        "conditions": [_projection(diagnosis, each) for each in diagnosis.projections],
+        "projection": condition_record(diagnosis, projection),
+        "hot_idle": None if idle is None else condition_record(diagnosis, idle),
+        "conditions": [condition_record(diagnosis, each) for each in diagnosis.projections],
         "repair_plan": [_repair_step(step) for step in plan.steps],
         "repair_plan_ends": _repair_ends(plan),
         "road_test": None if diagnosis.road is None else _road(diagnosis.road, diagnosis.uncertainty),
@@ -90,19 +93,19 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
     verdict = {"verdict": diagnosis.verdict, "decision": diagnosis.decision}
     if decided_by is None:
         return {**verdict, "decided_by": None}
-    is_total = isinstance(decided_by, Rule)
     rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding
     component, land = (None, None) if isinstance(decided_by, Rule) else decided_by.key
     return {
         **verdict,
         "decided_by": {
-            "kind": "total" if is_total else "land",
+            "kind": _DECIDING.get(rule.kind, rule.kind) if isinstance(decided_by, Rule) and rule else "land",
             "condition": rule.condition.name if rule and rule.condition else None,
             "component": component,
             "land": land,
+            "circuit": rule.circuit.id if rule and rule.circuit else None,
             "rule": rule.id if rule else None,
-            "value": _finite(rule.value * rule.kind.factor) if rule else None,
-            "limit": _finite(rule.limit * rule.kind.factor) if rule else None,
+            "value": finite(rule.value * rule.kind.factor) if rule else None,
+            "limit": finite(rule.limit * rule.kind.factor) if rule else None,
         },
     }
 
@@ -170,13 +173,15 @@ def message_record(message: Message) -> dict[str, Any]:
 def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
     levels: dict[str, float] = {}
     for level, limit in steps.levels:
-        if limit:
-            levels[f"{level}_{kind.suffix}"] = limit * kind.factor
+        if steps.has_limit(level):
+            levels["_".join(filter(None, (level, kind.suffix)))] = limit * kind.factor
         if level in steps.at_least:
             levels[f"{level}_at_least_um"] = steps.at_least[level] * UM
         if level in steps.growth:
             growth, added = steps.growth[level]
             levels |= {f"{level}_growth_percent": growth * PERCENT, f"{level}_added_points": added * PERCENT}
+    if steps.fall is not None:
+        levels["fall_percent"] = steps.fall * PERCENT
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
@@ -192,27 +197,27 @@ def _land(row: MatrixRow) -> dict[str, Any]:
         "spool_diameter_mm": state.spool_diameter * MM,
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
-        "uncertainty_um": _scaled(uncertainty.u_clearance, UM) if uncertainty else None,
+        "uncertainty_um": scaled(uncertainty.u_clearance, UM) if uncertainty else None,
         "mounting_clearance_um": nominal.mounting_high * UM,
         "mounting_clearance_low_um": nominal.mounting_range[0] * UM,
-        "mounting_tolerance_um": _scaled(nominal.mounting_tolerance, UM),
+        "mounting_tolerance_um": scaled(nominal.mounting_tolerance, UM),
         "new_clearance_um": nominal.new_clearance * UM,
         "new_origin": nominal.new_origin,
         "wear_percent": None if land.wear is None else land.wear * PERCENT,
         "effective_clearance_um": land.effective_clearance * UM,
         "leakage_dm3_min": land.leakage * DM3_MIN,
         "drawn_from_pump_dm3_min": land.drawn_from_pump * DM3_MIN,
-        "leakage_low_dm3_min": _scaled(low, DM3_MIN),
-        "leakage_high_dm3_min": _scaled(high, DM3_MIN),
-        "share_percent": _finite(land.share * PERCENT),
+        "leakage_low_dm3_min": scaled(low, DM3_MIN),
+        "leakage_high_dm3_min": scaled(high, DM3_MIN),
+        "share_percent": finite(land.share * PERCENT),
         "verdict": land.verdict,
         "decision": land.decision,
         "suspect": land.suspect,
         "probability_over_limit": land.probability_over_limit,
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": at.value if at else None,
-        "replace_mileage_low_km": _finite(at.low) if at else None,
-        "replace_mileage_high_km": _finite(at.high) if at else None,
+        "replace_mileage_low_km": finite(at.low) if at else None,
+        "replace_mileage_high_km": finite(at.high) if at else None,
         "representative": list(nominal.representative),
         "conditions": [_at_condition(cell) for cell in row.cells],
         "rules": [_rule(rule, uncertainty) for rule in land.rules],
@@ -227,7 +232,8 @@ def _at_condition(cell: LandAtCondition) -> dict[str, Any]:
         "label": condition.label,
         "leakage_dm3_min": cell.leakage * DM3_MIN,
         "drawn_from_pump_dm3_min": cell.drawn_from_pump * DM3_MIN,
-        "share_percent": _finite(cell.share * PERCENT),
+        "share_percent": finite(cell.share * PERCENT),
+        "loss_kpa": scaled(cell.loss, KPA),
         "verdict": cell.verdict,
         "elsewhere": cell.elsewhere or None,
     }
@@ -237,14 +243,14 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
     decided = uncertainty.on(rule) if uncertainty else None
     return {
         "rule": rule.id,
-        "value": _finite(rule.value * rule.kind.factor),
-        "limit": _finite(rule.limit * rule.kind.factor),
+        "value": finite(rule.value * rule.kind.factor),
+        "limit": finite(rule.limit * rule.kind.factor),
         "verdict": rule.verdict,
         "decision": decided.decision if decided else None,
         "probability_over_limit": decided.probability_over_limit if decided else None,
         "measurable": uncertainty.measurable(decided) if uncertainty and decided else None,
-        "new": _scaled(rule.new, rule.kind.factor),
-        "growth_percent": _scaled(rule.growth, PERCENT),
+        "new": scaled(rule.new, rule.kind.factor),
+        "growth_percent": scaled(rule.growth, PERCENT),
         "origin": rule.origin,
     }
 
@@ -270,44 +276,6 @@ def _gap(leak: GapLeakage) -> dict[str, Any]:
     }
 
 
-def _projection(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
-    at = projection.condition
-    total = diagnosis.uncertainty.total(at.name) if diagnosis.uncertainty else None
-    low, high = total.leakage_interval if total else (None, None)
-    rule = diagnosis.total_rule(projection)
-    new = diagnosis.new_at(projection)
-    least, largest = concentric_factors(diagnosis.profile, projection)
-    return {
-        "name": at.name,
-        "label": at.label,
-        "temperature_c": at.temperature,
-        "engine_rpm": at.engine_speed * RPM,
-        "gear": at.gear,
-        **{f"{name}_kpa": value * KPA for name, value in projection.pressures.items()},
-        "leakage_dm3_min": projection.leakage * DM3_MIN,
-        "leakage_low_dm3_min": _scaled(low, DM3_MIN),
-        "leakage_high_dm3_min": _scaled(high, DM3_MIN),
-        "leakage_new_dm3_min": new.leakage * DM3_MIN,
-        "leakage_new_low_dm3_min": _scaled(total.new_leakage_interval[0], DM3_MIN) if total else None,
-        "leakage_new_high_dm3_min": _scaled(total.new_leakage_interval[1], DM3_MIN) if total else None,
-        "growth_percent": _scaled(projection.leakage / new.leakage - 1.0, PERCENT) if new.leakage > 0.0 else None,
-        "growth_low_percent": _scaled(total.growth_interval[0], PERCENT) if total else None,
-        "growth_high_percent": _scaled(total.growth_interval[1], PERCENT) if total else None,
-        "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
-        "share_percent": _finite(projection.share * PERCENT),
-        "share_new_percent": _finite(new.share * PERCENT),
-        "share_unworn_percent": _scaled(rule.new, PERCENT),
-        "limit_percent": _finite(rule.limit * PERCENT),
-        "band": diagnosis.band(projection),
-        "decision": total.decision.decision if total else None,
-        "probability_over_limit": total.decision.probability_over_limit if total else None,
-        "minimum_engine_rpm": projection.minimum_speed * RPM,
-        "concentric_factor_low": least,
-        "concentric_factor_high": largest,
-        "source": at.source,
-    }
-
-
 def _repair_step(step: RepairStep) -> dict[str, Any]:
     component, land = step.land.key
     return {
@@ -317,15 +285,16 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
         "for_total": step.for_total,
         "at": step.at.condition.name,
         "at_label": step.at.condition.label,
-        "share_before_percent": _finite(step.at.before.share * PERCENT),
-        "share_after_percent": _finite(step.at.after.share * PERCENT),
+        "share_before_percent": finite(step.at.before.share * PERCENT),
+        "share_after_percent": finite(step.at.after.share * PERCENT),
         "conditions": [
             {
                 "name": each.condition.name,
                 "label": each.condition.label,
-                "share_before_percent": _finite(each.before.share * PERCENT),
-                "share_after_percent": _finite(each.after.share * PERCENT),
+                "share_before_percent": finite(each.before.share * PERCENT),
+                "share_after_percent": finite(each.after.share * PERCENT),
                 "band_after": each.after.band,
+                **_held(each.after),
             }
             for each in step.conditions
         ],
@@ -340,12 +309,13 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
         "remaining": [
             {
                 **_end(left.total),
-                "new_share_percent": _finite(left.new_share * PERCENT),
+                "new_share_percent": finite(left.new_share * PERCENT),
                 "kinematic_viscosity_mm2_s": left.kinematic_viscosity * MM2_S,
                 "pump_loss_percent": left.pump_loss * PERCENT,
             }
             for left in plan.remaining
         ],
+        "pressures_past": [rule.id for rule in plan.pressures_past],
         "lands_not_measured": plan.unmeasured,
         "text": " ".join(plan_ends(plan)),
     }
@@ -355,8 +325,19 @@ def _end(total: Total) -> dict[str, Any]:
     return {
         "name": total.condition.name,
         "label": total.condition.label,
-        "share_percent": _finite(total.share * PERCENT),
+        "share_percent": finite(total.share * PERCENT),
         "band": total.band,
+        **_held(total),
+    }
+
+
+def _held(total: Total) -> dict[str, Any]:
+    """Return the reserve and the pressures that hold with some lands repaired."""
+    circuits = {name: pressure * KPA for name, pressure in total.pressures.items() if name != LINE}
+    return {
+        "reserve_after": finite(total.reserve),
+        "p_g_held_after_kpa": total.pressures[LINE] * KPA,
+        "circuits_after_kpa": circuits,
     }
 
 
@@ -386,11 +367,3 @@ def _extremes(extremes: Extremes, uncertainty: UnitUncertainty | None) -> dict[s
         "max_share": extremes.max_share,
     }
     return {name: instant and instant_record(instant, uncertainty) for name, instant in named.items()}
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None else _finite(value * factor)
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

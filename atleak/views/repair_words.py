@@ -41,6 +41,10 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label
         yield say("plan.green" if plan.steps else "plan.green_already")
     for left in plan.remaining:
         yield _remains(left, say, named)
+    for rule in plan.pressures_past:
+        condition = named(rule.condition) if rule.condition else ""
+        what = say(f"rules.{rule.kind}") + (f" ({rule.circuit.name})" if rule.circuit else "")
+        yield say("plan.pressure_stays", condition=condition, what=what, level=say.level(rule.level))
     if plan.unmeasured:
         yield say("plan.unmeasured", count=plan.unmeasured)
 

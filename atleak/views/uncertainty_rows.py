@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.uncertainty.assess import LandUncertainty
+from atleak.uncertainty import LandUncertainty
 from atleak.workshop_units import PERCENT
 
 

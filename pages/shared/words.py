@@ -103,7 +103,7 @@ def land_rows(
     rows = []
     for diagnosed in lands:
         land = records[diagnosed.key]
-        worst = MatrixRow.of(diagnosed, diagnosis.projections).worst
+        worst = MatrixRow.of(diagnosed, diagnosis, diagnosis.projections).worst
         rule = None if diagnosed.verdict == Verdict.NOT_MEASURED else diagnosed.deciding
         rows.append(
             {

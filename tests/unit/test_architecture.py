@@ -42,7 +42,7 @@ FLOORS = (
     ("engine.circuits",),
     ("engine.leakage",),
     ("engine.line",),
-    ("engine.series", "engine.projection"),
+    ("engine.series", "engine.projection", "engine.repaired"),
     ("engine.road_leakage", "rules"),
     ("uncertainty", "variants"),
     ("sheet_checks",),

@@ -85,6 +85,8 @@ def test_no_fluid_makes_a_new_unit_worn(
         ("minimal_example", 1.10, "ok", False),
         ("minimal_example", 1.3, "watch", False),
         ("minimal_example", 2.0, "replace", False),
+        ("five_speed_2005", 1.10, "ok", False),
+        ("five_speed_2005", 1.4, "ok", False),  # at 20 µm every pair may still be new
         ("known_by_range", 1.10, "ok", False),
         ("known_by_range", 1.4, "ok", False),  # at 20 µm every pair may still be new
         ("known_by_range", 1.7, "replace", True),

@@ -381,8 +381,8 @@ class Body:
     def _asked(self, kind: RuleKind, steps: Steps, level: Level) -> Iterable[str]:
         """Return all that a level asks for: its limit, a least growth in µm, growth over the same land or unit new."""
         say, limit = self.say, dict(steps.levels)[level]
-        if limit:
-            yield f"{say.plain(limit * kind.factor)}\u00a0{kind.unit}"
+        if steps.has_limit(level):
+            yield f"{say.plain(limit * kind.factor)}\u00a0{kind.unit}".rstrip()
         if level in steps.at_least:
             yield say("rules.at_least", um=say.plain(steps.at_least[level] * UM))
         if level in steps.growth:

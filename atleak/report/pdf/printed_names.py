@@ -84,7 +84,7 @@ class PrintedNames:
 
     def share_largest(self, land: LandDiagnosis) -> str:
         """Return the share where it is judged worst, of several where it is largest, and the condition [%]."""
-        worst = MatrixRow.of(land, self.diagnosis.projections).worst
+        worst = MatrixRow.of(land, self.diagnosis, self.diagnosis.projections).worst
         if worst.drawn_from_pump == 0.0:
             return "–"
         return f"{self.say.number(worst.share * PERCENT, 2)}\n{self.condition(worst.projection.condition)}"

@@ -36,6 +36,10 @@ _LABELS: dict[RuleKind, dict[Part, str]] = {
         "growth": "and growth over the same unit new [%]",
         "added": "and points of pump flow added to it",
     },
+    RuleKind.RESERVE: {"limit": "reserve of the pump, under [-]"},
+    RuleKind.CIRCUIT_LOSS: {"limit": "pressure that a circuit lost against new [kPa]"},
+    RuleKind.PERMISSIBLE_PRESSURE: {"limit": "main pressure below the permissible [%]"},
+    RuleKind.COMMANDED_PRESSURE: {"limit": "main pressure off the commanded [kPa]"},
 }
 _NOTE = (
     "A level begins where all of its rows are reached; a level of wear never begins below the one before it. An empty "
@@ -110,7 +114,7 @@ class LimitCells:
 
 def _rows(kind: RuleKind, steps: Steps) -> Iterable[_Row]:
     """Return the rows of one quantity: its limits first, then what else a level asks for."""
-    yield _Row(kind, "limit", {level: limit * kind.factor for level, limit in steps.levels if limit})
+    yield _Row(kind, "limit", {level: limit * kind.factor for level, limit in steps.levels if steps.has_limit(level)})
     at_least = {level: value * UM for level, value in steps.at_least.items()}
     growth = {level: grown * PERCENT for level, (grown, _) in steps.growth.items()}
     added = {level: points * PERCENT for level, (_, points) in steps.growth.items()}

@@ -20,7 +20,11 @@ from atleak.catalogue.fluid import FluidFile, load_fluid
 from atleak.catalogue.limits import LimitsFile, load_limits
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.diagnosis import diagnose
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PROFILES
+from atleak.engine.projection import Projection, project
 from atleak.errors import CatalogueError
+from atleak.readings import Readings, clearances
 
 Edited = Callable[..., Path]
 
@@ -370,16 +374,62 @@ def test_the_document_names_every_key(root: Path) -> None:
 
 
 def test_the_document_s_examples_load_and_give_a_diagnosis(root: Path, tmp_path: Path) -> None:
-    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
-    paths = [tmp_path / f"{number}.toml" for number in range(len(blocks))]
-    for path, block in zip(paths, blocks, strict=True):
-        path.write_text(block, encoding="utf-8")
-    controller, fluid, limits = load_controller(paths[0]), load_fluid(paths[1]), load_limits(paths[2])
-    assert (controller.id, fluid.id, limits.id) == ("my_box", "my_atf", "my_limits")
+    paths = examples(root, tmp_path)
+    controller, fluid, limits = (
+        load_controller(paths["my_box"]),
+        load_fluid(paths["my_atf"]),
+        load_limits(paths["my_limits"]),
+    )
     diagnosis = diagnose(controller, fluid, limits)
     assert diagnosis.hot_idle is diagnosis.projection
     assert diagnosis.projection.leakage > 0.0
+
+
+def test_the_document_s_circuit_can_be_added_to_its_controller(root: Path, tmp_path: Path) -> None:
+    controller = load_controller(examples(root, tmp_path)["my_box with circuits"])
+    (clutch,) = controller.circuits
+    assert (clutch.id, clutch.gears) == ("clutch_c1", {1, 2, 3})
+    assert clutch.feeds[0].diameter == pytest.approx(0.5e-3, rel=1e-12, abs=0.0)
+    assert {str(gap.high) for gap in controller.gaps} == {"p_g", "clutch_c1"}
+    assert controller.permissible_at(1, "idle").low == pytest.approx(400e3, abs=1e-6)
+
+
+def test_the_document_says_what_its_circuit_holds(
+    root: Path, tmp_path: Path, readings_of: Callable[..., Readings]
+) -> None:
+    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    assert (
+        "clutch C1 holds 417 kPa when new. With both its lands worn to 35 µm it holds 231, and all that leaks" in text
+    )
+    paths = examples(root, tmp_path)
+    controller, fluid = load_controller(paths["my_box with circuits"]), load_fluid(paths["my_atf"])
+
+    def at_hot_idle(clearance: float) -> Projection:
+        lands = (controller.land("clutch_c1_valve", number) for number in (1, 2))
+        sheet = {land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * clearance) for land in lands}
+        states = clearances(readings_of(controller, sheet), controller)
+        return project(LeakageModel(controller, states, fluid, PROFILES["workshop"]), controller.operating_points[0])
+
+    new, worn = at_hot_idle(13e-6), at_hot_idle(35e-6)
+    assert new.circuit("clutch_c1").pressure / 1e3 == pytest.approx(417, abs=0.5)
+    assert worn.circuit("clutch_c1").pressure / 1e3 == pytest.approx(231, abs=0.5)
+    assert worn.share == pytest.approx(0.016, abs=0.0005)
+
+
+def examples(root: Path, folder: Path) -> dict[str, Path]:
+    """Write the document's files, and the controller with the circuit that is added to it, each by its name."""
+    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    controller, circuit, fluid, limits = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
+    contents = {
+        "my_box": controller,
+        "my_box with circuits": controller + circuit,
+        "my_atf": fluid,
+        "my_limits": limits,
+    }
+    paths = {name: folder / f"{number}.toml" for number, name in enumerate(contents)}
+    for name, path in paths.items():
+        path.write_text(contents[name], encoding="utf-8")
+    return paths
 
 
 def keys_of(model: type[BaseModel]) -> set[str]:

@@ -35,7 +35,20 @@ def test_default_limits_and_their_origins(limits: Limits) -> None:
     assert limits.pair_share is not None
     assert limits.pair_share.origin == "choice of this project"
     assert limits.clearance is None
-    assert list(limits.rules) == ["wear", "pair_share", "total_share"]
+    of_pressure = ["reserve", "circuit_loss", "permissible_pressure", "commanded_pressure"]
+    assert list(limits.rules) == ["wear", "pair_share", "total_share", *of_pressure]
+    assert {kind: dict(limits.rules[kind].levels) for kind in of_pressure} == {
+        "reserve": {"amber": 1.5, "red": 1.2, "critical": 1.0},
+        "circuit_loss": {"watch": 55e3, "replace": 103e3},
+        "permissible_pressure": {"watch": 0.0, "replace": 0.1, "critical": 0.25},
+        "commanded_pressure": {"watch": 69e3},
+    }
+    assert [limits.rules[kind].origin for kind in of_pressure] == [
+        "choice of this project",
+        "published",
+        "choice of this project",
+        "published",
+    ]
 
 
 def band_of(limits: Limits, share: float, new: float) -> str:
@@ -195,7 +208,7 @@ def test_a_rule_left_out_is_not_applied(edited: Edited) -> None:
     path = edited("limits", "project_default")
     text = path.read_text(encoding="utf-8")
     path.write_text(text[: text.index("# What one pair")] + text[text.index("# What all pairs") :], encoding="utf-8")
-    assert list(load_limits(path).rules) == ["wear", "total_share"]
+    assert list(load_limits(path).rules)[:3] == ["wear", "total_share", "reserve"]
 
 
 def test_limits_that_judge_no_land_are_refused(edited: Edited) -> None:

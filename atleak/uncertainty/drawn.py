@@ -1,0 +1,181 @@
+"""Evaluate one operating condition, and a unit in it, for whole arrays of what is uncertain there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
+from atleak.catalogue.section_pressures import SECTIONS
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
+from atleak.engine.circuits import network as circuit_network
+from atleak.engine.leakage import LeakageModel, PumpFlow
+from atleak.engine.projection import Projection
+from atleak.engine.restrictions import Gap as Restricted
+from atleak.engine.restrictions import leaks_both_ways
+from atleak.equations.clearance import effective_clearance
+from atleak.equations.fluid import dynamic_viscosity
+from atleak.equations.uncertainty import rectangular
+from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.draws import Bore
+from atleak.uncertainty.sources import LandSources
+
+_LOWEST_EFFICIENCY = 0.01  # volumetric; lower draws are raised to it
+
+NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
+FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
+FACTORS = (*NORMAL_FACTORS, FLUID_STATE)
+
+
+class Condition:
+    """One operating condition, evaluated for whole arrays of the uncertain factors."""
+
+    def __init__(self, model: LeakageModel, projection: Projection, assumptions: Assumptions) -> None:
+        self.model, self.point, self.assumptions = model, projection.condition, assumptions
+        self.gaps: dict[tuple[str, int], list[tuple[Gap, bool]]] = {}
+        for gap_leakage in projection.gaps:
+            self.gaps.setdefault(gap_leakage.gap.key, []).append((gap_leakage.gap, gap_leakage.drawn_from_pump))
+
+    def at(self, deviates: dict[str, Any]) -> Drawn:
+        """Return fluid, pressures and pump at given standard deviates of `FACTORS`."""
+        model, point, u = self.model, self.point, self.assumptions
+        temperature = point.temperature + u.temperature * deviates["temperature"]
+        nu, rho = _fluid_at(model, temperature)
+        nu = nu * np.exp(u.viscosity * deviates["viscosity"])
+        if model.fluid.viscosity_half_width:
+            nu = nu * (1.0 + rectangular(model.fluid.viscosity_half_width) * deviates[FLUID_STATE])
+        main = point.main_pressure * np.maximum(1.0 + u.main_pressure * deviates["main pressure"], 0.0)
+        converter = point.converter_pressure * np.maximum(
+            1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
+        )
+        pressures: dict[str, Any] = model.controller.section_pressures(main, converter)
+        pump = model.controller.pump
+        if model.uses_slip:
+            coefficient = pump.slip_coefficient * np.exp(u.slip_coefficient * deviates["pump efficiency"])
+            pump = replace(pump, slip_coefficient=coefficient)
+        else:
+            efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviates["pump efficiency"]
+            pump = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
+        rise = temperature - REFERENCE_TEMPERATURE
+        return Drawn(self, rise, nu, rho, pressures, PumpFlow(pump, model.uses_slip))
+
+
+def _touches_circuit(gap: Gap) -> bool:
+    """Return whether a gap leads from or to a circuit."""
+    return any(end.section is not None and end.section not in SECTIONS for end in (gap.high, gap.low))
+
+
+def _fluid_at(model: LeakageModel, temperature: Any) -> tuple[Any, Any]:
+    """Return ν and ρ at a temperature [°C].
+
+    A draw beyond the end of the fluid's data follows the slope of ln ν and of ρ over the last kelvin.
+    """
+    fluid, kind = model.fluid, model.profile.viscosity
+    low, high = fluid.span(kind)
+    inside = np.clip(temperature, low, high)
+    nu, rho = fluid.kinematic_viscosity(inside, kind), fluid.density(inside, kind)
+    beyond = temperature - inside
+    if np.any(beyond):
+        ends = np.array([low, low + 1.0, high - 1.0, high])
+        ln_nu, densities = np.log(fluid.kinematic_viscosity(ends, kind)), fluid.density(ends, kind)
+        nu = nu * np.exp(beyond * np.where(beyond < 0.0, ln_nu[1] - ln_nu[0], ln_nu[3] - ln_nu[2]))
+        rho = rho + beyond * np.where(beyond < 0.0, densities[1] - densities[0], densities[3] - densities[2])
+    return nu, rho
+
+
+class Drawn:
+    """A condition with its uncertain factors drawn; arrays of shape (draws,)."""
+
+    def __init__(
+        self,
+        condition: Condition,
+        rise: Any,
+        nu: Any,
+        rho: Any,
+        pressures: dict[str, Any],
+        pump: PumpFlow,
+        solved: frozenset[str] = frozenset(),
+        restrictions: Mapping[Any, Restricted] = MappingProxyType({}),
+    ) -> None:
+        self.solved = solved  # the circuits whose pressure follows from a balance
+        self.restrictions = restrictions  # of the lands of which circuits needed them already, by their keys
+        self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
+        self.pressures, self.pump = pressures, pump
+        self.viscosity = dynamic_viscosity(nu, rho)
+        self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
+        self._drops: dict[Any, Any] = {}
+
+    def with_circuits(
+        self, lands: Iterable[tuple[LandSources, Bore, Any, Any]], *, keep: bool = True
+    ) -> tuple[Drawn, Network, Balance]:
+        """Return the same with the pressures that the circuits hold where the lands are as given.
+
+        Each land comes with its bore, its contact length and where its spool lies; ``keep`` says that `leakage` will be
+        asked for with the same.
+        """
+        model, point = self.condition.model, self.condition.point
+        restrictions: dict[Any, Restricted] = {}
+        gaps = []
+        for land, bore, length, position in lands:
+            touching = [each for each in self.condition.gaps.get(land.state.land.key, ()) if _touches_circuit(each[0])]
+            if touching:
+                restriction = self._restriction(land, bore, length, position)
+                restrictions[land.state.land.key] = restriction
+                gaps += [(gap, restriction, counts) for gap, counts in touching]
+        solves = model.profile.circuits == "on"
+        network = circuit_network(model.controller, point, gaps, self.nu, self.rho, solves=solves)
+        balance = network.balance(self.pressures)
+        if not network.has_circuits:
+            return self, network, balance
+        parts = self.rise, self.nu, self.rho, dict(balance.pressures), self.pump
+        return Drawn(self.condition, *parts, network.solved, restrictions if keep else {}), network, balance
+
+    def _restriction(self, land: LandSources, bore: Bore, length: Any, position: Any) -> Restricted:
+        """Return what all gaps of a land have in common."""
+        law = self.condition.model.law
+        mean = effective_clearance(bore.clearance, land.thermal_rate, self.rise)
+        clearance = law.flow_clearance(mean, bore.square, bore.cube)
+        diameter = law.diameter(land.state.spool_diameter, mean)
+        return law.restriction(diameter, clearance, self.nu, self.rho, length, position)
+
+    def drop(self, gap: Gap) -> Any:
+        """Return the pressure drop [Pa]; a negative one that leaks nothing is given as zero."""
+        key = gap.high, gap.low
+        if key not in self._drops:
+            drop = gap.high.at(self.pressures) - gap.low.at(self.pressures)
+            self._drops[key] = drop if leaks_both_ways(gap, self.solved) else np.maximum(drop, 0.0)
+        return self._drops[key]
+
+    def leakage(self, land: LandSources, bore: Bore, length: Any, position: Any = None) -> tuple[Any, Any]:
+        """Return the flow of one land through all its gaps, and the part of it drawn from the pump [m³/s].
+
+        ``position`` takes the place of the profile's factor for an eccentric spool.
+        A clearance below zero cannot exist: it is taken as zero and leaks nothing.
+        """
+        state = land.state
+        gaps = self.condition.gaps.get(state.land.key)
+        if not gaps:
+            nothing = np.zeros_like(self.viscosity)
+            return nothing, nothing
+        restriction = self.restrictions.get(state.land.key)
+        if restriction is None:
+            restriction = self._restriction(land, bore, length, position)
+        if not self.condition.model.law.linear:
+            flows = [restriction.flow(self.drop(gap)) for gap, _ in gaps]
+            flow = sum(flows)
+            drawn_flows = [flow for flow, (_, counts) in zip(flows, gaps, strict=True) if counts]
+            if len(drawn_flows) == len(flows):
+                return flow, flow
+            return flow, sum(drawn_flows) if drawn_flows else np.zeros_like(flow)
+        drops = sum(self.drop(gap) for gap, _ in gaps)
+        drawn_gaps = [gap for gap, counts in gaps if counts]
+        flow = restriction.conductance * drops
+        if len(drawn_gaps) == len(gaps):
+            return flow, flow
+        drawn_drops = sum(self.drop(gap) for gap in drawn_gaps)
+        return flow, restriction.conductance * drawn_drops if drawn_gaps else np.zeros_like(flow)

@@ -1,0 +1,170 @@
+"""Carry the draws of a unit into the pump's reserve, the line pressure that holds and what every circuit holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.limits import Limits
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
+from atleak.engine.leakage import LeakageModel, PumpFlow
+from atleak.engine.line import consumed, sections_held
+from atleak.engine.projection import Projection
+from atleak.uncertainty.spread import Spread, interval_of, spread_of
+
+Interval = tuple[float, float]
+
+_GRID = np.linspace(0.0, 1.0, 17)  # fractions of the required pressure at which the demand is worked out
+_HALVINGS = 40  # of the pressure that holds
+_ROUNDS = 30  # in which a line comes down to a set pressure that follows a circuit
+_STILL = 1e-9  # relative change of a line pressure with which they end
+
+
+@dataclass(frozen=True)
+class CircuitSpread:
+    """The pressure that a circuit holds [Pa], and what it has lost or gained against the same unit unworn."""
+
+    pressure_interval: Interval
+    moved: Spread
+
+
+@dataclass(frozen=True)
+class PressureSpread:
+    """The spread of the pump's reserve and of every pressure at one condition."""
+
+    reserve: Spread
+    main_pressure_interval: Interval  # [Pa] that holds
+    below_permissible: Spread | None  # fraction; None where nothing is permissible or judged
+    circuits: Mapping[str, CircuitSpread]  # by id; without those that are vented
+
+
+@dataclass(frozen=True)
+class DrawnUnit:
+    """One unit with its uncertain factors drawn, at one condition; arrays of shape (draws,)."""
+
+    network: Network
+    balance: Balance  # at the required line pressure
+    leakage: np.ndarray  # [m³/s] drawn from the pump
+    pressures: Mapping[str, Any]  # [Pa] of the sections at the required line pressure
+    pump: PumpFlow
+    viscosity: Any  # [Pa·s]
+
+    def demand(self, point: OperatingPoint) -> Any:
+        """Return all that leaves the pump, its own slip included [m³/s]."""
+        slip = self.pump.slip(self.pressures["p_g"], self.viscosity)
+        return self.leakage + slip + consumed(self.network.controller, point)
+
+    def reserve(self, point: OperatingPoint) -> np.ndarray:
+        """Return the pump's supply over it."""
+        with np.errstate(divide="ignore"):
+            return np.divide(self.pump.per_revolution * point.engine_speed, self.demand(point))
+
+    def held(self, point: OperatingPoint, demand_at: np.ndarray) -> tuple[np.ndarray, Mapping[str, Any]]:
+        """Return the line pressure that holds, and all pressures with it [Pa].
+
+        ``demand_at`` is the part of the leakage at the required line pressure that is left at each fraction of `_GRID`:
+        how a demand falls with the pressure is taken from the unit as measured for every draw.
+        """
+        main = np.broadcast_to(np.asarray(self.pressures["p_g"], float), self.leakage.shape)
+        converter = self.pressures["p_k"]
+        if not self.network.solves:
+            return main, self.balance.pressures
+        before_line = consumed(self.network.controller, point, after_line=False)
+
+        def lacking(fraction: Any) -> Any:
+            supply = self.pump.capacity(point.engine_speed, fraction * main, self.viscosity)
+            return self.leakage * np.interp(fraction, _GRID, demand_at) + before_line - supply
+
+        held, falls = main, lacking(np.ones_like(main)) > 0.0
+        if falls.any():
+            low, high = np.zeros_like(main), np.ones_like(main)
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                over = lacking(middle) > 0.0
+                low, high = np.where(over, low, middle), np.where(over, middle, high)
+            held = np.where(falls, low * main, main)
+        pressures = self.balance.pressures
+        line = self.network.controller.line
+        follows = line is not None and line.following is not None
+        for _ in range(_ROUNDS):
+            if follows and line is not None:  # what the line is set to is as uncertain as what is required
+                held = np.minimum(held, line.with_pressures(point, pressures) * (main / point.main_pressure))
+            if not np.any(np.abs(held - pressures["p_g"]) > _STILL * main):
+                break
+            sections = sections_held(self.network.controller, held, converter)
+            pressures = self.network.balance(sections).pressures
+        return held, pressures
+
+
+def demand_shape(model: LeakageModel, point: OperatingPoint) -> np.ndarray:
+    """Return the part of a unit's leakage that is left at each fraction of the required line pressure in `_GRID`."""
+    network = model.network(point)
+    sections = sections_held(model.controller, _GRID * point.main_pressure, point.converter_pressure)
+    drawn = np.broadcast_to(network.drawn_from_pump(network.balance(sections)), _GRID.shape)
+    return drawn / drawn[-1] if drawn[-1] > 0.0 else _GRID
+
+
+def pressure_spread(
+    projection: Projection,
+    model: LeakageModel,
+    now: DrawnUnit,
+    unworn: DrawnUnit,
+    limits: Limits,
+    coverage: float,
+) -> PressureSpread:
+    """Return the spread of reserve and pressures of a unit, judged beside the same unit unworn, draw by draw.
+
+    Parameters
+    ----------
+    projection
+        the unit as measured, at the condition of the draws.
+    limits
+        whose probabilities of having been reached are wanted.
+    """
+    point = projection.condition
+    steps = limits.reserve
+    reserve, when_unworn = now.reserve(point), unworn.reserve(point)
+    reached: Sequence[Any] = [limit for _, limit in steps.under(when_unworn)] if steps else ()
+    shape = demand_shape(model, point)
+    main, pressures = now.held(point, shape)
+    main_unworn, pressures_unworn = unworn.held(point, shape)
+    return PressureSpread(
+        reserve=spread_of(reserve, reached, coverage, falling=True),
+        main_pressure_interval=interval_of(main, coverage),
+        below_permissible=_below(projection, main, main_unworn, now.pressures["p_g"], limits, coverage),
+        circuits={
+            state.circuit.id: _circuit(state.circuit.id, pressures, pressures_unworn, main.shape, limits, coverage)
+            for state in projection.circuits
+            if not state.vented
+        },
+    )
+
+
+def _circuit(
+    name: str, now: Mapping[str, Any], unworn: Mapping[str, Any], shape: Any, limits: Limits, coverage: float
+) -> CircuitSpread:
+    pressure, before = (np.broadcast_to(np.asarray(each[name], float), shape) for each in (now, unworn))
+    reached = [limit for _, limit in limits.circuit_loss.levels] if limits.circuit_loss else []
+    return CircuitSpread(interval_of(pressure, coverage), spread_of(np.abs(before - pressure), reached, coverage))
+
+
+def _below(
+    projection: Projection, main: np.ndarray, unworn: np.ndarray, required: Any, limits: Limits, coverage: float
+) -> Spread | None:
+    """Return how far the line pressure that holds is below the permissible.
+
+    What is required is required: how well it is known does not count, only how much of it holds.
+    """
+    permissible, steps = projection.permissible, limits.below_permissible
+    if permissible is None or permissible.low is None or steps is None:
+        return None
+    stated = projection.condition.main_pressure
+    held, held_unworn = main / required * stated, unworn / required * stated
+    low = np.maximum(np.minimum(permissible.low, held_unworn), 1.0)
+    tiny = 1e-9  # a pressure that equals the permissible is not below it
+    return spread_of(1.0 - held / low, [max(limit, tiny) for _, limit in steps.levels], coverage)

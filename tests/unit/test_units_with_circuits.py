@@ -1,0 +1,250 @@
+"""Shipped valve bodies hold their pressures when new, and a worn circuit is seen where its clutch is applied."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+
+from atleak.catalogue.controller import Controller, Land, OperatingPoint, controllers, load_controller
+from atleak.catalogue.fluid import Fluid, fluids
+from atleak.catalogue.limits import Limits, RuleKind
+from atleak.diagnosis import diagnose
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import PROFILES
+from atleak.engine.projection import Projection, project, project_unworn
+from atleak.intake.readings import read_readings
+from atleak.readings import Readings, clearances
+from atleak.rules import Rule, unit_rules
+from atleak.verdicts import Verdict
+
+Build = Callable[..., Readings]
+KPA = 1e3
+UM = 1e-6
+every_controller = pytest.mark.parametrize("controller", controllers(), ids=lambda controller: controller.id)
+
+
+def sheet(
+    controller: Controller, readings_of: Build, worn: Mapping[tuple[str, int], float], *, widest: bool = False
+) -> Readings:
+    """Readings of a new unit, every pair at its mean or its widest, but for the lands that are worn [µm]."""
+
+    def clearance(land: Land) -> float:
+        return worn[land.key] * UM if land.key in worn else land.widest_new if widest else land.new_clearance
+
+    return readings_of(
+        controller,
+        {land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * clearance(land)) for land in controller.lands},
+    )
+
+
+def projections(
+    controller: Controller,
+    fluid: Fluid,
+    readings_of: Build,
+    worn: Mapping[tuple[str, int], float] | None = None,
+    *,
+    widest: bool = False,
+) -> dict[str, Projection]:
+    """A unit at every operating point, by name."""
+    states = clearances(sheet(controller, readings_of, worn or {}, widest=widest), controller)
+    model = LeakageModel(controller, states, fluid, PROFILES["workshop"])
+    return {point.name: project(model, point) for point in points_in(controller, fluid)}
+
+
+def points_in(controller: Controller, fluid: Fluid) -> list[OperatingPoint]:
+    """Return the operating points at which the fluid is known."""
+    low, high = fluid.span(PROFILES["workshop"].viscosity)
+    return [point for point in controller.operating_points if low <= point.temperature <= high]
+
+
+# --- new ones
+
+
+@every_controller
+@pytest.mark.parametrize("widest", [False, True], ids=["mean", "widest"])
+@pytest.mark.parametrize("fluid", fluids(), ids=lambda fluid: fluid.id)
+def test_a_new_unit_holds_its_pressures_in_every_fluid(
+    controller: Controller, fluid: Fluid, widest: bool, readings_of: Build
+) -> None:
+    """The loss of an applied clutch without a regulator is what its sealing rings and new lands take."""
+    for projection in projections(controller, fluid, readings_of, widest=widest).values():
+        line = projection.condition.main_pressure
+        assert projection.main_pressure_held == pytest.approx(line, abs=1.0)
+        assert projection.reserve > 1.5
+        assert projection.starved == 0.0
+        assert not {message.code for message in projection.messages} & {"demand_over_pump", "circuits_not_balanced"}
+        for state in projection.circuits:
+            if state.vented:
+                assert (state.pressure, state.feed) == (0.0, 0.0)
+            elif state.set_pressure is not None:
+                assert state.pressure == pytest.approx(state.set_pressure, abs=1.0)
+            else:
+                assert line - 30 * KPA < state.pressure < line
+
+
+@every_controller
+def test_the_operating_points_are_within_what_is_permissible(controller: Controller) -> None:
+    for point in controller.operating_points:
+        permissible = controller.permissible_at(point.gear, point.state)
+        if controller.permissible:
+            assert permissible is not None
+            assert permissible.low < point.main_pressure < permissible.high
+
+
+@every_controller
+@pytest.mark.parametrize("widest", [False, True], ids=["mean", "widest"])
+def test_no_rule_flags_a_new_unit(
+    controller: Controller, widest: bool, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    diagnosis = diagnose(controller, hipol, limits, readings=sheet(controller, readings_of, {}, widest=widest))
+    kinds = {rule.kind for rule in diagnosis.unit_rules}
+    assert {RuleKind.TOTAL_SHARE, RuleKind.RESERVE} <= kinds
+    assert (RuleKind.CIRCUIT_LOSS in kinds) == bool(controller.circuits)
+    assert (RuleKind.PERMISSIBLE_PRESSURE in kinds) == bool(controller.permissible)
+    assert {rule.verdict for rule in diagnosis.unit_rules} == {Verdict.OK}
+    assert {land.verdict for land in diagnosis.lands} == {Verdict.OK}
+    assert (diagnosis.verdict, diagnosis.decided_by) == (Verdict.OK, None)
+
+
+def flagged(controller: Controller, fluid: Fluid, limits: Limits, readings: Readings) -> list[Rule]:
+    """The rules of pressure that a worn unit is past."""
+    states = clearances(readings, controller)
+    model = LeakageModel(controller, states, fluid, PROFILES["workshop"])
+    now = [project(model, point) for point in controller.operating_points]
+    rules = unit_rules(states, now, project_unworn(states, model, now), limits)
+    return [rule for rule in rules.pressures if rule.verdict.flagged]
+
+
+# --- the five-speed with circuits
+
+
+@pytest.fixture(scope="module")
+def five_speed() -> Controller:
+    return load_controller("five_speed_2005")
+
+
+def losses(new: Mapping[str, Projection], worn: Mapping[str, Projection]) -> dict[str, dict[str, float]]:
+    """The pressure [kPa] that each circuit has lost at each operating point, where it is a kilopascal or more."""
+    lost: dict[str, dict[str, float]] = {}
+    for name, projection in worn.items():
+        for state in projection.circuits:
+            loss = (new[name].circuit(state.circuit.id).pressure - state.pressure) / KPA
+            if loss >= 1.0:
+                lost.setdefault(state.circuit.id, {})[name] = loss
+    return lost
+
+
+def test_it_is_described_with_as_many_parts_as_a_valve_body_has(five_speed: Controller) -> None:
+    assert len(five_speed.components) >= 12
+    assert len(five_speed.lands) >= 25
+    assert {gap.key for gap in five_speed.gaps} == {land.key for land in five_speed.lands}
+    leaking = {gap.high.section for gap in five_speed.gaps} | {gap.low.section for gap in five_speed.gaps}
+    assert {circuit.id for circuit in five_speed.circuits} <= leaking
+
+
+def test_what_is_not_published_of_it_says_so(five_speed: Controller) -> None:
+    named = ("Ford", "Mazda", "Sonnax", "GM")
+    sources = [
+        *(circuit.source for circuit in five_speed.circuits),
+        *(leak.source for leak in five_speed.leaks),
+        *(consumer.source for consumer in five_speed.consumers),
+        *(point.source for point in five_speed.operating_points),
+        *(each.source for each in five_speed.permissible),
+        five_speed.line_source,
+    ]
+    for source in sources:
+        assert "representative" in source or any(name in source for name in named), source
+    published = [land for land in five_speed.lands if "nominal_diameter_mm" not in land.representative]
+    assert {land.component for land in published} == {"boost_valve"}
+
+
+@pytest.mark.parametrize(
+    ("worn", "circuit", "at", "loss"),
+    [
+        ({("manual_valve", 3): 50.0, ("forward_engagement", 1): 52.0}, "forward_clutch", "hot_idle", 130.2),
+        ({("boost_valve", 3): 60.0}, "reverse_servo", "reverse_idle", 143.4),
+        ({("shift_3_4", 1): 50.0, ("direct_accumulator", 1): 55.0}, "direct_clutch", "cruising_fifth", 152.3),
+        ({("converter_clutch_control", 1): 70.0}, "tcc_apply", "cruising_fifth", 55.9),
+    ],
+    ids=["forward", "reverse", "direct", "converter clutch"],
+)
+def test_worn_lands_lower_the_pressure_of_their_own_circuit(
+    five_speed: Controller,
+    hipol: Fluid,
+    readings_of: Build,
+    worn: dict[tuple[str, int], float],
+    circuit: str,
+    at: str,
+    loss: float,
+) -> None:
+    """The losses were computed apart from the engine: each circuit by bracketing, one after the other till all rest."""
+    new, now = (projections(five_speed, hipol, readings_of, each) for each in ({}, worn))
+    lost = losses(new, now)
+    largest = max(lost, key=lambda each: max(lost[each].values()))
+    assert largest == circuit
+    assert lost[circuit][at] == pytest.approx(loss, abs=0.1)
+    applied = next(each for each in five_speed.circuits if each.id == circuit).gears
+    assert all(now[name].condition.gear in applied for name in lost[circuit])
+
+
+def test_the_rules_name_the_worn_circuit_and_where_it_shows(
+    five_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    worn = {("manual_valve", 3): 50.0, ("forward_engagement", 1): 52.0}
+    rules = flagged(five_speed, hipol, limits, sheet(five_speed, readings_of, worn))
+    assert {rule.circuit.id for rule in rules if rule.circuit} == {"forward_clutch"}
+    assert {rule.condition.name: str(rule.verdict) for rule in rules if rule.condition} == {
+        "driving_third": "watch",
+        "hot_idle": "replace",
+        "stall": "replace",
+        "cruising_fifth": "replace",
+    }
+
+
+def test_a_worn_control_circuit_is_seen_as_its_own_loss_and_a_line_below_the_permissible(
+    five_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    worn = {("boost_valve", 1): 60.0, ("boost_valve", 2): 60.0}
+    rules = flagged(five_speed, hipol, limits, sheet(five_speed, readings_of, worn))
+    at_stall = {rule.circuit.id if rule.circuit else str(rule.kind) for rule in rules if rule.condition.name == "stall"}
+    assert at_stall == {"epc", "forward_clutch", "permissible_pressure"}
+
+
+def test_a_worn_control_circuit_lowers_the_line_and_every_clutch_with_it(
+    five_speed: Controller, hipol: Fluid, readings_of: Build
+) -> None:
+    worn = {("boost_valve", 1): 60.0, ("boost_valve", 2): 60.0}
+    new, now = (projections(five_speed, hipol, readings_of, each)["stall"] for each in ({}, worn))
+    drop = (new.circuit("epc").pressure - now.circuit("epc").pressure) / KPA
+    assert drop > 100.0
+    assert new.main_pressure_held - now.main_pressure_held == pytest.approx(2.5 * drop * KPA, abs=10.0)
+    assert now.circuit("forward_clutch").pressure < now.main_pressure_held
+    assert now.reserve > 1.5  # the pump is not to blame
+    permissible = five_speed.permissible_at(1, "stall")
+    assert permissible is not None
+    assert now.main_pressure_held < permissible.low < new.main_pressure_held
+
+
+def test_a_gap_between_two_circuits_is_no_reversed_one(
+    five_speed: Controller, hipol: Fluid, readings_of: Build
+) -> None:
+    """The overdrive band's larger feed holds more than the direct clutch; its worn lands turn the gap between round."""
+    worn = {("shift_1_2", 1): 70.0, ("overdrive_servo_valve", 1): 70.0}
+    now = projections(five_speed, hipol, readings_of, worn)["cruising_fifth"]
+    (between,) = [gap for gap in now.gaps if str(gap.gap.low) == "direct_clutch"]
+    assert between.pressure_drop < 0.0
+    assert between.leakage < 0.0
+    assert "reversed_pressure_drop" not in {message.code for message in now.messages}
+
+
+def test_the_sample_sheet_shows_a_forward_clutch_that_loses_its_pressure(
+    five_speed: Controller, hipol: Fluid, limits: Limits, root: Path
+) -> None:
+    readings = read_readings(root / "sample_data" / "measuring_sheet_five_speed.xlsx", five_speed)
+    rules = flagged(five_speed, hipol, limits, readings)
+    assert {rule.circuit.id for rule in rules if rule.circuit} == {"forward_clutch"}
+    worst = max(rules, key=lambda rule: rule.value)
+    assert (worst.condition.name, worst.verdict) == ("stall", Verdict.REPLACE)
+    assert worst.value > 200 * KPA
