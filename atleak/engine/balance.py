@@ -118,7 +118,10 @@ class _Flow:
         return _Flow(self.value + other.value, slopes)
 
     def __sub__(self, other: _Flow) -> _Flow:
-        return self + other.times(-1.0)
+        slopes = dict(self.slopes)
+        for at, slope in other.slopes.items():
+            slopes[at] = slopes[at] - slope if at in slopes else -slope
+        return _Flow(self.value - other.value, slopes)
 
     def times(self, factor: Any) -> _Flow:
         """Return it times a number that no pressure changes."""
@@ -170,14 +173,18 @@ class _Structure:
         self.gaps, self.others = len(gaps), len(branches)  # how many stand first: gaps, and all but feeds
         self.ends = [(self.rows[each.high.section], self.rows[each.low.section]) for each in self.branches]
         self.high, self.low = np.array(self.ends, int).reshape(-1, 2).T
-        self.one_way = np.array(
-            [
-                number
-                for number, each in enumerate(self.branches[: self.others])
-                if not leaks_both_ways(each, network.solved)
-            ],
-            int,
-        )
+        #: of which one end is a share of a pressure, or the lower a pressure that stays the same
+        self.shares = [
+            (number, each.high.coefficient, each.low.coefficient, each.low.constant)
+            for number, each in enumerate(self.branches)
+            if each.high.coefficient != 1.0 or (each.low.coefficient, each.low.constant) not in ((1.0, 0.0), (0.0, 0.0))
+        ]
+        #: which let nothing back although their lower pressure may be the higher one
+        self.one_way = [
+            number
+            for number, each in enumerate(self.branches[: self.others])
+            if not leaks_both_ways(each, network.solved) and (each.low.section or each.low.constant)
+        ]
         self.feeds: list[list[int]] = [[] for _ in self.circuits]
         for number, feed in enumerate(network.feeds, start=self.others):
             self.feeds[self.rows[feed.into]].append(number)
@@ -221,7 +228,6 @@ class _Columns:
     pressures: np.ndarray  # [Pa], shape (pressures, columns): changed in place until everything balances
     gaps: Gap  # stacked, shapes (gaps, 1 or columns)
     orifices: Orifice  # likewise, the feeds last
-    shares: tuple[Any, Any, Any]  # of the pressures at both ends of each branch, and what is taken off [Pa]
 
     @classmethod
     def of(cls, network: Circuits, sections: Mapping[str, Any]) -> _Columns:
@@ -241,13 +247,7 @@ class _Columns:
         for name, pressure in sections.items():
             pressures[structure.rows[name]] = np.maximum(np.broadcast_to(pressure, shape).reshape(-1), 0.0)
         stacked = [_stacked(each, shape) for each in numbers]
-        shares = np.array(
-            [(each.high.coefficient, each.low.coefficient, each.low.constant) for each in structure.branches]
-        ).reshape(-1, 3)
-        high, low, constant = shares.T[:, :, None]
-        columns = cls(
-            structure, shape, size, pressures, Gap(*stacked[:2]), Orifice(*stacked[2:]), (high, low, constant)
-        )
+        columns = cls(structure, shape, size, pressures, Gap(*stacked[:2]), Orifice(*stacked[2:]))
         columns.start_from_above()
         return columns
 
@@ -265,7 +265,6 @@ class _Columns:
             pressures,
             Gap(of(gaps.conductance), of(gaps.bend)),
             Orifice(of(orifices.coefficient), of(orifices.transition)),
-            self.shares,
         )
 
     def pressure(self, number: int) -> np.ndarray:
@@ -341,16 +340,23 @@ class _State:
 
     def __init__(self, columns: _Columns, *, chords: bool = False) -> None:
         structure = columns.structure
-        high, low, constant = columns.shares
-        drops = columns.pressures[structure.high] * high - columns.pressures[structure.low] * low - constant
-        backwards = drops[structure.one_way] < 0.0
-        drops[structure.one_way] = np.maximum(drops[structure.one_way], 0.0)
+        drops = columns.pressures[structure.high]
+        drops -= columns.pressures[structure.low]
+        for number, high, low, constant in structure.shares:
+            upper, lower = structure.ends[number]
+            drops[number] = columns.pressures[upper] * high - columns.pressures[lower] * low - constant
+        backwards = []
+        for number in structure.one_way:
+            if not drops[number].min(initial=0.0) >= 0.0:
+                backwards.append((number, drops[number] >= 0.0))
+                np.maximum(drops[number], 0.0, out=drops[number])
         flows, slopes = np.empty_like(drops), np.empty_like(drops)
         for part, kind in ((slice(structure.gaps), columns.gaps), (slice(structure.gaps, None), columns.orifices)):
             flows[part], slopes[part] = kind.flow(drops[part]), kind.slope(drops[part])
         if chords:
             np.divide(flows, drops, out=slopes, where=drops != 0.0)
-        slopes[structure.one_way] *= ~backwards
+        for number, forward in backwards:
+            slopes[number] *= forward
         self.columns, self.flows, self.slopes = columns, flows, slopes
         #: what leaves each circuit, also for those that it feeds, less what comes in but through its feeds
         self.needs = [_Flow(_added(terms, flows), {}) for terms in structure.sums]
@@ -382,35 +388,41 @@ class _State:
     def _fed(self, number: int) -> None:
         """Balance a circuit with its feeds: a regulator throttles them where they could hold more than it is set to."""
         columns, structure = self.columns, self.columns.structure
-        feeds = [(feed, self._through(feed)) for feed in structure.feeds[number]]
-        need, supply = self.needs[number], sum((flow for _, flow in feeds), _NOTHING)
-        surplus = need - supply
+        feeds = [(structure.ends[feed][0], self._through(feed)) for feed in structure.feeds[number]]
+        need, supply = self.needs[number], feeds[0][1]
+        for _, flow in feeds[1:]:
+            supply = supply + flow
+        surplus, capped = need - supply, None
         steepness = surplus.slopes[number]
-        limit = columns.limit(number)
-        self.errors[number] = surplus.value
+        self.errors[number], self.residuals[number], self.fed[number] = surplus.value, surplus, supply.value
         self.finest[number] = steepness * columns.pressure(number) * _LAST_DIGIT
-        self.residuals[number], self.fed[number] = surplus, supply.value
-        part = None
+        limit = columns.limit(number)
         if limit is not None:
             over = _Flow(columns.pressure(number), {number: 1.0}) - limit
-            capped = over.value * steepness >= surplus.value
-            if np.any(capped):
-                self.residuals[number] = over.where(capped, surplus)
-                self.errors[number] = np.where(capped, over.value * steepness, surplus.value)
-                back = sum((flow.where(flow.value < 0.0, _NOTHING) for _, flow in feeds), _NOTHING)
-                drawn = need - back
-                self.relieved[number] = np.where(capped, np.maximum(-drawn.value, 0.0), 0.0)
-                passed = drawn.where((drawn.value > 0.0) & capped, _NOTHING)
-                part = passed.over(supply - back).where(capped, _Flow(1.0, {}))
-                self.fed[number] = np.where(capped, passed.value + back.value, supply.value)
-        for feed, flow in feeds:
-            drawn = flow
-            if part is not None:
-                drawn = flow.product(part).where(flow.value > 0.0, flow)
-            self.largest = np.maximum(self.largest, np.abs(drawn.value))
-            source = structure.ends[feed][0]
-            if source < len(self.needs):
-                self.needs[source] = self.needs[source] + drawn
+            too_high = over.value * steepness
+            capped = too_high >= surplus.value
+            self.residuals[number] = over.where(capped, surplus)
+            self.errors[number] = np.where(capped, too_high, surplus.value)
+            back = sum(np.minimum(flow.value, 0.0) for _, flow in feeds)
+            drawn = need.value - back
+            self.relieved[number] = np.where(capped, np.maximum(-drawn, 0.0), 0.0)
+            self.fed[number] = np.where(capped, np.maximum(drawn, 0.0) + back, supply.value)
+        self.largest = np.maximum(self.largest, np.abs(self.fed[number]))
+        self._draw(feeds, need, capped)
+
+    def _draw(self, feeds: list[tuple[int, _Flow]], need: _Flow, capped: Any) -> None:
+        """Take what a circuit's feeds bring from the circuits before them: where it is capped, what is drawn."""
+        sources = [(source, flow) for source, flow in feeds if source < len(self.needs)]
+        part = None
+        if sources and np.any(capped):
+            forward = [flow.where(flow.value > 0.0, _NOTHING) for _, flow in feeds]
+            back = [flow.where(flow.value < 0.0, _NOTHING) for _, flow in feeds]
+            drawn = need - sum(back, _NOTHING)
+            part = drawn.where(drawn.value > 0.0, _NOTHING).over(sum(forward, _NOTHING)).where(capped, _Flow(1.0, {}))
+        for source, flow in sources:
+            passed = flow if part is None else flow.product(part).where(flow.value > 0.0, flow)
+            self.largest = np.maximum(self.largest, np.abs(passed.value))
+            self.needs[source] = self.needs[source] + passed
 
     def _through(self, feed: int) -> _Flow:
         """Return what a feed lets through where nothing throttles it."""
