@@ -31,7 +31,6 @@ DIGITS = {
     "Covered from [rpm]": 0,
     "Flow [dm³/min]": 4,
 }
-_FROM_PUMP, _LEAKS = "From the pump", "The leaks alone"
 
 
 def section(diagnosis: Diagnosis, plan: RepairPlan) -> None:
@@ -74,11 +73,9 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         "whatever the fluid's temperature is; where the pump's line crosses it the pressure begins to hold."
     )
     st.markdown("**Where the flow goes**")
-    shown = st.segmented_control(
-        "Flow", [_FROM_PUMP, _LEAKS], default=_FROM_PUMP, key="flow-shown", label_visibility="collapsed"
-    )
-    diagram = flow_diagram(diagnosis, projection, leaks_only=shown == _LEAKS)
-    title = f"Flow from the pump to the sump, {projection.condition.label}; the same as a table below"
+    leaks_only = st.toggle("The leaks alone, drawn larger", key="leaks-alone")
+    diagram = flow_diagram(diagnosis, projection, leaks_only=leaks_only)
+    title = f"Flow from the {'line' if leaks_only else 'pump'} to the sump, {projection.condition.label}; the same as a table below"
     show.svg(flow_svg(diagram, title), title, least_width=720)
     st.caption(
         "Flows in dm³/min at the pressures that hold; a ribbon is as wide as its flow, shade and sign are verdicts."
