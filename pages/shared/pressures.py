@@ -69,13 +69,14 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     st.markdown("**Pump over engine speed**")
     show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")
     st.caption(
-        f"What leakage, slip and consumers take at {plain(projection.condition.label)}, at its required pressure, "
-        "whatever the fluid's temperature is; where the pump's line crosses it the pressure begins to hold."
+        "The rising line is what the pump supplies; each level line is what leakage, slip and consumers take with fluid "
+        f"of that temperature, at the pressure required at {plain(projection.condition.label)}. From where they cross "
+        "that pressure holds; at any speed the pump's line over the level one is the reserve."
     )
     st.markdown("**Where the flow goes**")
     leaks_only = st.toggle("The leaks alone, drawn larger", key="leaks-alone")
     diagram = flow_diagram(diagnosis, projection, leaks_only=leaks_only)
-    title = f"Flow from the {'line' if leaks_only else 'pump'} to the sump, {projection.condition.label}; the same as a table below"
+    title = f"Where the flow goes, {projection.condition.label}; the same stands as a table below"
     show.svg(flow_svg(diagram, title), title, least_width=720)
     st.caption(
         "Flows in dm³/min at the pressures that hold; a ribbon is as wide as its flow, shade and sign are verdicts."
