@@ -69,8 +69,8 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     st.markdown("**Pump over engine speed**")
     show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")
     st.caption(
-        "The rising line is what the pump supplies; each level line is what leakage, slip and consumers take with fluid "
-        f"of that temperature, at the pressure required at {plain(projection.condition.label)}. From where they cross "
+        "The rising line is what the pump supplies; each level line is what leakage, slip and consumers take with "
+        f"fluid of that temperature, at the pressure required at {plain(projection.condition.label)}. From where they cross "
         "that pressure holds; at any speed the pump's line over the level one is the reserve."
     )
     st.markdown("**Where the flow goes**")

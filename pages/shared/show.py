@@ -128,7 +128,9 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
-    words = [name for name in frame if name not in ("Verdict", *digits) and frame[name].dtype == object]
+    words = [
+        name for name in frame.columns.tolist() if name not in ("Verdict", *digits) and frame[name].dtype == object
+    ]
     frame[words] = frame[words].fillna("–")
     names = [None if name is None else Verdict(name) for name in frame["Verdict"].astype(object)]
     frame["Verdict"] = ["–" if each is None else HAIR_SPACE * each.rank + signed(each) for each in names]
