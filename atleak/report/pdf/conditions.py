@@ -102,7 +102,7 @@ class Conditions:
         say, plan = self.say, plan_repairs(self.diagnosis)
         steps = list(enumerate(plan.steps, start=1))
         if steps:
-            yield text(say("texts.repair_order"))
+            yield text(say("texts.repair_order"), leads=True)
             yield table(
                 [
                     PrintedColumn("", lambda step: str(step[0]), side="r"),
@@ -136,7 +136,7 @@ class Conditions:
     def _totals_after(self, steps: Sequence[RepairStep]) -> Iterable[Block]:
         """Return the total after every step at every condition."""
         say = self.say
-        yield text(say("texts.totals_after"))
+        yield text(say("texts.totals_after"), leads=True)
         rows = [("–", [each.before for each in steps[0].conditions])]
         rows += [(str(number), [each.after for each in step.conditions]) for number, step in enumerate(steps, start=1)]
         for first in range(0, len(self.diagnosis.projections), ABREAST):

@@ -11,6 +11,7 @@ from atleak.views.pressures import HeldPressure, PressuresAt, pressures_at
 from atleak.workshop_units import KPA
 
 _LANDS = 4  # named as causes of one circuit's loss
+_SHOWS = 0.5  # [kPa] that a whole number shows
 
 
 class Pressures:
@@ -41,8 +42,8 @@ class Pressures:
 
     def _held(self, each: HeldPressure) -> str:
         low, high = each.interval or (None, None)
-        scaled = (None if end is None else end * KPA for end in (low, high))
-        return self._kpa(each.now) + self.names.interval(*scaled, 0)
+        low, high = (None if end is None else end * KPA for end in (low, high))
+        return self._kpa(each.now) + self.names.interval(low, high, 0)
 
     def _verdict(self, each: HeldPressure) -> dict[str, str] | str:
         if each.verdict is None:
@@ -113,7 +114,7 @@ class Pressures:
     def _circuits(self, at: PressuresAt) -> Iterable[Block]:
         say, column = self.say, self.names.column
         applied = [each for each in at.circuits if not each.vented]
-        yield text(say("texts.circuits_at", condition=self._condition(at)))
+        yield text(say("texts.circuits_at", condition=self._condition(at)), leads=True)
         yield table(
             [
                 PrintedColumn(column("circuit"), lambda each: self.names.section(each.id), width=3),
@@ -135,7 +136,8 @@ class Pressures:
         return "–" if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)
 
     def _causes(self, each: HeldPressure) -> str:
-        causes = sorted(each.causes.items(), key=lambda cause: -abs(cause[1]))
+        shown = [cause for cause in each.causes.items() if abs(cause[1]) * KPA >= _SHOWS]
+        causes = sorted(shown, key=lambda cause: -abs(cause[1]))
         named = [f"{component}/{land}\u00a0{self._kpa(loss)}" for (component, land), loss in causes[:_LANDS]]
         more = len(causes) - _LANDS
         return joined([*named, self.say("texts.more_lands", count=more) if more > 0 else ""])

@@ -8,6 +8,7 @@ from atleak.catalogue.controller import STATED, OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.extremes import Instant
 from atleak.job.record import Job
+from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
 from atleak.uncertainty import Decision
 from atleak.views.condition_matrix import MatrixRow
@@ -182,6 +183,10 @@ class PrintedNames:
         sentence = self._reached("rules.reached", deciding)
         return f"{sentence}\n{self.say('rules.also', others=also)}" if also else sentence
 
+    def reached(self, rule: Rule) -> str:
+        """Return what a rule limits, its value and the limit that it reached."""
+        return self._reached("rules.reached_short", rule)
+
     def _reached(self, key: str, rule: Rule) -> str:
         say = self.say
         return say(
@@ -193,9 +198,10 @@ class PrintedNames:
         )
 
     def _value(self, rule: Rule, value: float) -> str:
-        return f"{self.say.number(value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}"
+        return f"{self.say.number(value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}".rstrip()
 
     def _rule(self, rule: Rule) -> str:
-        if rule.condition is None:
-            return self.say(f"rules.{rule.kind}")
-        return self.say("rules.share_at", condition=self.condition(rule.condition))
+        if rule.kind.is_share and rule.condition is not None:
+            return self.say("rules.share_at", condition=self.condition(rule.condition))
+        at = "" if rule.condition is None else self.condition(rule.condition)
+        return joined((self.say(f"rules.{rule.kind}"), rule.circuit.name if rule.circuit else "", at, rule.where))

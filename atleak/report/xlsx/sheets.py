@@ -6,6 +6,7 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, Record
@@ -29,7 +30,7 @@ from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import fluid_in_state, measuring_temperature
+from atleak.views.sentences import because_of, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
@@ -139,8 +140,11 @@ class Sheets:
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
         lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
-        if isinstance(decided_by, Rule):
+        if isinstance(decided_by, Rule) and decided_by.kind is RuleKind.TOTAL_SHARE:
             return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
+        if isinstance(decided_by, Rule):
+            because = because_of(diagnosis, decided_by, wording("en")) or f"because of the {decided_by.label}."
+            return f"{signed(diagnosis.verdict)} {because} {lands}. {total}"
         if decided_by is not None:
             component, number = decided_by.key
             lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"

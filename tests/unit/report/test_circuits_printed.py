@@ -20,7 +20,8 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
-from atleak.verdicts import Verdict
+from atleak.rules import Rule
+from atleak.verdicts import Band, Verdict
 from atleak.wording import languages, signed, wording
 
 UM = 1e-6
@@ -460,3 +461,73 @@ def test_the_matrix_says_what_leaks_beside_the_lands(unit: Unit) -> None:
     others = f"{at.share_of(at.other_leakage) * 100:.1f} % (hot idle, 100 °C)"
     assert "together with what leaks beside them" in text
     assert others in text
+
+
+# --- what decided
+
+
+def judged_by(kind: RuleKind, limits: Limits) -> Limits:
+    """Limits that one kind of pressure is past first, and no land and no total."""
+    assert limits.wear is not None
+    assert limits.reserve is not None
+    assert limits.below_permissible is not None
+    wear = replace(limits.wear, levels=((Verdict.WATCH, 1e3),), at_least={})
+    bands = (Band.AMBER, Band.RED, Band.CRITICAL)
+    generous = replace(
+        limits.total_share, levels=tuple((band, 50.0 + place) for place, band in enumerate(bands)), growth={}
+    )
+    reserve = replace(limits.reserve, levels=((Band.AMBER, 2.58), (Band.RED, 2.57), (Band.CRITICAL, 2.56)), fall=0.0)
+    return replace(
+        limits,
+        wear=wear,
+        pair_share=None,
+        total_share=generous,
+        reserve=reserve if kind is RuleKind.RESERVE else None,
+        circuit_loss=limits.circuit_loss if kind is RuleKind.CIRCUIT_LOSS else None,
+        below_permissible=limits.below_permissible if kind is RuleKind.PERMISSIBLE_PRESSURE else None,
+    )
+
+
+@pytest.fixture(
+    params=[(RuleKind.CIRCUIT_LOSS, WORN), (RuleKind.RESERVE, WORN), (RuleKind.PERMISSIBLE_PRESSURE, TOO_MUCH)],
+    ids=["circuit", "reserve", "permissible"],
+)
+def decided(request: pytest.FixtureRequest, unit: Unit, limits: Limits) -> tuple[Diagnosis, list[float]]:
+    """A unit that a pressure decides, and the numbers that say it: kPa, or the reserve and its limit."""
+    kind, clearances = request.param
+    found = unit(clearances, limits=judged_by(kind, limits))
+    rule = found.decided_by
+    assert isinstance(rule, Rule)
+    assert rule.kind is kind
+    at = found.at(rule.condition)
+    if rule.circuit is not None:
+        circuits = (each.circuit(rule.circuit.id).pressure / 1e3 for each in (at, found.new_at(at)))
+        return found, [float(f"{pressure:.0f}") for pressure in circuits]
+    if kind is RuleKind.RESERVE:
+        return found, [round(at.reserve, 2), round(rule.limit, 2)]
+    return found, [float(f"{at.main_pressure_held / 1e3:.0f}"), at.permissible.low / 1e3]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_the_first_page_says_which_pressure_decided_with_its_numbers(
+    decided: tuple[Diagnosis, list[float]], language: str
+) -> None:
+    (found, numbers), say = decided, wording(language)
+    text = text_of(write_pdf(found, language=language, sections=["limits"]))
+    first = text[: text.index(say("columns.band"))]
+    digits = 2 if found.decided_by.kind is RuleKind.RESERVE else 0
+    assert say.level(found.verdict).capitalize() in first
+    assert [number for number in numbers if say.number(number, digits).replace("\u00a0", " ") not in first] == []
+    if found.decided_by.circuit:
+        assert found.decided_by.circuit.name in first
+
+
+def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
+    decided: tuple[Diagnosis, list[float]], calculator: Any
+) -> None:
+    found, numbers = decided
+    sheets = calculator(write_workbook(found))
+    assert sheets.value("Summary", "B2") == signed(found.verdict)
+    issued = sheets.book["Summary"]["B3"].value
+    assert issued.startswith(f"{signed(found.verdict)} because of ")
+    assert [number for number in numbers if f"{number:g}" not in issued] == []
