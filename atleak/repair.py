@@ -15,8 +15,9 @@ from functools import cached_property
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
-from atleak.engine.repaired import LINE, WORTH_NAMING, with_new
+from atleak.engine.repaired import WORTH_NAMING, with_new
 from atleak.rules import LandKey, Rule, permissible_low
 from atleak.verdicts import BANDS, Band
 

@@ -12,6 +12,8 @@ from atleak.errors import unknown
 from atleak.job.record import RepairDecision
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.conditions import Conditions
+from atleak.report.pdf.gauges import GaugeSection
+from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.road import RoadTestSection
 from atleak.verdicts import VERDICTS, Verdict
@@ -25,10 +27,12 @@ SECTIONS = (
     "picture",
     "flagged",
     "matrix",
+    "pressures",
     "repair_order",
     "all",
     "shares",
     "again",
+    "gauges",
     "road_test",
     "repair",
     "condition",
@@ -46,10 +50,10 @@ OF_LANDS = ("picture", "flagged", "matrix", "repair_order", "all", "shares", "ag
 BARS = 16  # largest number of bars in the chart of shares
 
 
-def chosen_sections(sections: Iterable[str] | None, *, log_alone: bool = False) -> tuple[str, ...]:
+def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = False) -> tuple[str, ...]:
     """Return the sections asked for, in the report's order; all of them where none is chosen.
 
-    Of a road test alone those about lands are left out unless they are asked for: no land was measured.
+    Without a measuring sheet those about lands are left out unless they are asked for: no land was measured.
 
     Raises
     ------
@@ -57,7 +61,7 @@ def chosen_sections(sections: Iterable[str] | None, *, log_alone: bool = False) 
         if no report has such a section.
     """
     if sections is None:
-        return tuple(name for name in SECTIONS if not (log_alone and name in OF_LANDS))
+        return tuple(name for name in SECTIONS if not (without_sheet and name in OF_LANDS))
     wanted = list(sections)
     for name in wanted:
         if name not in SECTIONS:
@@ -74,7 +78,7 @@ class Body:
     def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
         self.names, self.series, self.pictures = names, series, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
-        self.conditions = Conditions(names)
+        self.conditions, self.pressures = Conditions(names), Pressures(names)
 
     # --- sections
 
@@ -136,6 +140,9 @@ class Body:
     def _matrix(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from self.conditions.matrix()
 
+    def _pressures(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.pressures.blocks()
+
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
         say, names = self.say, self.names
@@ -189,6 +196,9 @@ class Body:
             "alt": say("charts.shares_alt", lands=lands),
             "caption": say("charts.caption_shares", condition=self.names.condition(at.condition)),
         }
+
+    def _gauges(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from GaugeSection(self.names).blocks(self.diagnosis.pressures)
 
     def _road_test(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from RoadTestSection(self.names, self.series).blocks(charts)
@@ -321,10 +331,11 @@ class Body:
 
     def _levels(self, kind: RuleKind, steps: Steps) -> str:
         say = self.say
-        return joined(
-            say("rules.level", level=say.level(level), limit=say("rules.and").join(self._asked(kind, steps, level)))
-            for level, _ in steps.levels
-        )
+        words = [
+            say(f"rules.{_begins(steps, level)}", level=say.level(level), limit=say("rules.and").join(asked))
+            for level, asked in ((level, self._asked(kind, steps, level)) for level, _ in steps.levels)
+        ]
+        return joined([*words, say("rules.fall", fall=say.plain(steps.fall * PERCENT)) if steps.fall else ""])
 
     def _asked(self, kind: RuleKind, steps: Steps, level: Level) -> Iterable[str]:
         """Return all that a level asks for: its limit, a least growth in µm, growth over the same land or unit new."""
@@ -422,7 +433,7 @@ class Body:
             ),
             PrintedColumn("SHA-256", lambda name: record[name]["sha256"], width=8),
         ]
-        used = ("readings", "road_test", "controller", "fluid", "limits")
+        used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
 
     def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:
@@ -439,6 +450,13 @@ class Body:
 
 _SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
+
+
+def _begins(steps: Steps, level: Level) -> str:
+    """Return the key of the words for where a level begins: from, over or under its limit."""
+    if steps.falling:
+        return "level_under"
+    return "level_over" if steps.limit_of(level) == 0.0 and steps.has_limit(level) else "level"
 
 
 def _option(value: Any) -> str:

@@ -115,7 +115,7 @@ class RoadTestSection:
         if not self.diagnosis.judged:
             yield text(say("findings.unmeasured"))
         shares = joined(
-            f"{say(f'pressures.{name}')} {say.percent(share, 0)}"
+            f"{self.names.section(name)} {say.percent(share, 0)}"
             for name, share in road.section_shares.items()
             if share is not None
         )

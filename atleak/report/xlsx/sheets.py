@@ -6,12 +6,13 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, Record
 from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, COVERS, DEMAND
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.live_cells import (
     AFTER_A_NUMBER,
@@ -26,17 +27,17 @@ from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import head, measure_first, reason
+from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.road_words import deciding_sentence
-from atleak.views.sentences import fluid_in_state, measuring_temperature
+from atleak.views.sentences import because_of, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 #: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
     "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_concentric",
-    "share_touching", "capacity", "n_min", "T", "n",
+    "share_touching", "capacity", "n_min", "reserve", "reserve_new", "p_g", "p_g_held", "T", "n",
 )  # fmt: skip
 _ISSUED = {
     "decision": "decision as issued",
@@ -80,13 +81,15 @@ class Sheets:
             ("measuring sheet", record["readings"]["file"]),
             ("measured at", measuring_temperature(diagnosis, wording("en"))),
             ("road test", record["road_test"]["file"] if record["road_test"] else None),
+            ("gauge readings", record["pressure_table"]["file"] if record["pressure_table"] else None),
             ("representative", record["controller"]["representative_note"]),
             *self._complaint(),
         ]
         row = book.pairs(sheet, 4, rows) + 1
-        if diagnosis.log is not None and diagnosis.log_alone:
+        if diagnosis.without_sheet:
             put(sheet, row, 0, wording("en")("findings.alone"))
-            RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
+            if diagnosis.log is not None:
+                RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
             return
         row = self._totals(sheet, row) + 1
         row = self._flagged(sheet, row) + 1
@@ -114,8 +117,11 @@ class Sheets:
         put(sheet, row, 0, "verdict of the unit", book.bold)
         if diagnosis.judged:  # half a pair is never called ok
             fine = Verdict.OK if diagnosis.measured else Verdict.NOT_MEASURED
-            of_log = "".join(f",{1 + RANKED.index(rule.verdict)}" for rule in diagnosis.log_rules)  # as issued
-            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks}{of_log})", fine)
+            shown = (*diagnosis.gauge_rules, *diagnosis.log_rules)
+            issued = "".join(
+                f",{1 + RANKED.index(verdict)}" for verdict in dict.fromkeys(each.verdict for each in shown)
+            )
+            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks}{issued})", fine)
             formula(sheet, row, 1, verdict, signed(diagnosis.verdict), book.bold)
         else:
             put(sheet, row, 1, signed(diagnosis.verdict), book.bold)
@@ -125,16 +131,20 @@ class Sheets:
 
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
-        decided_by, log = diagnosis.decided_by, diagnosis.log
-        if log is not None and (diagnosis.log_alone or decided_by in log.rules):
-            return f"{signed(diagnosis.verdict)}: {deciding_sentence(log, decided_by, wording('en'))}"
+        decided_by = diagnosis.decided_by
+        measured = measured_sentence(diagnosis, wording("en"))
+        if measured is not None:
+            return f"{signed(diagnosis.verdict)}: {measured}"
         worst, band = diagnosis.worst, diagnosis.band(diagnosis.worst)
         total = f"At “{worst.condition.label}” {self._taken(worst)}" + (f" ({band})." if band else ".")
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
         lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
-        if isinstance(decided_by, Rule):
+        if isinstance(decided_by, Rule) and decided_by.kind is RuleKind.TOTAL_SHARE:
             return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
+        if isinstance(decided_by, Rule):
+            because = because_of(diagnosis, decided_by, wording("en")) or f"because of the {decided_by.label}."
+            return f"{signed(diagnosis.verdict)} {because} {lands}. {total}"
         if decided_by is not None:
             component, number = decided_by.key
             lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"
@@ -166,7 +176,7 @@ class Sheets:
                     formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
         book.colour_words(sheet, (first, 1), (row, 1), BANDS)
         put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
-        put(sheet, row + 2, 0, COVERS)
+        put(sheet, row + 2, 0, covers(self.diagnosis))
         return row + 3
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
