@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
 from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, NewOrigin, OperatingPoint
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
@@ -18,8 +19,11 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, model_new, project, project_unworn
 from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.errors import Message
+from atleak.errors import Message, RoadTestError
+from atleak.gauges.check import PressureCheck, check_pressures
+from atleak.pressure_table import PressureTable
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
+from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
 from atleak.sheet_checks import sheet_messages
@@ -36,6 +40,7 @@ from atleak.uncertainty import (
 )
 from atleak.verdicts import Band, Verdict, worst
 
+NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
 FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
 
 
@@ -126,7 +131,9 @@ class Diagnosis:
     new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
     unworn_projections: tuple[Projection, ...]  # as wide as its readings may have been when new; growth is judged by it
     losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
-    road: RoadLeakage | None
+    road: RoadLeakage | None  # None without a log, and where no leakage can be computed over it
+    log: RoadFindings | None  # what the log says by itself; None without one
+    pressures: PressureCheck | None  # gauge readings of the standing vehicle; None without any
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
@@ -216,9 +223,12 @@ class Diagnosis:
         """
         return evaluate_road_test(self.model, road_test, self.projection.condition)
 
-    def band(self, projection: Projection) -> Band:
-        """Return the band that the total share of one of the projections has reached."""
-        return Band(self.total_rule(projection).level)
+    def band(self, projection: Projection) -> Band | None:
+        """Return the band that the total share of one of the projections has reached; None where nothing was measured.
+
+        The totals of a unit that nobody measured are those of a new one: what is not measured is never green.
+        """
+        return Band(self.total_rule(projection).level) if self.judged else None
 
     @property
     def flagged(self) -> tuple[LandDiagnosis, ...]:
@@ -238,18 +248,17 @@ class Diagnosis:
 
     @property
     def decided_by(self) -> LandDiagnosis | Rule | None:
-        """Return what put the unit past a limit: a land, a total or a pressure, the worst; None within all limits.
+        """Return what put the unit past a limit: a land, a total, a pressure, the worst; None within all limits.
 
         Of several that are equally bad one that is sure is named before one that is not, a land before a total, a total
-        before a pressure, and of pressures the one that is farthest past its limit.
-        Without any reading nothing is decided: the totals are those of a new unit.
+        before a pressure, and of pressures the one that is farthest past its limit, those of gauges and log last.
+        Without any reading gauges and log alone decide: all else is that of a new unit.
         """
-        if not self.judged:
-            return None
         candidates: list[LandDiagnosis | Rule] = [*self.flagged]
-        candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
-        past = sorted(self.pressure_rules, key=lambda rule: -rule.severity)
-        candidates += [rule for rule in past if rule.verdict.flagged]
+        if self.judged:
+            candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
+            candidates += _farthest_first(self.pressure_rules)
+        candidates += [*_farthest_first(self.gauge_rules), *_farthest_first(self.log_rules)]
         return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
 
     @property
@@ -270,25 +279,53 @@ class Diagnosis:
         return decided.decision if decided else None
 
     def decided(self, rule: Rule) -> RuleDecision | None:
-        """Return the decision on one of the unit's rules; None without readings."""
-        return self.uncertainty.on(rule) if self.uncertainty else None
+        """Return the decision on one of the unit's rules; None where it depends on readings and there are none."""
+        shown = (*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ()))
+        measured = next((each for each in shown if each.rule == rule), None)
+        return measured or (self.uncertainty.on(rule) if self.uncertainty else None)
+
+    @property
+    def gauge_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge what gauges showed."""
+        return self.pressures.rules if self.pressures else ()
+
+    @property
+    def log_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge the log: main pressure beside what is permitted, and what was commanded."""
+        return self.log.rules if self.log else ()
 
     @property
     def unit_rules(self) -> tuple[Rule, ...]:
-        """Return every rule that judges the whole unit: totals first."""
-        return (*self.total_rules, *self.pressure_rules)
+        """Return every rule that judges the whole unit: totals first, gauges and log last, alone without readings."""
+        of_clearances = (*self.total_rules, *self.pressure_rules) if self.judged else ()
+        return (*of_clearances, *self.gauge_rules, *self.log_rules)
 
     def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
         """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
         return tuple(rule for rule in self.pressure_rules if rule.condition == projection.condition)
 
+    def pressure_rule(self, projection: Projection, kind: RuleKind, circuit: Circuit | None = None) -> Rule | None:
+        """Return one of them, of a circuit that of its loss; None where that is not judged."""
+        rules = self.pressure_rules_at(projection)
+        return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)
+
     @property
     def verdict(self) -> Verdict:
-        """Return the worst of any measured land and of the totals, ``not_measured`` where nothing was measured."""
+        """Return the worst of any measured land, totals, gauges and log; ``not_measured`` where none of them is there.
+
+        Without any reading it is that of the pressures alone that gauges showed and the log holds.
+        """
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
-        return worst([land.verdict for land in self.lands if land.verdict == Verdict.OK] or [Verdict.NOT_MEASURED])
+        within: list[Verdict] = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within += () if self.judged else [rule.verdict for rule in self.unit_rules]
+        return worst(within or [Verdict.NOT_MEASURED])
+
+    @property
+    def without_sheet(self) -> bool:
+        """Return whether a log, gauge readings or both are all there is: no measuring sheet was given."""
+        return self.readings is None and (self.log is not None or self.pressures is not None)
 
     @property
     def judged(self) -> int:
@@ -309,6 +346,7 @@ def diagnose(
     fluid_state: FluidState | None = None,
     readings: Readings | None = None,
     road_test: RoadTest | None = None,
+    pressures: PressureTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
@@ -329,7 +367,9 @@ def diagnose(
     readings
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
-        log over which leakage is computed.
+        log that is judged by itself, and over which leakage is computed where it holds main pressure.
+    pressures
+        gauge readings of the standing vehicle, which are judged by themselves.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
@@ -349,8 +389,6 @@ def diagnose(
         a condition's temperature outside the fluid's data.
     InputError
         a fluid that its data describe as used, taken as fresh.
-    RoadTestError
-        a road test without usable main pressure.
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
@@ -369,7 +407,8 @@ def diagnose(
     when_new = tuple(project(as_new, point) for point in conditions)
     unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
-    road = None if road_test is None else evaluate_road_test(model, road_test, condition)
+    log = None if road_test is None else road_findings(controller, road_test, limits, assumptions, guard_factor)
+    road, without = (None, None) if road_test is None else _leakage_over(model, road_test, condition)
     rules = unit_rules(states, projections, unworn, limits)
     uncertainty: UnitUncertainty | None = None
     of_sheet: tuple[Message, ...] = ()
@@ -386,8 +425,19 @@ def diagnose(
             guard_factor=guard_factor,
         )
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
+    checked = (
+        None
+        if pressures is None
+        else check_pressures(
+            pressures, model, limits, projections=projections, assumptions=assumptions, guard_factor=guard_factor
+        )
+    )
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if checked is not None:
+        messages += checked.messages
+    if log is not None and without is not None:
+        messages += [*log.road_test.messages, without]
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
@@ -409,12 +459,29 @@ def diagnose(
         unworn_projections=unworn,
         losses=tuple(pressure_losses(model, as_new, point, measured) for point in conditions),
         road=road,
+        log=log,
+        pressures=checked,
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,
         complaint=complaint,
         messages=tuple(messages),
     )
+
+
+def _leakage_over(
+    model: LeakageModel, road_test: RoadTest, condition: OperatingPoint
+) -> tuple[RoadLeakage | None, Message | None]:
+    """Compute the leakage over a log, or say why there is none: its other findings hold without it."""
+    try:
+        return evaluate_road_test(model, road_test, condition), None
+    except RoadTestError as error:
+        return None, Message("warning", NO_LEAKAGE, f"No leakage is computed over {road_test.file}: {error.problem}.")
+
+
+def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:
+    """Return the rules that reached a limit, the one that is farthest past it first."""
+    return sorted((rule for rule in rules if rule.verdict.flagged), key=lambda rule: -rule.severity)
 
 
 def _certainty(decision: Decision | None) -> int:

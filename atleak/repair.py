@@ -15,8 +15,9 @@ from functools import cached_property
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
-from atleak.engine.repaired import LINE, WORTH_NAMING, with_new
+from atleak.engine.repaired import WORTH_NAMING, with_new
 from atleak.rules import LandKey, Rule, permissible_low
 from atleak.verdicts import BANDS, Band
 
@@ -162,11 +163,12 @@ class RepairPlan:
     remaining: tuple[Remainder, ...]  # the ends that are not green
     pressures_past: tuple[Rule, ...]  # rules of reserve and pressures that stay past a limit
     unmeasured: int  # lands of which a part was not measured and is computed as new
+    judged: bool = True  # whether any land was measured: else there is nothing to plan
 
     @property
     def reached(self) -> bool:
         """Tell whether the plan ends green at every condition, with every pressure within its limits."""
-        return not self.remaining and not self.pressures_past
+        return self.judged and not self.remaining and not self.pressures_past
 
     @property
     def for_total(self) -> int:
@@ -212,6 +214,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
         ),
         pressures_past=tuple(rule for end in ends for rule in end.pressure_rules if rule.verdict.flagged),
         unmeasured=len(diagnosis.lands) - diagnosis.measured,
+        judged=bool(lands),
     )
 
 

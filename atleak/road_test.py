@@ -43,6 +43,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
             Quantity("engine_speed", "rotational_speed", "rpm", 0.0, 15000 / 60, "engine speed"),
             Quantity("atf_temperature", "temperature", "°C", -50.0, 200.0, "ATF temperature"),
             Quantity("main_pressure", "pressure", "kPa", -101.4e3, 10e6, "main (line) pressure"),
+            Quantity("commanded_pressure", "pressure", "kPa", -101.4e3, 10e6, "commanded main pressure"),
             Quantity("converter_pressure", "pressure", "kPa", -101.4e3, 5e6, "converter pressure"),
             Quantity("gear", None, "", -3.0, 12.0, "gear"),
             Quantity("vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6, "vehicle speed"),

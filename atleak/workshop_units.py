@@ -5,6 +5,7 @@ from __future__ import annotations
 DM3_MIN = 6.0e4  # m³/s → dm³/min
 MM3_S = 1.0e9  # m³/s → mm³/s
 KPA = 1.0e-3
+MPA_S = 1.0e3  # Pa·s → mPa·s
 MM = 1.0e3
 UM = 1.0e6
 MM2_S = 1.0e6  # m²/s → mm²/s

@@ -1,19 +1,24 @@
 """Show the diagnosis: which pairs are past their limits, what they cost, what to repair first."""
 
-from pathlib import Path
-
 import streamlit as st
 
 from atleak.figures import diagnosis_figures as figures
-from atleak.report.xlsx import write_workbook
-from atleak.views.diagnosis_record import diagnosis_record, to_json
-from pages.shared import conditions, panel, show, words
+from atleak.views.diagnosis_record import diagnosis_record
+from pages.shared import conditions, files, panel, road, show, words
 
 case, diagnosis = panel.shown()
 record = diagnosis_record(diagnosis)
 st.title("Diagnosis")
 show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
 conditions.complaint(diagnosis)
+if diagnosis.without_sheet:
+    if diagnosis.pressures is not None:
+        st.subheader("What gauges show")
+        show.gauges(diagnosis.pressures)
+    if diagnosis.log is not None:
+        road.alone(diagnosis)
+    files.take_along(case, diagnosis, record)
+    st.stop()
 
 st.subheader("Flagged pairs")
 if diagnosis.flagged:
@@ -37,20 +42,18 @@ conditions.repairs(diagnosis)
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)
 
-if diagnosis.road is not None:
+if diagnosis.pressures is not None:
+    st.subheader("What gauges show")
+    show.gauges(diagnosis.pressures)
+
+if diagnosis.log is not None:
     st.subheader("Over the road test")
-    show.chart(figures.road_leakage(diagnosis.road, diagnosis.limits), "road")
-    show.extremes(diagnosis.road, diagnosis.uncertainty)
-    show.log_messages(diagnosis)
+    road.findings(diagnosis)
+    road.leakage(diagnosis)
 
 st.subheader("Lands by leakage")
 show.chart(figures.leakage_ranking(diagnosis), "ranking")
 with st.expander(f"All {len(diagnosis.lands)} lands"):
     show.verdict_table(words.land_rows(diagnosis, record, diagnosis.ranked), words.DIGITS)
 
-st.subheader("Take it along")
-with st.container(horizontal=True):
-    name = f"diagnosis_{Path(case.readings.name).stem if case.readings else diagnosis.controller.id}"
-    st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
-    st.download_button("Excel workbook", lambda: write_workbook(diagnosis), f"{name}.xlsx", on_click="ignore")
-show.basis(diagnosis, record)
+files.take_along(case, diagnosis, record)

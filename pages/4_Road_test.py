@@ -10,6 +10,7 @@ from atleak.figures import diagnosis_figures as figures
 from atleak.intake.road_test import tidy_csv
 from atleak.views.window import event_rows, window_rows
 from pages.shared import log_form, panel, show
+from pages.shared import road as road_page
 
 case, diagnosis = panel.shown()
 st.title("Road test")
@@ -36,7 +37,11 @@ if log.unused:
     st.caption(f"Not used: {show.plain(', '.join(log.unused))}")
 show.messages(log.messages, "the road-test log")
 
-happened = events(test)
+own = diagnosis.log if file == case.road_test else None
+if own is not None:
+    st.subheader("What the log says")
+    road_page.findings(diagnosis)
+happened = events(test) if own is None else own.events
 st.subheader("What happened")
 if happened:
     show.table(event_rows(happened))
@@ -60,6 +65,7 @@ if file == case.road_test and diagnosis.road is not None:
     try:
         road = diagnosis.road if ends is None else diagnosis.over(part)
         st.subheader("Leakage over it")
+        road_page.as_new(diagnosis)
         show.chart(figures.road_leakage(road, diagnosis.limits), "road")
         show.extremes(road, diagnosis.uncertainty)
         show.messages(road.messages, "leakage over this log")

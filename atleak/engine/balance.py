@@ -31,6 +31,7 @@ from atleak.equations import orifice as orifice_equations
 BALANCED = 1e-9  # mass balance of every circuit, over the largest flow of its network
 _LAST_DIGIT = 4e-16  # of a pressure, relative: nothing can be balanced finer
 _SAME = 1e-12  # of the highest pressure: by which a pressure may differ from the one that it is set to
+_BLOCK = 131_072  # numbers of one kind worked on at a time: they stay in the processor's cache
 _STEPS, _FREE = 120, 6  # of Newton's at the most, and of those that may go as far as they like
 
 
@@ -71,24 +72,36 @@ class Circuits(Protocol):
 
 def balance(network: Circuits, sections: Mapping[str, Any]) -> Balance:
     """Find the pressures of the circuits, and add up what flows at them."""
-    columns = _Columns.of(network, sections)
-    converged = _solve(columns) if network.solved else np.ones(columns.size, bool)
-    converged &= np.isfinite(columns.pressures).all(axis=0)
-    state = _State(columns)
+    whole = _Columns.of(network, sections)
+    structure, count = whole.structure, len(network.applied)
+    pressures = np.empty((count, whole.size))
+    feeds = np.empty((count, whole.size))
+    relief = np.empty((count + len(structure.vented), whole.size))
+    converged = np.empty(whole.size, bool)
+    block = max(_BLOCK // max(len(structure.branches), 1), 1)
+    for start in range(0, whole.size, block):
+        part = slice(start, start + block)
+        columns = whole.part(part) if whole.size > block else whole
+        balanced = _solve(columns) if network.solved else np.ones(columns.size, bool)
+        converged[part] = balanced & np.isfinite(columns.pressures).all(axis=0)
+        state = _State(columns)
+        pressures[:, part] = columns.pressures[:count]
+        for number in range(count):
+            feeds[number, part], relief[number, part] = state.fed[number], state.relieved[number]
+        for number in range(count, len(relief)):
+            relief[number, part] = -state.needs[number].value
 
-    def shaped(values: Any) -> Any:
-        values = np.broadcast_to(values, columns.size).reshape(columns.shape)
-        return values if columns.shape else values.item()
+    def shaped(values: np.ndarray) -> Any:
+        return values.reshape(whole.shape) if whole.shape else values.item()
 
-    pressures = dict(sections) | dict.fromkeys(network.vented, 0.0)
-    feeds, relief = {}, {}
-    for number, circuit in enumerate(network.applied):
-        pressures[circuit.id] = shaped(columns.pressure(number))
-        feeds[circuit.id] = shaped(state.fed[number])
-        relief[circuit.id] = shaped(state.relieved[number])
-    for number, name in enumerate(columns.structure.vented, start=len(network.applied)):
-        relief[name] = shaped(-state.needs[number].value)
-    return Balance(pressures, feeds, relief, shaped(converged))
+    names = [*(circuit.id for circuit in network.applied), *structure.vented]
+    held = {circuit.id: shaped(each) for circuit, each in zip(network.applied, pressures, strict=True)}
+    return Balance(
+        dict(sections) | dict.fromkeys(network.vented, 0.0) | held,
+        {circuit.id: shaped(each) for circuit, each in zip(network.applied, feeds, strict=True)},
+        {name: shaped(each) for name, each in zip(names, relief, strict=True)},
+        shaped(converged),
+    )
 
 
 @dataclass(frozen=True)
@@ -176,25 +189,33 @@ class _Structure:
         for number, feed in enumerate(network.feeds, start=self.others):
             self.feeds[self.rows[feed.into]].append(number)
         self.last = len(self.circuits)
-        # what a circuit needs, and how that changes with every pressure, as sums over the branches but for feeds
-        self.sums = np.zeros((len(names), self.others))
-        pairs: dict[tuple[int, int], dict[int, float]] = {}
+        #: what a circuit needs, and how that changes with every pressure, as sums over the branches but for feeds
+        self.sums: list[_Sum] = [[] for _ in names]
+        self.pairs: dict[tuple[int, int], _Sum] = {}
         for number, each in enumerate(self.branches[: self.others]):
             for name, sign in ((each.high.section, 1.0), (each.into, -1.0)):
                 at = self.rows[name] if name is not None else len(names)
                 if at >= len(names):
                     continue
-                self.sums[at, number] += sign
+                self.sums[at].append((number, sign))
                 for end, way in ((each.high, 1.0), (each.low, -1.0)):
                     other = self.rows[end.section]
                     if other < self.last:
-                        row = pairs.setdefault((at, other), {})
-                        row[number] = row.get(number, 0.0) + sign * way * end.coefficient
-        self.pairs = list(pairs)
-        self.slope_sums = np.zeros((len(pairs), self.others))
-        for row, terms in enumerate(pairs.values()):
-            for number, value in terms.items():
-                self.slope_sums[row, number] = value
+                        self.pairs.setdefault((at, other), []).append((number, sign * way * end.coefficient))
+
+
+_Sum = list[tuple[int, float]]  # the numbers of branches, each with its factor
+
+
+def _added(terms: _Sum, values: np.ndarray) -> Any:
+    """Return the sum of some rows, each times its factor; of none, zero."""
+    total: Any = 0.0
+    for number, factor in terms:
+        if factor == 1.0:
+            total = total + values[number]
+        else:
+            total = total - values[number] if factor == -1.0 else total + factor * values[number]
+    return total
 
 
 @dataclass
@@ -212,12 +233,13 @@ class _Columns:
     def of(cls, network: Circuits, sections: Mapping[str, Any]) -> _Columns:
         """Stack a network's numbers, with every circuit at its highest pressure; no section counts as below zero."""
         structure = _Structure(network, sections)
-        gaps, orifices = structure.branches[: structure.gaps], structure.branches[structure.gaps :]
+        restrictions: list[Any] = [each.restriction for each in structure.branches]
+        gaps, orifices = restrictions[: structure.gaps], restrictions[structure.gaps :]
         numbers = [
-            [each.restriction.conductance for each in gaps],
-            [each.restriction.bend for each in gaps],
-            [each.restriction.coefficient for each in orifices],
-            [each.restriction.transition for each in orifices],
+            [each.conductance for each in gaps],
+            [each.bend for each in gaps],
+            [each.coefficient for each in orifices],
+            [each.transition for each in orifices],
         ]
         shape = np.broadcast_shapes(*(np.shape(each) for each in (*sections.values(), *itertools.chain(*numbers))))
         size = math.prod(shape)
@@ -229,18 +251,18 @@ class _Columns:
         columns.start_from_above()
         return columns
 
-    def part(self, chosen: np.ndarray) -> _Columns:
-        """Return some of the columns."""
+    def part(self, chosen: Any) -> _Columns:
+        """Return some of the columns: a slice, or those that are true."""
 
         def of(values: np.ndarray) -> np.ndarray:
             return values if values.shape[1] == 1 else values[:, chosen]
 
-        gaps, orifices = self.gaps, self.orifices
+        gaps, orifices, pressures = self.gaps, self.orifices, self.pressures[:, chosen].copy()
         return _Columns(
             self.structure,
-            (int(np.count_nonzero(chosen)),),
-            int(np.count_nonzero(chosen)),
-            self.pressures[:, chosen],
+            pressures.shape[1:],
+            pressures.shape[1],
+            pressures,
             Gap(of(gaps.conductance), of(gaps.bend)),
             Orifice(of(orifices.coefficient), of(orifices.transition)),
         )
@@ -268,8 +290,9 @@ class _Columns:
             return _Flow(self.line, {}) if unfed else None
         following = circuit.set_pressure.following
         if following is None:
-            limit = circuit.set_pressure.at(self.structure.point)
-            return _Flow(np.minimum(limit, self.line) if unfed else limit, {})
+            stated = circuit.set_pressure.at(self.structure.point)
+            assert stated is not None  # it follows nothing
+            return _Flow(np.minimum(stated, self.line) if unfed else stated, {})
         row = self.structure.rows[following.section]
         value = following.ratio * self.pressures[row] + following.offset
         slopes = {row: np.where(value > 0.0, following.ratio, 0.0)} if row < self.structure.last else {}
@@ -335,12 +358,10 @@ class _State:
         for number, forward in backwards:
             slopes[number] *= forward
         self.columns, self.flows, self.slopes = columns, flows, slopes
-        needed = structure.sums @ flows[: structure.others]
-        by_pair = structure.slope_sums @ slopes[: structure.others]
         #: what leaves each circuit, also for those that it feeds, less what comes in but through its feeds
-        self.needs = [_Flow(value, {}) for value in needed]
-        for (at, other), slope in zip(structure.pairs, by_pair, strict=True):
-            self.needs[at].slopes[other] = slope
+        self.needs = [_Flow(_added(terms, flows), {}) for terms in structure.sums]
+        for (at, other), terms in structure.pairs.items():
+            self.needs[at].slopes[other] = _added(terms, slopes)
         count = structure.last
         self.residuals: list[_Flow] = [_NOTHING] * count
         self.errors: list[Any] = [0.0] * count  # of flow [m³/s]

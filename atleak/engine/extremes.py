@@ -99,7 +99,7 @@ class Extremes:
         return Instant(float(self.time[sample]), flow, capacity, flow / capacity if capacity else None, sample)
 
     def _sustained(self, values: np.ndarray) -> Instant | None:
-        clock = _clock(self.time, self.segments, self.window)
+        clock = clock_of(self.time, self.segments, self.window)
         medians = running_median(values, clock, self.window)
         if not np.isfinite(medians).any():
             return None
@@ -156,7 +156,7 @@ def running_median(values: np.ndarray, clock: np.ndarray, window: float) -> np.n
     return rolling.median().to_numpy()
 
 
-def _clock(time: np.ndarray, segments: Sequence[Segment], window: float) -> np.ndarray:
+def clock_of(time: np.ndarray, segments: Sequence[Segment], window: float) -> np.ndarray:
     """Return the stamps from zero on, with the segments so far apart that no window reaches from one into the next."""
     breaks = np.zeros(len(time))
     breaks[[segment.start_row for segment in segments]] = 2.0 * window

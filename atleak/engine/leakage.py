@@ -69,7 +69,8 @@ class GapLeakage:
     """One gap at one condition: every factor of its gap law, and the flow."""
 
     gap: Gap
-    pressure_drop: float  # [Pa], with its sign: a negative one leaks nothing
+    pressure_drop: float  # [Pa], with its sign: a negative one leaks nothing, or backwards
+    leaks_back: bool  # whether it leaks where the drop is negative: between two live sections, one of them solved
     diameter: float  # [m], the one in the gap law
     contact_length: float  # [m]
     effective_clearance: float  # [m], the one in the gap law: of an even gap that leaks as much
@@ -350,7 +351,8 @@ class LeakageModel:
             if condition.gear not in geometry.gap.gears:
                 continue
             drop = float(geometry.pressure_drop(pressures))
-            driving = drop if restrictions.leaks_both_ways(geometry.gap, network.solved) else max(drop, 0.0)
+            leaks_back = restrictions.leaks_both_ways(geometry.gap, network.solved)
+            driving = drop if leaks_back else max(drop, 0.0)
             mean = float(geometry.effective_clearance(temperature))
             diameter = float(self.law.diameter(geometry.spool_diameter, mean))
             clearance = float(self.law.flow_clearance(mean, *geometry.form_moments))
@@ -360,6 +362,7 @@ class LeakageModel:
                 GapLeakage(
                     gap=geometry.gap,
                     pressure_drop=drop,
+                    leaks_back=leaks_back,
                     diameter=diameter,
                     contact_length=geometry.contact_length,
                     effective_clearance=clearance,
@@ -407,9 +410,7 @@ def gap_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPo
     """Report reversed drops, a large entry loss and turbulence at one condition."""
     messages = []
     at = condition.label
-    reversed_ = [
-        gap for gap in gaps if gap.pressure_drop < 0 and not gap.leakage
-    ]  # between circuits gaps leak both ways
+    reversed_ = [gap for gap in gaps if gap.pressure_drop < 0 and not gap.leaks_back]
     if reversed_:
         text = f"{at}: the pressure drop is negative and counts as no leakage at {_lands(reversed_)}."
         messages.append(Message("warning", "reversed_pressure_drop", text))

@@ -18,6 +18,7 @@ from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
 from atleak.engine.leakage import PumpFlow
 
+LINE = "p_g"  # the section that supplies all others
 _EXACT = 1e-12  # of the pressure, or of the flow that is lacking: at which a search for the line pressure ends
 _STEPS = 200  # of it at the most
 SURELY_LESS = 1e-9  # relative: a pressure that is lower than another by more than rounding

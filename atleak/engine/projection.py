@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from atleak.catalogue.circuits import Circuit, PermissiblePressure
+from atleak.catalogue.circuits import Circuit, Leak, PermissiblePressure
 from atleak.catalogue.controller import STATED, Controller, OperatingPoint
-from atleak.engine.circuits import Network
+from atleak.engine.circuits import Balance, Network, leaks_both_ways
 from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
 from atleak.engine.line import SURELY_LESS, Held, consumed, hold
 from atleak.equations.clearance import worn_clearance
@@ -32,6 +32,16 @@ class CircuitState:
 
 
 @dataclass(frozen=True)
+class LeakFlow:
+    """The flow of a leak beside the lands (rings, check balls) at one condition, at the required line pressure."""
+
+    leak: Leak
+    flow: float  # [m³/s], negative where it leaks backwards
+    leaks_back: bool  # whether it can
+    drawn_from_pump: bool
+
+
+@dataclass(frozen=True)
 class Projection:
     """Leakage and pump flow at one stated condition."""
 
@@ -45,13 +55,19 @@ class Projection:
     pump_supply: float  # [m³/s] before slip
     slip: float  # [m³/s]
     consumers: float  # [m³/s] of all consumers
-    other_leakage: float  # [m³/s] the part of the leakage that no land leaks: rings, check balls, relieved by circuits
+    leaks: tuple[LeakFlow, ...]  # of this gear: the part of the leakage that no land leaks
+    relieved: float  # [m³/s] by circuits to the sump at the required pressure: another such part
     minimum_speed: float  # [1/s] from which the pump covers this leakage, its own slip and its consumers
     main_pressure_held: float  # [Pa] the required pressure, or less where the pump or the line's regulator holds less
     starved: float  # [m³/s] by which consumers behind the line's regulator get less than they take
     circuits: tuple[CircuitState, ...]  # in the order of the controller's file
     permissible: PermissiblePressure | None  # of main pressure in this gear and state
     messages: tuple[Message, ...]
+
+    @property
+    def other_leakage(self) -> float:
+        """Return the part of the leakage that no land leaks [m³/s]: rings, check balls, relieved by circuits."""
+        return sum(each.flow for each in self.leaks if each.drawn_from_pump) + self.relieved
 
     @property
     def reserve(self) -> float:
@@ -110,7 +126,8 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     demanded = network.balance(sections)
     gaps = model.gaps(condition, demanded.pressures)
     drawn = [gap for gap in gaps if gap.drawn_from_pump]
-    other = float(network.beside_lands(demanded))
+    leaks, relieved = _leak_flows(network, demanded), float(sum(demanded.relief.values()))
+    other = sum(each.flow for each in leaks if each.drawn_from_pump) + relieved
     leakage = sum(gap.leakage for gap in drawn) + other
     capacity = float(model.pump_capacity(condition.engine_speed, *where))
     consumers = consumed(controller, condition)
@@ -128,7 +145,8 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         pump_supply=float(model.pump.per_revolution * condition.engine_speed),
         slip=float(model.pump_slip(*where)),
         consumers=consumers,
-        other_leakage=other,
+        leaks=leaks,
+        relieved=relieved,
         minimum_speed=model.minimum_speed(leakage + consumers, *where),
         main_pressure_held=main_held,
         starved=max(consumed(controller, condition, after_line=True) - max(left, 0.0), 0.0),
@@ -140,6 +158,19 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
             *_demand_messages(condition, leakage, capacity, main_held),
             *_balance_messages(condition, held),
         ),
+    )
+
+
+def _leak_flows(network: Network, balance: Balance) -> tuple[LeakFlow, ...]:
+    leaks = (each for each in network.controller.leaks if network.point.gear in each.gears)
+    return tuple(
+        LeakFlow(
+            leak,
+            float(network.flow(branch, balance.pressures)),
+            leaks_both_ways(branch, network.solved),
+            branch.counts,
+        )
+        for leak, branch in zip(leaks, network.leaks, strict=True)
     )
 
 

@@ -16,16 +16,20 @@ from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
 from atleak.repair import RepairStep, plan_repairs
+from atleak.road_findings import RoadFindings
 from atleak.rules import Rule
 from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
+from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
+from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
-from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state, measuring_temperature, tighter_than_new, when_new
+from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.views.sentences import counted_in_speed, fluid_in_state, measuring_temperature, tighter_than_new, when_new
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
 
@@ -56,21 +60,36 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     controller, readings = diagnosis.controller, diagnosis.readings
     fluid = fluid_in_state(diagnosis, wording("en"))
     console.print(Text(f"{controller.name} · {fluid} · profile {diagnosis.profile.label}"))
+    say = wording("en")
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     if readings is not None:
-        at = measuring_temperature(diagnosis, wording("en"))
-        measured += f" in {readings.file}; temperature of measuring: {at}"
-    console.print(Text(measured))
+        measured += f" in {readings.file}; temperature of measuring: {measuring_temperature(diagnosis, say)}"
+    console.print(Text(say("findings.alone") if diagnosis.without_sheet else measured))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
     tight = tighter_than_new(diagnosis, wording("en"))
     if tight is not None:
         console.print(Text(tight))
     for line in _complaint(diagnosis):
         console.print(Text(line))
+    if not diagnosis.without_sheet:
+        _print_unit(console, diagnosis)
+    for part in _gauges(diagnosis):
+        console.print(part)
+    if diagnosis.log is not None:
+        for line in _log(diagnosis, diagnosis.log):
+            console.print(Text(line))
+    for message in diagnosis.messages:
+        if message.level == "warning":
+            console.print(Text(f"! {message.text}"))
+
+
+def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
+    """Print what follows from the clearances: totals, flagged lands, order of repair."""
     for number, projection in enumerate(diagnosis.presented, start=1):
         for line in _total(diagnosis, projection, number):
             console.print(Text(line))
-    console.print(Text(f"At these speeds the pump covers the leakage and its own slip: {LEFT_OUT_OF_SPEED}."))
+    counted = counted_in_speed(diagnosis, wording("en"))
+    console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:
         console.print(_flagged(diagnosis.flagged))
     else:
@@ -79,11 +98,6 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         console.print(part)
     for line in _repairs(diagnosis):
         console.print(Text(line))
-    if diagnosis.road is not None:
-        console.print(Text(_road(diagnosis.road, diagnosis.uncertainty)))
-    for message in diagnosis.messages:
-        if message.level == "warning":
-            console.print(Text(f"! {message.text}"))
 
 
 def print_variants(results: Sequence[VariantResult]) -> None:
@@ -163,6 +177,21 @@ def _cell(value: Any) -> str:
     return "–" if value is None else str(value)
 
 
+def _log(diagnosis: Diagnosis, log: RoadFindings) -> Iterator[str]:
+    """Return what the log says by itself, the leakage over it, and what to check next, one line each."""
+    say = wording("en")
+    yield f"Road test {log.road_test.file}:"
+    for sentence in (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say)):
+        yield f"  {sentence}"
+    if diagnosis.road is not None:
+        new = "" if diagnosis.judged else f"{say('findings.unmeasured')} "
+        yield f"  {new}{_road(diagnosis.road, diagnosis.uncertainty)}"
+    checks = check_sentences(log, diagnosis.limits, say)
+    if checks:
+        yield say("findings.check_next")
+        yield from (f"  {number}. {check}" for number, check in enumerate(checks, start=1))
+
+
 def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> str:
     parts = []
     for row in road_instants(road):
@@ -174,7 +203,7 @@ def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> str:
                 share = f" ({at.share * PERCENT:.1f} % of the pump's flow{_between(record, 'share_{}_percent', 1)})"
             leakage = f"{at.leakage * DM3_MIN:.2f} dm³/min{_between(record, 'leakage_{}_dm3_min', 2)}"
             parts.append(f"{row.label(wording('en'))} {leakage}{share} at {at.time:.2f} s")
-    return f"Road test {road.road_test.file}: {'; '.join(parts)}"
+    return f"{'; '.join(parts)}."
 
 
 def _between(record: dict[str, Any], name: str, digits: int) -> str:
@@ -187,11 +216,18 @@ def _verdict(diagnosis: Diagnosis) -> str:
     """Return the verdict of the unit, and which land or total gave it."""
     decided_by, sentence = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
     if decided_by is None:
-        return sentence
+        alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
+        return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence
     if isinstance(decided_by, Rule):
         return f"{sentence}, decided by the {decided_by.label}"
     component, land = decided_by.key
     return f"{sentence}, decided by {component}/{land} {diagnosis.controller.components[component]}"
+
+
+def _measured_by(diagnosis: Diagnosis) -> str:
+    """Name what main pressure was measured with: gauges, a log, or both."""
+    named = (("gauges", diagnosis.pressures), ("the log", diagnosis.log))
+    return " and ".join(name for name, given in named if given is not None)
 
 
 def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
@@ -214,7 +250,8 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     rule = diagnosis.total_rule(projection)
     new = "" if rule.growth is None else f"; {when_new(diagnosis, projection)}, {_grown(rule.growth)}"
     share = f"{projection.share * PERCENT:.1f} % of the pump's flow" + (" demanded" if projection.share > 1.0 else "")
-    yield f"{number}. {projection.condition.label}: {share}, {diagnosis.band(projection)}{worst}{new}"
+    band = diagnosis.band(projection) or "as new, not measured"
+    yield f"{number}. {projection.condition.label}: {share}, {band}{worst}{new}"
     flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"
     yield f"   {flows}; {positions(diagnosis, projection)}; covered from {projection.minimum_speed * RPM:.0f} rpm"
 
@@ -284,6 +321,34 @@ def _helps(step: RepairStep) -> str:
     at = step.at
     shares = f"{at.before.share * PERCENT:.1f} → {at.after.share * PERCENT:.1f} %"
     return f"total share at {at.condition.label} {shares} ({at.after.band})"
+
+
+def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
+    """Return what gauges showed, reading by reading, and the patterns in it."""
+    check = diagnosis.pressures
+    if check is None:
+        return
+    yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
+    rows = gauge_rows(check)
+    table = Table("verdict", *rows[0], show_edge=False)
+    for column in table.columns:
+        column.overflow = "fold"  # on a narrow terminal nothing is cut off
+    for reading, row in zip(check.readings, rows, strict=True):
+        style = look_of(reading.verdict).style if reading.verdict else ""
+        cells = (
+            "–" if each is None else f"{each:.0f}" if isinstance(each, float) else str(each) for each in row.values()
+        )
+        table.add_row(Text(_judged(reading.verdict), style=style), *map(Text, cells))
+    yield table
+    for pattern in check.patterns:
+        say = wording("en")
+        source = say.get("pattern_sources", pattern.source)
+        yield Text(f"→ {pattern_text(pattern, diagnosis.controller, say)} ({source})")
+
+
+def _judged(verdict: Verdict | None) -> str:
+    """Return a verdict's word with its sign; that nothing was judged where there is none."""
+    return "not judged" if verdict is None else signed(verdict)
 
 
 def _share(cell: LandAtCondition) -> Text:

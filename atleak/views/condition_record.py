@@ -108,8 +108,7 @@ def _circuit(
     circuit = state.circuit
     low, high = total.circuit_intervals.get(circuit.id, (None, None)) if total else (None, None)
     new = diagnosis.new_at(projection).circuit(circuit.id).pressure
-    rules = diagnosis.pressure_rules_at(projection)
-    rule = next((rule for rule in rules if rule.kind is RuleKind.CIRCUIT_LOSS and rule.circuit == circuit), None)
+    rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
     decided = diagnosis.decided(rule) if rule else None
     return {
         "id": circuit.id,

@@ -7,26 +7,26 @@ from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.diagnosis import Diagnosis
-from atleak.engine.extremes import Extremes
 from atleak.engine.leakage import GapLeakage
-from atleak.engine.repaired import LINE
-from atleak.engine.road_leakage import RoadLeakage
-from atleak.errors import Message
+from atleak.engine.line import LINE
 from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
 from atleak.views.condition_record import condition_record, finite, scaled
+from atleak.views.gauge_rows import gauge_record
 from atleak.views.measure_first import measure_first, reason
+from atleak.views.message_record import message_record
 from atleak.views.repair_words import plan_ends
-from atleak.views.road_instants import instant_record
+from atleak.views.road_record import road_record
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
 
 FORMAT = 1
 _DECIDING = {
     RuleKind.TOTAL_SHARE: "total",
     RuleKind.CIRCUIT_LOSS: "circuit",
+    RuleKind.BELOW_LINE: "circuit",
 }  # what decided, where the rule's name differs
 
 
@@ -82,13 +82,14 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "conditions": [condition_record(diagnosis, each) for each in diagnosis.projections],
         "repair_plan": [_repair_step(step) for step in plan.steps],
         "repair_plan_ends": _repair_ends(plan),
-        "road_test": None if diagnosis.road is None else _road(diagnosis.road, diagnosis.uncertainty),
+        "road_test": road_record(diagnosis),
+        "pressure_table": gauge_record(diagnosis),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
 
 
 def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return the verdict of the unit, how sure it is, and the land or total that gave it."""
+    """Return the verdict of the unit, how sure it is, and the land, total or pressure that gave it."""
     decided_by = diagnosis.decided_by
     verdict = {"verdict": diagnosis.verdict, "decision": diagnosis.decision}
     if decided_by is None:
@@ -103,6 +104,7 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
             "component": component,
             "land": land,
             "circuit": rule.circuit.id if rule and rule.circuit else None,
+            "where": rule.where if rule and rule.where else None,
             "rule": rule.id if rule else None,
             "value": finite(rule.value * rule.kind.factor) if rule else None,
             "limit": finite(rule.limit * rule.kind.factor) if rule else None,
@@ -159,15 +161,6 @@ def limits_record(limits: Limits) -> dict[str, Any]:
         "sha256": limits.origin.sha256,
         "rules": {kind: _steps(kind, steps) for kind, steps in limits.rules.items()},
     }
-
-
-def message_record(message: Message) -> dict[str, Any]:
-    """Return a message, with its place where it has one."""
-    record: dict[str, Any] = {"level": message.level, "code": message.code, "text": message.text}
-    if message.place is not None:
-        known = {name: value for name, value in vars(message.place).items() if value is not None}
-        record["place"] = known or None
-    return record
 
 
 def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
@@ -305,10 +298,10 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
     """Return the totals that the plan ends at, and what else than lands those may be up to that are not green."""
     return {
         "reached": plan.reached,
-        "conditions": [_end(total) for total in plan.ends],
+        "conditions": [_end(total, judged=plan.judged) for total in plan.ends],
         "remaining": [
             {
-                **_end(left.total),
+                **_end(left.total, judged=plan.judged),
                 "new_share_percent": finite(left.new_share * PERCENT),
                 "kinematic_viscosity_mm2_s": left.kinematic_viscosity * MM2_S,
                 "pump_loss_percent": left.pump_loss * PERCENT,
@@ -321,12 +314,13 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
     }
 
 
-def _end(total: Total) -> dict[str, Any]:
+def _end(total: Total, *, judged: bool) -> dict[str, Any]:
+    """Return a total at the end of the plan; one of a unit that was not measured has no band."""
     return {
         "name": total.condition.name,
         "label": total.condition.label,
         "share_percent": finite(total.share * PERCENT),
-        "band": total.band,
+        "band": total.band if judged else None,
         **_held(total),
     }
 
@@ -339,31 +333,3 @@ def _held(total: Total) -> dict[str, Any]:
         "p_g_held_after_kpa": total.pressures[LINE] * KPA,
         "circuits_after_kpa": circuits,
     }
-
-
-def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
-    test = road.road_test
-    return {
-        "file": test.file,
-        "sha256": test.sha256,
-        "rows": test.rows,
-        "duration_s": test.duration,
-        "gears": list(road.gears),
-        "sections": dict(road.section_shares),
-        **_extremes(road.extremes, uncertainty),
-        "start": None if road.start is None else {"samples": road.start.samples, **_extremes(road.start, uncertainty)},
-        "sustained_over_s": road.extremes.window,
-        "lower_bound": road.lower_bound,
-        "messages": [message_record(message) for message in (*test.messages, *road.messages)],
-    }
-
-
-def _extremes(extremes: Extremes, uncertainty: UnitUncertainty | None) -> dict[str, Any]:
-    named = {
-        "max_leakage_sustained": extremes.max_leakage_sustained,
-        "max_share_sustained": extremes.max_share_sustained,
-        "max_leakage": extremes.max_leakage,
-        "min_leakage": extremes.min_leakage,
-        "max_share": extremes.max_share,
-    }
-    return {name: instant and instant_record(instant, uncertainty) for name, instant in named.items()}

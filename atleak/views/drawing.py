@@ -58,7 +58,7 @@ def controller_svg(
     longest = max(_length(controller.lands_of(name)) for name in components)
     thickest = max(land.nominal_diameter for land in controller.lands) * MM
     scale = _scale(cell - 32.0, longest, 36.0, thickest)
-    parts = [_head(_WIDTH, rows * _ROW, title or controller.name)]
+    parts = [svg_head(_WIDTH, rows * _ROW, title or controller.name)]
     for number, name in enumerate(components):
         x, y = (number % columns) * cell, (number // columns) * _ROW
         parts.append(_component(controller, name, verdicts or {}, x, y, cell, scale))
@@ -79,7 +79,7 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
     thickest = max(land.nominal_diameter for land in lands) * MM
     scale = _scale(900.0, _length(lands), 96.0, thickest)
     name = controller.components[component]
-    parts = [_head(_WIDTH, 240.0, f"component {component}, {name}: lands and measuring planes")]
+    parts = [svg_head(_WIDTH, 240.0, f"component {component}, {name}: lands and measuring planes")]
     middle = 120.0
     parts.append(_spool(lands, verdicts or {}, _WIDTH / 2.0, middle, scale, thick=2.0))
     reach = thickest * scale[1] / 2.0
@@ -90,9 +90,9 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
                 f'<path d="M{x:.1f} {middle - reach - 26:.1f}V{middle + reach + 26:.1f}" stroke="{PAPER.ink}" '
                 'stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
             )
-            parts.append(_text(x, middle - reach - 34, plane, 18, bold=True))
-        parts.append(_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
-    parts.append(_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
+            parts.append(svg_text(x, middle - reach - 34, plane, 18, bold=True))
+        parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
+    parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
     return "".join((*parts, "</svg>"))
 
 
@@ -120,13 +120,13 @@ def _component(
     short = shortened(name, _NUMBER)
     lines = _wrapped(controller.components[name], max(int((cell - 30.0 - 9.5 * len(short)) / 5.8), 6), 2)
     label = "".join(
-        _text(x + 12 + 9.5 * len(short) + 8, y + 20 + 13 * number, line, 11.5, anchor="start")
+        svg_text(x + 12 + 9.5 * len(short) + 8, y + 20 + 13 * number, line, 11.5, anchor="start")
         for number, line in enumerate(lines)
     )
     return (
         f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}"{_card(PAPER)} '
         f'stroke="{edge}" stroke-width="{thick}"/>'
-        + _text(x + 12, y + 21, short, 15, bold=True, anchor="start")
+        + svg_text(x + 12, y + 21, short, 15, bold=True, anchor="start")
         + label
         + _spool(lands, verdicts, x + cell / 2.0, y + 66.0, scale, thick=1.0)
     )
@@ -209,14 +209,16 @@ def _wrapped(text: str, width: int, lines: int) -> list[str]:
     return short
 
 
-def _head(width: float, height: float, title: str) -> str:
+def svg_head(width: float, height: float, title: str) -> str:
+    """Return the beginning of a drawing; ``title`` is read by a screen reader."""
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" width="{width:g}" '
         f'height="{height:g}" role="img"><title>{escape(title)}</title>'
     )
 
 
-def _text(x: float, y: float, text: str, size: float, *, bold: bool = False, anchor: str = "middle") -> str:
+def svg_text(x: float, y: float, text: str, size: float, *, bold: bool = False, anchor: str = "middle") -> str:
+    """Return a line of text at a point."""
     weight = ' font-weight="bold"' if bold else ""
     return (
         f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{PAPER.ink}" '

@@ -35,6 +35,9 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label
         names a condition in that language.
     """
     say = say or wording("en")
+    if not plan.judged:
+        yield say("plan.not_judged")
+        return
     if plan.for_total:
         yield say("plan.for_total", count=plan.for_total)
     if plan.reached:

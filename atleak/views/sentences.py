@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
+from atleak.rules import LandKey, Rule
+from atleak.views.pressures import HeldPressure, PressuresAt, pressures_at
+from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated, wording
-from atleak.workshop_units import PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
-LEFT_OUT_OF_SPEED = wording("en")("texts.left_out_of_speed")
+LOOK_FIRST = 3  # lands that are named where a pressure decided
+_SHOWS = 0.05  # [dm³/min] a lack that one decimal shows
+
+
+def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say which consumers are in the lowest engine speed that the pump needs: none where the file states none."""
+    consumers = ", ".join(isolated(each.name) for each in diagnosis.controller.consumers)
+    return say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
 
 
 def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
@@ -59,7 +70,114 @@ def when_new(diagnosis: Diagnosis, projection: Projection) -> str:
     return f"{new:.1f} % when new" + ("" if f"{unworn:.1f}" == f"{new:.1f}" else as_wide)
 
 
-def covered_from(projection: Projection) -> str:
-    """Say from which engine speed the pump covers the leakage of a condition, and what that speed leaves out."""
+def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
+    """Say from which engine speed the pump covers the leakage of a condition, and which consumers that speed counts."""
     speed = f"{projection.minimum_speed * RPM:.0f} rpm"
-    return f"the pump covers this leakage and its own slip from {speed}; {LEFT_OUT_OF_SPEED}"
+    return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"
+
+
+# --- pressures
+
+
+def land_in_words(diagnosis: Diagnosis, key: LandKey) -> str:
+    """Name a land: ``25/1 main pressure valve``."""
+    component, number = key
+    return f"{component}/{number} {isolated(diagnosis.controller.components[component])}"
+
+
+def unsolved(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say that the valve body's file describes no circuits, or that none is solved; None where they are."""
+    if diagnosis.profile.circuits != "on":
+        return say("held.not_solved")
+    return None if diagnosis.controller.circuits else say("held.no_circuits")
+
+
+def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) -> str:
+    """Say what main pressure holds at a condition, and what is permissible there."""
+    line, point = at.line, at.projection.condition
+    falls = at.projection.pressure_falls
+    sentence = say(
+        "held.line_falls" if falls else "held.line_holds",
+        condition=named(point),
+        required=_kpa(point.main_pressure, say),
+        held=_kpa(line.now, say),
+        new=_kpa(line.new, say),
+        interval=_interval(line.interval, KPA, 0, say, "interval"),
+    )
+    permitted = permissible_words(line, say)
+    return f"{sentence} {permitted}" if permitted else sentence
+
+
+def permissible_words(line: HeldPressure, say: Wording) -> str:
+    """Say which main pressure is permissible; an empty text where the file does not say."""
+    low, high = (line.permissible.low, line.permissible.high) if line.permissible else (None, None)
+    if low is not None and high is not None:
+        return say("held.permissible_between", low=_kpa(low, say), high=_kpa(high, say))
+    if low is not None:
+        return say("held.permissible_from", low=_kpa(low, say))
+    return "" if high is None else say("held.permissible_to", high=_kpa(high, say))
+
+
+def reserve_sentence(at: PressuresAt, say: Wording) -> str:
+    """Say how many times the pump supplies what is taken from it, and what consumers lack."""
+    sentence = say(
+        "held.reserve",
+        reserve=say.number(at.projection.reserve, 2),
+        new=say.number(at.reserve_new, 2),
+        interval=_interval(at.reserve_interval, 1.0, 2, say, "interval"),
+    )
+    starved = at.projection.starved * DM3_MIN
+    return f"{sentence} {say('held.starved', flow=say.number(starved, 1))}" if starved >= _SHOWS else sentence
+
+
+def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> str:
+    """Say what a circuit holds, of what when new, how that is judged, and which lands cost it that."""
+    name = held.circuit.name if held.circuit else say("held.line")
+    sentence = say(
+        "held.circuit",
+        circuit=name,
+        held=_kpa(held.now, say),
+        new=_kpa(held.new, say),
+        interval=_interval(held.interval, KPA, 0, say, "between"),
+    )
+    words = [] if held.verdict is None else [say.signed(held.verdict)]
+    if held.verdict is not None and held.verdict.flagged:
+        words += [
+            say("held.costs", land=land_in_words(diagnosis, key), loss=_kpa(loss, say)) for key, loss in held.costly
+        ]
+    return f"{sentence}: {'; '.join(words)}" if words else sentence
+
+
+def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = label_of) -> str | None:
+    """Say which pressure or reserve decided, with its numbers and the lands to look at; None for any other rule."""
+    if rule.kind not in _BECAUSE_OF or rule.condition is None or rule.new is None:
+        return None
+    at = pressures_at(diagnosis, diagnosis.at(rule.condition))
+    values = {"condition": named(rule.condition)}
+    held = next((each for each in at.applied if each.rule is rule), at.line)
+    if rule.kind is RuleKind.RESERVE:
+        limit = say.number(rule.limit, 2)
+        because = say("held.by_reserve", reserve=say.number(rule.value, 2), limit=limit, **values)
+    elif rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
+        because = say("held.by_permissible", held=_kpa(held.now, say), low=_kpa(held.low or 0.0, say), **values)
+    else:
+        circuit = rule.circuit.name if rule.circuit else ""
+        kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
+        because = say(kind, circuit=circuit, held=_kpa(held.now, say), new=_kpa(held.new, say), **values)
+    lands = ", ".join(land_in_words(diagnosis, key) for key, _ in held.costly[:LOOK_FIRST])
+    return f"{because}. {say('held.look_first', lands=lands)}" if lands else f"{because}."
+
+
+_BECAUSE_OF = (RuleKind.RESERVE, RuleKind.CIRCUIT_LOSS, RuleKind.PERMISSIBLE_PRESSURE)
+
+
+def _kpa(pressure: float, say: Wording) -> str:
+    return say.number(pressure * KPA, 0)
+
+
+def _interval(interval: tuple[float, float] | None, factor: float, digits: int, say: Wording, words: str) -> str:
+    """Return an interval in words; an empty text where nothing is known of it or it is narrower than what is shown."""
+    if interval is None:
+        return ""
+    low, high = (say.number(end * factor, digits) for end in interval)
+    return "" if low == high else say(f"held.{words}", low=low, high=high)

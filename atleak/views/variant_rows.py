@@ -12,7 +12,8 @@ from atleak.errors import Message
 from atleak.road_test import RoadTest
 from atleak.variants import VariantResult, gear_at_most_leakage
 from atleak.version import __version__
-from atleak.views.diagnosis_record import FORMAT, message_record
+from atleak.views.diagnosis_record import FORMAT
+from atleak.views.message_record import message_record
 from atleak.workshop_units import DM3_MIN, G_CM3, PERCENT
 
 

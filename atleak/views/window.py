@@ -8,41 +8,54 @@ from typing import Any
 import numpy as np
 
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.engine.road_pressure import RoadPressure
 from atleak.events import Event
 from atleak.road_test import QUANTITIES, RoadTest
-from atleak.workshop_units import DM3_MIN, PERCENT
+from atleak.views.road_words import event_name, event_remark
+from atleak.wording import Wording, wording
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT
 
 Scales = Mapping[str, tuple[str, Callable[[Any], Any]]]
-EVENT_NAMES = {
-    "minimum_acceleration": "minimum-acceleration test",
-    "gear_shift": "shift",
-    "hot_idle": "hot idle",
-    "stall": "stall",
-    "lock_up": "lock-up",
-    "steady_driving": "steady driving",
-    "engine_start": "start of the engine",
-}
 
 
 def event_label(event: Event) -> str:
     """Return an event in words: ``shift 1 → 2, 0.9 to 1.4 s``."""
-    gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
-    return f"{EVENT_NAMES[event.kind]}{gears}, {event.start:.1f} to {event.stop:.1f} s"
+    return f"{event_name(event, wording('en'))}, {event.start:.1f} to {event.stop:.1f} s"
 
 
-def event_rows(events: Iterable[Event]) -> list[dict[str, Any]]:
-    """Return one row for every event."""
+def event_rows(events: Iterable[Event], say: Wording | None = None) -> list[dict[str, Any]]:
+    """Return one row for every event, in English unless the words of another language are given."""
+    say = say or wording("en")
     return [
         {
-            "event": EVENT_NAMES[event.kind],
+            "event": say(f"events.{event.kind}"),
             "gears": None if event.to_gear is None else f"{event.from_gear} → {event.to_gear}",
             "start [s]": event.start,
             "end [s]": event.stop,
             "lasts [s]": event.duration,
             "source": event.source,
-            "note": event.note or None,
+            "note": event_remark(event, say) or None,
         }
         for event in events
+    ]
+
+
+def place_rows(permitted: RoadPressure) -> list[dict[str, Any]]:
+    """Return one English row for every gear and state in which main pressure was judged, in workshop units."""
+    say = wording("en")
+    return [
+        {
+            "gear": place.gear,
+            "state": say(f"states.{place.state}"),
+            "judged for [s]": place.judged,
+            "lowest, lasting [kPa]": place.worst and place.worst.pressure * KPA,
+            "permitted at least [kPa]": place.worst and place.worst.limit * KPA,
+            "below by [%]": place.worst and max(place.worst.fraction, 0.0) * PERCENT,
+            "below for [s]": place.below,
+            "above for [s]": place.above,
+            "limits from": place.worst and place.worst.source,
+        }
+        for place in permitted.places
     ]
 
 

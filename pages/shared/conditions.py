@@ -55,7 +55,7 @@ def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
             f"{number} · **{plain(point.condition.label)}**{worst}: {row['leakage_dm3_min']:.2f} of "
             f"{row['pump_capacity_dm3_min']:.2f} dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm, "
             f"{row['leakage_new_dm3_min']:.2f} when new; {positions(diagnosis, point)}; "
-            f"{plain(covered_from(point))}. {plain(row['source'])}"
+            f"{plain(covered_from(diagnosis, point))}. {plain(row['source'])}"
         )
 
 

@@ -13,14 +13,16 @@ import pandas as pd
 import plotly.graph_objects as go
 import streamlit as st
 
-from atleak.diagnosis import Diagnosis
+from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
+from atleak.gauges.check import PressureCheck
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Verdict
 from atleak.views.drawing import controller_svg, on_dark
+from atleak.views.gauge_rows import gauge_rows
 from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import signed, wording
@@ -121,6 +123,29 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
 
 
+def gauges(check: PressureCheck) -> None:
+    """Show gauge readings with their verdicts in colour; one that nothing judges stays plain and says so."""
+    readings, frame = check.readings, pd.DataFrame(gauge_rows(check))
+    frame.insert(0, "Verdict", ["not judged" if each.verdict is None else signed(each.verdict) for each in readings])
+    shades = ["" if each.verdict is None else colours(each.verdict) for each in readings]
+    numbers: list[Hashable] = [name for name in frame.columns if pd.api.types.is_float_dtype(frame[name])]
+    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format("{:z.1f}", subset=numbers, na_rep="–")
+    st.dataframe(style, hide_index=True, width="stretch", height="content", placeholder="–")
+
+
+def gauge_banner(check: PressureCheck) -> None:
+    """Show the worst verdict on any gauge reading in a box of its colour, and what gave it."""
+    verdict, deciding = check.verdict, check.deciding
+    if verdict is None or deciding is None:
+        st.info("None of these readings can be judged: the valve body's file does not say what they must reach.")
+        return
+    judged = sum(each.verdict is not None for each in check.readings)
+    said = f"{judged} of {len(check.readings)} readings can be judged"
+    because = f", because of the {plain(deciding.rule.label)}" if verdict.flagged else ""
+    sure = deciding.decision.replace("_", " ")
+    _BOX[look_of(verdict).box](f"**{signed(verdict)}**{because}; decision: {sure}. {said}.")
+
+
 def rounded(value: float) -> str:
     """Return a number with three digits and every digit before the decimal point: ``1.65``, ``92.7``, ``2346``."""
     return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}" if abs(value) >= 0.001 else f"{value:z.3f}"
@@ -167,9 +192,16 @@ def open_verdicts(lines: list[str]) -> None:
 
 
 def log_messages(diagnosis: Diagnosis) -> None:
-    """Show the messages of the road-test log."""
-    if diagnosis.road is not None:
-        messages([*diagnosis.road.road_test.messages, *diagnosis.road.messages], "the road-test log")
+    """Show the messages of the road-test log and of the leakage over it."""
+    messages(_of_log(diagnosis), "the road-test log")
+
+
+def _of_log(diagnosis: Diagnosis) -> list[Message]:
+    if diagnosis.log is None:
+        return []
+    of_leakage = diagnosis.road.messages if diagnosis.road is not None else ()
+    why = [each for each in diagnosis.messages if each.code == NO_LEAKAGE]
+    return [*diagnosis.log.road_test.messages, *of_leakage, *why]
 
 
 def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
@@ -185,11 +217,11 @@ def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show the basis of the result: choices, sources, and what of it is representative."""
-    road, readings = diagnosis.road, diagnosis.readings
+    readings = diagnosis.readings
     said = [message for land in diagnosis.lands for message in land.messages]
     said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
     said += readings.messages if readings else ()
-    said += (*road.road_test.messages, *road.messages) if road else ()
+    said += _of_log(diagnosis)
     messages([message for message in diagnosis.messages if message not in said], "valve body, fluid and conditions")
     if diagnosis.uncertainty is not None:
         messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")

@@ -12,6 +12,7 @@ from atleak.engine.projection import Projection
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
+from atleak.views.measured_words import measured_sentence
 from atleak.views.sentences import covered_from, replace_at
 from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
@@ -39,7 +40,11 @@ DIGITS = {
 
 
 def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
-    """Return the verdict in one paragraph, in markdown."""
+    """Return the verdict in one paragraph, in markdown; without a sheet what gauges and log say."""
+    say = wording("en")
+    measured = measured_sentence(diagnosis, say)
+    if measured is not None and diagnosis.without_sheet:
+        return f"**{signed(diagnosis.verdict)}** {plain(measured)} {plain(say('findings.alone'))}"
     lands = record["lands"]
     counts = {level: sum(land["verdict"] == level for land in lands) for level in reversed(FLAGGED)}
     flagged = " and ".join(f"**{count} {signed(name)}**" for name, count in counts.items() if count)
@@ -58,7 +63,9 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     else:
         new = f"all {len(lands)} are at their mounting clearance"
         head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured; {new}."
-    if isinstance(diagnosis.decided_by, Rule):
+    if measured is not None:
+        head = f"**{signed(diagnosis.verdict)}** because of main pressure: {plain(measured)} {head}"
+    elif isinstance(diagnosis.decided_by, Rule):
         head = f"**{signed(diagnosis.verdict)}** because of the {plain(diagnosis.decided_by.label)}. {head}"
     elif diagnosis.decided_by is not None:
         head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
@@ -66,13 +73,16 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     several = len(diagnosis.projections) > 1
     totals = [_total(row, worst=several and at is diagnosis.worst) for at, row in reported(diagnosis, record)]
-    covers = f"At {plain(diagnosis.worst.condition.label)} {plain(covered_from(diagnosis.worst))}."
+    covers = f"At {plain(diagnosis.worst.condition.label)} {plain(covered_from(diagnosis, diagnosis.worst))}."
     return f"{head} The unit leaks {listed(totals)}. {covers}"
 
 
 def _total(point: dict[str, Any], *, worst: bool) -> str:
-    share, band, label = point["share_percent"], Band(point["band"]), plain(point["label"])
+    share, label = point["share_percent"], plain(point["label"])
     mark = ", the worst condition" if worst else ""
+    if point["band"] is None:  # not measured
+        return f"**{'more than all' if share is None else f'{share:.1f} %'}** of the pump's flow at {label} when new"
+    band = Band(point["band"])
     if share is None:
         return f"more than the pump delivers at {label} ({signed(Band.CRITICAL)}{mark})"
     new = "" if point["share_new_percent"] is None else f", {point['share_new_percent']:.1f} % when new"

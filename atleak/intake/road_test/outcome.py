@@ -65,6 +65,7 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
     if not assigner.signals and not assigner.ambiguous:
         text = "none of the columns is a known quantity: name them, such as engine_speed or main_pressure"
         assigner.say("no_quantity", text, "warning")
+    _ask_for_a_measured_pressure(assigner)
     for ambiguous in assigner.ambiguous:
         text = f"{ambiguous.quantity}: {ambiguous.why}: {', '.join(map(repr, ambiguous.candidates))}; choose one"
         assigner.say("ambiguous", text, "warning")
@@ -86,3 +87,12 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
         time_assumed=reading.clock.unit_assumed,
         segments=timeline.segments if reading.file_segments is None else reading.file_segments,
     )
+
+
+def _ask_for_a_measured_pressure(assigner: Assigner) -> None:
+    """Ask for the main pressure where only a commanded one is logged: the user may know that it is measured."""
+    commanded = assigner.signals.get("commanded_pressure")
+    asked = {question.quantity for question in assigner.ambiguous}
+    if commanded is not None and "main_pressure" not in {*assigner.signals, *assigner.refused, *asked}:
+        why = "only a commanded one is logged, in which no leak shows"
+        assigner.ambiguous.append(Ambiguous("main_pressure", (commanded.candidate.label,), why))

@@ -66,7 +66,8 @@ def write_pdf(
     paper
         one of `atleak.paper.PAPERS`.
     sections
-        names of `atleak.report.pdf.body.SECTIONS`; all of them unless given.
+        names of `atleak.report.pdf.body.SECTIONS`; all of them unless given, or of a road test alone those that are not
+        about lands.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def write_pdf(
     says so on top of its first page.
     """
     job, say = job or Job(), wording(language)
-    chosen = chosen_sections(sections)
+    chosen = chosen_sections(sections, without_sheet=diagnosis.without_sheet)
     size = find_paper(paper)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         pictures = write_pictures(job, Path(folder))

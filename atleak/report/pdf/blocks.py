@@ -11,9 +11,9 @@ from atleak.wording import isolated
 Block = dict[str, Any]
 
 
-def text(content: str, *, small: bool = False) -> Block:
-    """Return a paragraph."""
-    return {"kind": "text", "text": content, "small": small}
+def text(content: str, *, small: bool = False, leads: bool = False) -> Block:
+    """Return a paragraph; one that ``leads`` stays on the page of what follows it."""
+    return {"kind": "text", "text": content, "small": small, "leads": leads}
 
 
 def facts(rows: Sequence[Sequence[str]]) -> Block:

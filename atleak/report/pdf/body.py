@@ -12,7 +12,10 @@ from atleak.errors import unknown
 from atleak.job.record import RepairDecision
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.conditions import Conditions
+from atleak.report.pdf.gauges import GaugeSection
+from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.pdf.road import RoadTestSection
 from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.road_series import RoadSeries
@@ -24,10 +27,12 @@ SECTIONS = (
     "picture",
     "flagged",
     "matrix",
+    "pressures",
     "repair_order",
     "all",
     "shares",
     "again",
+    "gauges",
     "road_test",
     "repair",
     "condition",
@@ -41,11 +46,14 @@ SECTIONS = (
     "provenance",
     "signatures",
 )
+OF_LANDS = ("picture", "flagged", "matrix", "repair_order", "all", "shares", "again")  # that say what was measured
 BARS = 16  # largest number of bars in the chart of shares
 
 
-def chosen_sections(sections: Iterable[str] | None) -> tuple[str, ...]:
+def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = False) -> tuple[str, ...]:
     """Return the sections asked for, in the report's order; all of them where none is chosen.
+
+    Without a measuring sheet those about lands are left out unless they are asked for: no land was measured.
 
     Raises
     ------
@@ -53,7 +61,7 @@ def chosen_sections(sections: Iterable[str] | None) -> tuple[str, ...]:
         if no report has such a section.
     """
     if sections is None:
-        return SECTIONS
+        return tuple(name for name in SECTIONS if not (without_sheet and name in OF_LANDS))
     wanted = list(sections)
     for name in wanted:
         if name not in SECTIONS:
@@ -70,7 +78,7 @@ class Body:
     def __init__(self, names: PrintedNames, series: RoadSeries | None, pictures: dict[str, str]) -> None:
         self.names, self.series, self.pictures = names, series, pictures
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
-        self.conditions = Conditions(names)
+        self.conditions, self.pressures = Conditions(names), Pressures(names)
 
     # --- sections
 
@@ -132,6 +140,9 @@ class Body:
     def _matrix(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from self.conditions.matrix()
 
+    def _pressures(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from self.pressures.blocks()
+
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
         say, names = self.say, self.names
@@ -186,64 +197,11 @@ class Body:
             "caption": say("charts.caption_shares", condition=self.names.condition(at.condition)),
         }
 
+    def _gauges(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from GaugeSection(self.names).blocks(self.diagnosis.pressures)
+
     def _road_test(self, charts: dict[str, str]) -> Iterable[Block]:
-        road, say = self.diagnosis.road, self.say
-        if road is None or self.series is None:
-            return
-        test = road.road_test
-        shares = joined(
-            f"{say(f'pressures.{name}')} {say.percent(share, 0)}"
-            for name, share in road.section_shares.items()
-            if share is not None
-        )
-        yield facts(
-            [
-                [say("facts.road_test"), test.file],
-                [say("facts.duration"), f"{say.number(test.duration, 1)} s"],
-                [say("facts.samples"), say.number(test.rows, 0)],
-                [say("facts.gears"), joined(map(str, road.gears))],
-                [say("facts.sections"), shares],
-            ]
-        )
-        marked = [row for row in self.series.instants if row.leads]
-        spoken = " ".join(
-            say(
-                "charts.instant_alt",
-                instant=row.label(say),
-                share=say.percent(row.instant.share)
-                if row.instant.share is not None
-                else f"{self.names.flow(row.instant.leakage)} dm³/min",
-                time=say.number(row.instant.time, 1),
-            )
-            for row in marked
-        )
-        thinned = ""
-        if self.series.thinned:
-            kept = say.number(len(self.series.columns["time_s"]), 0)
-            thinned = say("charts.caption_thinned", kept=kept, samples=say.number(self.series.samples, 0))
-        listed = joined(f"{number} {row.label(say)}" for number, row in enumerate(marked, start=1))
-        known = "charts.road_alt" if road.share is not None else "charts.road_alt_no_share"
-        yield {
-            "kind": "image",
-            "file": charts["road"],
-            "alt": say(known, instants=spoken),
-            "caption": say("charts.caption_road", instants=listed, thinned=thinned).strip(),
-        }
-        names = self.names
-        columns = [
-            PrintedColumn("", lambda row: str(1 + marked.index(row)) if row in marked else "", side="r"),
-            PrintedColumn(say("columns.instant"), lambda row: row.label(say), width=4),
-            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
-            PrintedColumn(say("columns.leakage"), lambda row: names.instant_leakage(row.instant), width=2, side="r"),
-            PrintedColumn(
-                say("columns.capacity"), lambda row: names.flow_with_unit(row.instant.pump_capacity), width=2, side="r"
-            ),
-            PrintedColumn(say("columns.share"), lambda row: names.instant_share(row.instant), width=2, side="r"),
-        ]
-        yield table(columns, self.series.instants)
-        notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
-        notes += [say("texts.lower_bound")] if road.lower_bound else []
-        yield text(" ".join(notes), small=True)
+        yield from RoadTestSection(self.names, self.series).blocks(charts)
 
     def _repair(self, charts: dict[str, str]) -> Iterable[Block]:
         say = self.say
@@ -373,10 +331,11 @@ class Body:
 
     def _levels(self, kind: RuleKind, steps: Steps) -> str:
         say = self.say
-        return joined(
-            say("rules.level", level=say.level(level), limit=say("rules.and").join(self._asked(kind, steps, level)))
-            for level, _ in steps.levels
-        )
+        words = [
+            say(f"rules.{_begins(steps, level)}", level=say.level(level), limit=say("rules.and").join(asked))
+            for level, asked in ((level, self._asked(kind, steps, level)) for level, _ in steps.levels)
+        ]
+        return joined([*words, say("rules.fall", fall=say.plain(steps.fall * PERCENT)) if steps.fall else ""])
 
     def _asked(self, kind: RuleKind, steps: Steps, level: Level) -> Iterable[str]:
         """Return all that a level asks for: its limit, a least growth in µm, growth over the same land or unit new."""
@@ -474,7 +433,7 @@ class Body:
             ),
             PrintedColumn("SHA-256", lambda name: record[name]["sha256"], width=8),
         ]
-        used = ("readings", "road_test", "controller", "fluid", "limits")
+        used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
 
     def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:
@@ -491,6 +450,13 @@ class Body:
 
 _SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
+
+
+def _begins(steps: Steps, level: Level) -> str:
+    """Return the key of the words for where a level begins: from, over or under its limit."""
+    if steps.falling:
+        return "level_under"
+    return "level_over" if steps.limit_of(level) == 0.0 and steps.has_limit(level) else "level"
 
 
 def _option(value: Any) -> str:

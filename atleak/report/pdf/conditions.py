@@ -60,7 +60,18 @@ class Conditions:
                 title = names.condition(self.diagnosis.presented[number].condition)
                 columns.append(PrintedColumn(title, self._cell(number), "%", width=2))
             yield table(columns, rows)
-        yield text(" ".join([self.say("texts.matrix"), *self._elsewhere(rows)]), small=True)
+        yield text(" ".join([self.say("texts.matrix"), self._add_up(), *self._elsewhere(rows)]), small=True)
+
+    def _add_up(self) -> str:
+        """Say that the shares of the lands add up to the total, or what is to be added to them."""
+        say, shown = self.say, self.diagnosis.presented
+        if not any(each.other_leakage for each in shown):
+            return say("texts.shares_add_up")
+        others = (
+            f"{say.percent(each.share_of(each.other_leakage))} ({self.names.condition(each.condition)})"
+            for each in shown
+        )
+        return say("texts.shares_and_others", others=joined(others))
 
     def _cell(self, number: int) -> Any:
         return lambda row: self._share(row.cells[number])
@@ -80,7 +91,7 @@ class Conditions:
                 lands.setdefault(row.circuits, []).append(row.land)
         for circuits, leaking in lands.items():
             into = joined(
-                say("texts.another_circuit") if circuit is None else say(f"pressures.{circuit}") for circuit in circuits
+                say("texts.another_circuit") if circuit is None else self.names.section(circuit) for circuit in circuits
             )
             yield say("texts.elsewhere", lands=joined(map(self.names.land_number, leaking)), circuits=into)
 
@@ -91,7 +102,7 @@ class Conditions:
         say, plan = self.say, plan_repairs(self.diagnosis)
         steps = list(enumerate(plan.steps, start=1))
         if steps:
-            yield text(say("texts.repair_order"))
+            yield text(say("texts.repair_order"), leads=True)
             yield table(
                 [
                     PrintedColumn("", lambda step: str(step[0]), side="r"),
@@ -125,7 +136,7 @@ class Conditions:
     def _totals_after(self, steps: Sequence[RepairStep]) -> Iterable[Block]:
         """Return the total after every step at every condition."""
         say = self.say
-        yield text(say("texts.totals_after"))
+        yield text(say("texts.totals_after"), leads=True)
         rows = [("–", [each.before for each in steps[0].conditions])]
         rows += [(str(number), [each.after for each in step.conditions]) for number, step in enumerate(steps, start=1)]
         for first in range(0, len(self.diagnosis.projections), ABREAST):

@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from typing import Any
 
+from atleak.catalogue.limits import RuleKind
 from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
+from atleak.verdicts import Verdict
+from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import position_band
-from atleak.views.sentences import tighter_than_new
+from atleak.views.pressures import lowest_first, pressures_at
+from atleak.views.sentences import (
+    because_of,
+    circuit_sentence,
+    counted_in_speed,
+    pressure_sentence,
+    reserve_sentence,
+    tighter_than_new,
+)
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
@@ -64,46 +75,94 @@ class Front:
         return [[say(f"facts.{name}"), value] for name, value in rows if value]
 
     def verdict(self) -> dict[str, Any]:
-        """Return the verdict in one sentence, and the totals below it."""
+        """Return the verdict in one sentence, and the totals below it; without a sheet what log and gauges say."""
         diagnosis, say = self.diagnosis, self.say
-        decided_by = diagnosis.decided_by
-        by_total = isinstance(decided_by, Rule)
-        at = diagnosis.worst
+        alone = diagnosis.without_sheet
+        return {
+            "key": diagnosis.verdict,
+            "word": say.level(diagnosis.verdict),
+            "sentence": self._sentence(),
+            "more": " ".join(self._without_sheet() if alone else self._more()),
+            "complaint": Conditions(self.names).complaint(),
+            "totals": None if alone else self._totals(),
+        }
+
+    def _sentence(self) -> str:
+        """Return what the verdict is and what gave it."""
+        diagnosis, say = self.diagnosis, self.say
+        decided_by, at = diagnosis.decided_by, diagnosis.worst
+        verdict = say.level(diagnosis.verdict).capitalize()
+        finding = measured_sentence(diagnosis, say)
+        if finding is not None:
+            by = "of_log" if decided_by is None else "by_pressure"
+            return say(f"findings.{by}", verdict=verdict, finding=finding)
         condition = self.names.condition(at.condition)
-        if at.pump_capacity > 0.0:
-            band = say.level(diagnosis.band(at))
-            total = say("sentences.total", condition=condition, share=say.percent(at.share), band=band)
-        else:
+        band = diagnosis.band(at)
+        if at.pump_capacity <= 0.0:
             total = say("sentences.no_delivery", condition=condition)
-        sentence = say(
-            "sentences.by_total" if by_total else f"sentences.{diagnosis.verdict}",
-            verdict=say.level(diagnosis.verdict).capitalize(),
+        elif band is None:
+            total = say("sentences.total_new", condition=condition, share=say.percent(at.share))
+        else:
+            total = say("sentences.total", condition=condition, share=say.percent(at.share), band=say.level(band))
+        key, because = diagnosis.verdict.value, ""
+        if isinstance(decided_by, Rule):
+            of_total = decided_by.kind is RuleKind.TOTAL_SHARE
+            key, because = ("by_total", "") if of_total else ("by_pressure", self._because(decided_by))
+        return say(
+            f"sentences.{key}",
+            verdict=verdict,
             total=total,
+            because=because,
             flagged=len(diagnosis.flagged),
             repair=sum(land.verdict.calls_for_repair for land in diagnosis.lands),
             watch=sum(land.verdict.flagged and not land.verdict.calls_for_repair for land in diagnosis.lands),
             measured=diagnosis.judged,
         )
-        more = []
+
+    def _because(self, rule: Rule) -> str:
+        """Return which pressure or reserve gave the verdict, with its numbers and the lands to look at."""
+        because = because_of(self.diagnosis, rule, self.say, self.names.condition)
+        return because or self.say("sentences.because", rule=self.names.reached(rule))
+
+    def _without_sheet(self) -> list[str]:
+        """Return that no land was measured, and where the limits of the log are from."""
+        say, log = self.say, self.diagnosis.log
+        permitted = log.permitted if log is not None else None
+        lowest = permitted.lowest if permitted is not None else None
+        source = [] if lowest is None else [say("findings.limits_from", source=lowest.source)]
+        return [say("findings.alone"), *source]
+
+    def _more(self) -> list[str]:
+        """Return what else is to be said of the lands and the totals."""
+        diagnosis, say = self.diagnosis, self.say
+        decided_by, at, more = diagnosis.decided_by, diagnosis.worst, []
         if decided_by is not None and not isinstance(decided_by, Rule):
             more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
         tight = tighter_than_new(diagnosis, say)
         if tight is not None:
             more.append(tight)
         speed = say.number(at.minimum_speed * RPM, 0)
-        more.append(say("sentences.holds", speed=speed, left_out=say("texts.left_out_of_speed")))
+        more.append(say("sentences.holds", speed=speed, counted=counted_in_speed(diagnosis, say)))
         more += self._positions(at)
+        more += self._pressures()
         missing = len(diagnosis.lands) - diagnosis.measured
         if missing and diagnosis.judged:
             more.append(say("sentences.unmeasured", unmeasured=missing, lands=len(diagnosis.lands)))
-        return {
-            "key": diagnosis.verdict,
-            "word": say.level(diagnosis.verdict),
-            "sentence": sentence,
-            "more": " ".join(more),
-            "complaint": Conditions(self.names).complaint(),
-            "totals": self._totals(),
-        }
+        return more
+
+    def _pressures(self) -> list[str]:
+        """Return what line, pump and circuits hold where one of them is past a limit the farthest."""
+        diagnosis, say, said = self.diagnosis, self.say, []
+        at = pressures_at(diagnosis, lowest_first(diagnosis)[0])
+        if at.projection.pressure_falls or _flagged(at.line.verdict):
+            said.append(pressure_sentence(at, say, self.names.condition))
+        if _flagged(at.reserve_verdict):
+            said.append(reserve_sentence(at, say))
+        circuits = [circuit_sentence(diagnosis, each, say) for each in at.circuits if _flagged(each.verdict)]
+        if circuits:
+            named = say("texts.circuits_at", condition=self.names.condition(at.projection.condition))
+            said.append(f"{named} {joined(circuits, '; ')}.")
+        return said
 
     def _totals(self) -> Block:
         say, diagnosis = self.say, self.diagnosis
@@ -114,9 +173,7 @@ class Front:
                 say("columns.speed"), lambda at: say.number(at.condition.engine_speed * RPM, 0), "1/min", side="r"
             ),
             PrintedColumn(say("columns.gear"), lambda at: str(at.condition.gear), side="r"),
-            PrintedColumn(
-                say("columns.pressure"), lambda at: say.number(at.condition.main_pressure * KPA, 0), "kPa", side="r"
-            ),
+            PrintedColumn(say("columns.pressure"), self._pressure, "kPa", side="r"),
             PrintedColumn(say("columns.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
             PrintedColumn(
                 say("columns.capacity"), lambda at: say.number(at.pump_capacity * DM3_MIN, 2), "dm³/min", side="r"
@@ -124,6 +181,7 @@ class Front:
             PrintedColumn(say("columns.share"), self._share, "%", side="r"),
             PrintedColumn(say("columns.share_new"), self._share_new, "%", side="r"),
             PrintedColumn(say("columns.band"), self._band),
+            PrintedColumn(say("columns.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
             PrintedColumn(say("columns.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
         return table(columns, diagnosis.reported)
@@ -141,7 +199,9 @@ class Front:
         return [self.say(sentence, condition=self.names.condition(at.condition), low=low, high=high)]
 
     def _pressure(self, at: Projection) -> str:
-        return self.say.number(at.condition.main_pressure * KPA, 0)
+        required = self.say.number(at.condition.main_pressure * KPA, 0)
+        held = self.say.number(at.main_pressure_held * KPA, 0)
+        return self.say("texts.held_of", required=required, held=held) if at.pressure_falls else required
 
     def _share(self, at: Projection) -> str:
         uncertainty = self.diagnosis.uncertainty
@@ -149,11 +209,17 @@ class Front:
         low, high = total.share_interval if total else (None, None)
         return self.say.number(at.share * PERCENT, 1) + self.names.interval(_percent(low), _percent(high), 1)
 
-    def _band(self, at: Projection) -> dict[str, str]:
+    def _band(self, at: Projection) -> dict[str, str] | str:
         band = self.diagnosis.band(at)
+        if band is None:
+            return "–"
         word = self.say.level(band)
         worst = at is self.diagnosis.worst and len(self.diagnosis.projections) > 1
         return {"sign": band.verdict, "text": self.say("texts.worst", band=word) if worst else word}
+
+
+def _flagged(verdict: Verdict | None) -> bool:
+    return verdict is not None and verdict.flagged
 
 
 def _percent(fraction: float | None) -> float | None:

@@ -8,7 +8,9 @@ from atleak.catalogue.controller import STATED, OperatingPoint
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.extremes import Instant
 from atleak.job.record import Job
+from atleak.report.pdf.blocks import joined
 from atleak.rules import Rule
+from atleak.uncertainty import Decision
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.road_instants import instant_record
 from atleak.wording import Wording, isolated
@@ -34,6 +36,11 @@ class PrintedNames:
             temperature, speed = say.plain(point.temperature), say.number(point.engine_speed * RPM, 0)
             return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
         return point.label.replace(" °C", "\u00a0°C")
+
+    def section(self, name: str) -> str:
+        """Return the name of a section's pressure in the reader's language, or that of a circuit as its file has it."""
+        circuits = {each.id: isolated(each.name) for each in self.diagnosis.controller.circuits}
+        return circuits[name] if name in circuits else self.say(f"pressures.{name}")
 
     def land_number(self, land: LandDiagnosis) -> str:
         """Return component and land: ``8/2``."""
@@ -123,10 +130,11 @@ class PrintedNames:
 
     def decision(self, land: LandDiagnosis) -> str:
         """Return how sure the verdict is."""
-        if land.decision is None:
-            return "–"
-        words = self.say.get("decisions", land.decision)
-        probability = land.probability_over_limit
+        return "–" if land.decision is None else self.decided(land.decision, land.probability_over_limit)
+
+    def decided(self, decision: Decision, probability: float | None) -> str:
+        """Return the words of a decision, below them the probability that the true value is past the limit."""
+        words = self.say.get("decisions", decision)
         return words if probability is None else f"{words}\n({self.say.percent(probability, 0)})"
 
     def advice(self, land: LandDiagnosis) -> str:
@@ -175,6 +183,10 @@ class PrintedNames:
         sentence = self._reached("rules.reached", deciding)
         return f"{sentence}\n{self.say('rules.also', others=also)}" if also else sentence
 
+    def reached(self, rule: Rule) -> str:
+        """Return what a rule limits, its value and the limit that it reached."""
+        return self._reached("rules.reached_short", rule)
+
     def _reached(self, key: str, rule: Rule) -> str:
         say = self.say
         return say(
@@ -186,9 +198,10 @@ class PrintedNames:
         )
 
     def _value(self, rule: Rule, value: float) -> str:
-        return f"{self.say.number(value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}"
+        return f"{self.say.number(value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}".rstrip()
 
     def _rule(self, rule: Rule) -> str:
-        if rule.condition is None:
-            return self.say(f"rules.{rule.kind}")
-        return self.say("rules.share_at", condition=self.condition(rule.condition))
+        if rule.kind.is_share and rule.condition is not None:
+            return self.say("rules.share_at", condition=self.condition(rule.condition))
+        at = "" if rule.condition is None else self.condition(rule.condition)
+        return joined((self.say(f"rules.{rule.kind}"), rule.circuit.name if rule.circuit else "", at, rule.where))

@@ -15,7 +15,10 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.gauges_sheet import SHEET as GAUGES
+from atleak.report.xlsx.gauges_sheet import write_gauges
 from atleak.report.xlsx.live import LiveSheets
+from atleak.report.xlsx.road_sheet import RoadSheets
 from atleak.report.xlsx.sheets import Sheets
 from atleak.system.marks import PROPERTY, sealed, unsealed
 from atleak.version import __version__
@@ -62,21 +65,34 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     rest = Sheets(book, diagnosis, record, job, live)
     summary = book.sheet("Summary")
     rest.write_summary(summary)
-    live.write_lands(book.sheet("Lands", frozen=(1, 3)))
-    rest.write_matrix(book.sheet("Land by condition", frozen=(1, 3)))
-    for at in live.conditions:
-        live.write_gaps(book.sheet(at.sheet, frozen=(1, 2)), at)
-    live.write_rules(book.sheet("Rules", frozen=(1, 3)))
-    if diagnosis.readings:
-        live.write_readings(book.sheet("Readings", frozen=(1, 2)))
-    if live.directions.lines:
-        live.write_directions(book.sheet("Directions", frozen=(1, 2)))
-    if diagnosis.road:
-        rest.write_road(book.sheet("Road test"))
-    live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
-    live.write_limits(book.sheet("Limits", frozen=(1, 1)))
+    if not diagnosis.without_sheet:
+        _write_unit(book, diagnosis, live, rest)
+    if diagnosis.pressures is not None:
+        write_gauges(book, book.sheet(GAUGES, frozen=(1, 2)), diagnosis)
+    if diagnosis.log is not None:
+        road = RoadSheets(book, diagnosis, diagnosis.log)
+        road.write(book.sheet("Road test"))
+        road.write_events(book.sheet("Road test events", frozen=(1, 0)))
+    if not diagnosis.without_sheet:
+        live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
+        live.write_limits(book.sheet("Limits", frozen=(1, 1)))
     if not job.empty:
         rest.write_job(book.sheet("Job", landscape=False))
     rest.write_messages(book.sheet("Messages", frozen=(1, 0)))
     rest.write_provenance(book.sheet("Provenance", landscape=False))
     summary.activate()
+
+
+def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets) -> None:
+    """Write the sheets on the lands: a road test alone has none."""
+    live.write_lands(book.sheet("Lands", frozen=(1, 3)))
+    rest.write_matrix(book.sheet("Land by condition", frozen=(1, 3)))
+    for at in live.conditions:
+        live.write_gaps(book.sheet(at.sheet, frozen=(1, 2)), at)
+    if live.circuits.lines:
+        live.write_circuits(book.sheet("Circuits", frozen=(1, 3)))
+    live.write_rules(book.sheet("Rules", frozen=(1, 3)))
+    if diagnosis.readings:
+        live.write_readings(book.sheet("Readings", frozen=(1, 2)))
+    if live.directions.lines:
+        live.write_directions(book.sheet("Directions", frozen=(1, 2)))

@@ -29,6 +29,7 @@ NUMBER_FORMATS = {
     "mm3": "0.000",
     "percent": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";[<0]-0.00;0.00',  # a negative keeps its sign
     "share": f'[>={NO_DELIVERY / 10:.0E}]"pump delivers nothing";[>100]0.00" demand";0.00',  # never below 0
+    "reserve": "0.000",
     "temperature": "0.0",
     "rpm": "0",
     "nu": "0.0000",

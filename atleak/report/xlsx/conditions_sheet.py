@@ -2,30 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
+from atleak.engine.projection import LeakFlow, Projection
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
-from atleak.report.xlsx.book import Book, cell, exact, put
+from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, put
 from atleak.report.xlsx.gaps_sheet import GapCells
-from atleak.report.xlsx.live_cells import CHANGEABLE, Cell, SheetCondition, band_of_rank, share_of, write_cell
+from atleak.report.xlsx.live_cells import (
+    CHANGEABLE,
+    Cell,
+    SheetCondition,
+    band_of_rank,
+    drop_between,
+    share_of,
+    write_cell,
+)
 from atleak.report.xlsx.rules_sheet import RuleCells
+from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import BANDS
 from atleak.views.positions import spools_taken
-from atleak.views.sentences import LEFT_OUT_OF_SPEED, fluid_in_state
+from atleak.views.sentences import counted_in_speed, fluid_in_state
 from atleak.wording import wording
-from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM
+from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, MPA_S, PERCENT, RPM
 
+BAND_ROWS = ("band", "reserve_band")
+SPEED = "pump covers leakage, slip and consumers from"
+_SOLVED = "Solved, not followed by the sheet: a changed reading changes flows at the pressures that stand here."
 NO_GROWTH = "–"  # where the same unit new draws nothing, or the pump delivers nothing
 AS_SPOOLS_MAY_LIE = (
     "Nobody knows where a spool lies; one that touches its sleeve leaks up to 2.5 times as much as a concentric one, "
     "less where the gap is wide."
 )
-COVERS = f"The pump covers leakage and its own slip from the speed named; {LEFT_OUT_OF_SPEED}."
 DEMAND = "A share over 100 % is a demand that the pump cannot meet, not a flow."
+
+NOT_MEASURED = "not measured"  # in place of a band: the totals of a unit that nobody measured are those of a new one
 
 
 class Quantity(NamedTuple):
@@ -37,6 +52,7 @@ class Quantity(NamedTuple):
     formula: str | None  # None for an input
     value: Any
     kind: str  # of number
+    issued: bool = False  # a result that no formula gives, not an input
 
     @property
     def heading(self) -> str:
@@ -64,15 +80,18 @@ class ConditionsSheet:
             for row, each in enumerate(quantities, start=1):
                 put(sheet, row, 0, each.label, book.bold)
                 put(sheet, row, 1, each.unit)
-                look = {"align": "right", **(CHANGEABLE if each.formula is None else {})}
+                look = {"align": "right", **(CHANGEABLE if each.formula is None and not each.issued else {})}
                 write_cell(book, sheet, row, column, Cell(each.kind, each.value, each.formula, look))
                 book.workbook.define_name(at(each.name), f"={cell(row, column, 'Conditions')}")
             end = len(quantities)
-        book.colour_words(sheet, (end, 2), (end, 1 + len(self.conditions)), BANDS)
+        for row, each in enumerate(quantities, start=1):
+            if each.name in BAND_ROWS:
+                book.colour_words(sheet, (row, 2), (row, 1 + len(self.conditions)), BANDS)
         notes = [
+            ("pressures held", _SOLVED),
             ("flows", f"{spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE}"),
             ("share", DEMAND),
-            ("speed", COVERS),
+            ("speed", covers(self.diagnosis)),
             ("viscosity", self._viscosity_note()),
             ("gaps", "The list of gaps is that of the condition's gear: change the gear in atleak, not here."),
             ("fluid", f"{fluid_in_state(self.diagnosis, wording('en'))}; {fluid.source}"),
@@ -98,12 +117,12 @@ class ConditionsSheet:
         return f"{sentence}; answers from {low:g} to {high:g} °C"
 
     def _condition(self, at: SheetCondition) -> Iterable[Quantity]:
-        """Return the quantities of one condition, in their order; the last is the band of the total."""
+        """Return the quantities of one condition, in their order."""
         projection, condition = at.projection, at.projection.condition
         yield Quantity("gear", "", "gear", str(condition.gear), condition.gear, "count")
         yield Quantity("temperature", "°C", "T", None, condition.temperature, "temperature")
         yield Quantity("engine speed", "1/min", "n", None, condition.engine_speed * RPM, "rpm")
-        yield Quantity("main pressure p_g", "kPa", "p_g", None, condition.main_pressure * KPA, "kpa")
+        yield Quantity("main pressure p_g, required", "kPa", "p_g", None, condition.main_pressure * KPA, "kpa")
         for section, label in (("p_s", "control pressure p_s"), ("p_m", "modulated pressure p_m")):
             relation = self.diagnosis.controller.relations[section]
             text = f"{at('p_g')}*{exact(relation.ratio)}+{exact(relation.offset * KPA)}"
@@ -111,9 +130,35 @@ class ConditionsSheet:
                 text = f"MIN({text},{exact(relation.limit * KPA)})"
             yield Quantity(label, "kPa", section, text, projection.pressures[section] * KPA, "kpa")
         yield Quantity("converter pressure p_k", "kPa", "p_k", None, condition.converter_pressure * KPA, "kpa")
+        yield from self._held(at)
         yield from self._fluid(at)
         yield from self._pump(at)
+        yield from self._beside_lands(at)
         yield from self._totals(at)
+        yield from self._reserve(at)
+
+    def _held(self, at: SheetCondition) -> Iterable[Quantity]:
+        """Return the main pressure that holds, which no formula gives, and between which it is permissible."""
+        projection, permissible = at.projection, at.projection.permissible
+        low, high = self._interval(at, lambda total: total.main_pressure_interval)
+        for name, label, value in (
+            ("p_g_held", "main pressure held, as issued", projection.main_pressure_held),
+            ("p_g_held_low", "low, as issued", low),
+            ("p_g_held_high", "high, as issued", high),
+            ("p_g_held_new", "main pressure that the same unit new holds, as issued", at.new.main_pressure_held),
+        ):
+            yield Quantity(label, "kPa", name, None, None if value is None else value * KPA, "kpa", issued=True)
+        for end in ("low", "high"):
+            value = None if permissible is None else getattr(permissible, end)
+            scaled = None if value is None else value * KPA
+            yield Quantity(f"permissible main pressure, {end}", "kPa", f"permissible_{end}", None, scaled, "kpa")
+
+    def _interval(
+        self, at: SheetCondition, interval: Callable[[TotalUncertainty], tuple[float, float]]
+    ) -> tuple[float | None, float | None]:
+        uncertainty = self.diagnosis.uncertainty
+        total = uncertainty.total(at.projection.condition.name) if uncertainty else None
+        return (None, None) if total is None else interval(total)
 
     def _fluid(self, at: SheetCondition) -> Iterable[Quantity]:
         fluid, model = self.diagnosis.fluid, self.diagnosis.profile.viscosity
@@ -141,27 +186,73 @@ class ConditionsSheet:
         engine, projection = self.diagnosis.model, at.projection
         pump, condition = engine.controller.pump, projection.condition
         yield Quantity("pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3")
-        capacity = f"{at('q_p')}*{at('n')}*1E-6"
         if engine.uses_slip:
             yield Quantity("slip coefficient C_s", "", "C_s", None, pump.slip_coefficient, "scientific")
             slip = f"{at('q_p')}*{at('C_s')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
             lost = float(engine.pump_slip(condition.main_pressure, condition.temperature))
             yield Quantity("slip", "dm³/min", "slip", slip, lost * DM3_MIN, "flow")
-            capacity = f"MAX({capacity}-{at('slip')},0)"
         else:
             yield Quantity("volumetric efficiency", "", "eta_v", None, pump.volumetric_efficiency, "plain")
-            capacity = f"{capacity}*{at('eta_v')}"
+        supply = f"{self._per_revolution(at)}*{at('n')}"
+        yield Quantity("pump supply", "dm³/min", "supply", supply, projection.pump_supply * DM3_MIN, "flow")
+        capacity = f"MAX({at('supply')}-{at('slip')},0)" if engine.uses_slip else at("supply")
         yield Quantity("pump capacity", "dm³/min", "capacity", capacity, projection.pump_capacity * DM3_MIN, "flow")
+
+    def _per_revolution(self, at: SheetCondition) -> str:
+        """Return the formula of what the pump delivers in one revolution before slip [dm³]."""
+        displaced = f"{at('q_p')}*1E-6"
+        return displaced if self.diagnosis.model.uses_slip else f"{displaced}*{at('eta_v')}"
+
+    def _beside_lands(self, at: SheetCondition) -> Iterable[Quantity]:
+        """Return what leaves the line beside the lands: consumers, leaks of rings and check balls, what is relieved."""
+        controller, condition = self.diagnosis.controller, at.projection.condition
+        for number, each in enumerate(controller.consumers, start=1):
+            label = f"consumer: {each.name}" + (", behind the line's regulator" if each.after_line else "")
+            yield Quantity(label, "dm³/min", f"consumer_{number}", None, each.at(condition) * DM3_MIN, "flow")
+        consumed = self._consumers(at)
+        consumers = at.projection.consumers * DM3_MIN
+        label = "consumers" if consumed else "consumers (the valve body's file states none)"
+        yield Quantity(label, "dm³/min", "consumers", consumed or "0", consumers, "flow")
+        for number, leak in enumerate(controller.leaks, start=1):
+            for prefix, when, name_of, of in (
+                ("", "", at.pressure, at.projection),
+                ("new_", " of the same unit new", at.new_pressure, at.new),
+            ):
+                flow = next((each for each in of.leaks if each.leak is leak), None)
+                text = "0" if flow is None else _leak_formula(flow, at, name_of)
+                leaked = 0.0 if flow is None else flow.flow * DM3_MIN
+                yield Quantity(f"leak: {leak.name}{when}", "dm³/min", f"{prefix}leak_{number}", text, leaked, "flow")
+        if controller.circuits:
+            for prefix, when, of in (("", "", at.projection), ("new_", " of the same unit new", at.new)):
+                label = f"relieved to the sump by circuits{when}, as issued"
+                value = of.relieved * DM3_MIN
+                yield Quantity(label, "dm³/min", f"{prefix}relieved", None, value, "flow", issued=True)
+
+    def _consumers(self, at: SheetCondition, *, after_line: bool | None = None) -> str:
+        """Return the formula of the sum of the consumers, or of those behind the line or before it; "" of none."""
+        consumers = enumerate(self.diagnosis.controller.consumers, start=1)
+        chosen = (number for number, each in consumers if after_line is None or each.after_line is after_line)
+        return "+".join(at(f"consumer_{number}") for number in chosen)
+
+    def _with_others(self, at: SheetCondition, gaps: str | None, of: Projection, prefix: str = "") -> str:
+        """Return the formula of a leakage from that of the gaps: what leaks beside the lands is added."""
+        leaks = enumerate(self.diagnosis.controller.leaks, start=1)
+        counted = [each.leak for each in of.leaks if each.drawn_from_pump]
+        terms = [gaps] if gaps else []
+        terms += [at(f"{prefix}leak_{number}") for number, leak in leaks if any(leak is each for each in counted)]
+        terms += [at(f"{prefix}relieved")] if self.diagnosis.controller.circuits else []
+        return "+".join(terms) or "0"
 
     def _totals(self, at: SheetCondition) -> Iterable[Quantity]:
         now, new, rule = at.projection, at.new, self.diagnosis.total_rule(at.projection)
         of_new = "leakage of the same unit new"
-        for name, label, key, each in (
-            ("leakage", "leakage drawn from the pump", "q", now),
-            ("leakage_new", of_new, "new_q", new),
+        for name, label, prefix, each in (
+            ("leakage", "leakage drawn from the pump", "", now),
+            ("leakage_new", of_new, "new_", new),
         ):
             label = f"{label}, {spools_taken(self.diagnosis.profile)}"
-            yield Quantity(label, "dm³/min", name, self.gaps.sum_of(key, at) or "0", each.leakage * DM3_MIN, "flow")
+            flow = self._with_others(at, self.gaps.sum_of(f"{prefix}q", at), each, prefix)
+            yield Quantity(label, "dm³/min", name, flow, each.leakage * DM3_MIN, "flow")
         growth = f"({at('leakage')}/{at('leakage_new')}-1)*100"
         growth = f'IF({at("capacity")}*{at("leakage_new")}>0,{growth},"{NO_GROWTH}")'
         grown = NO_GROWTH if rule.growth is None else rule.growth * PERCENT
@@ -172,14 +263,13 @@ class ConditionsSheet:
         ):
             yield Quantity(label, "%", name, share_of(at(flow), at("capacity")), each.share * PERCENT, "share")
         yield from self._positions(at)
-        yield Quantity(
-            "pump covers leakage and slip from", "1/min", "n_min", self._covers(at), now.minimum_speed * RPM, "rpm"
-        )
-        limits, rank = self.rules.of_total(at)
+        yield Quantity(SPEED, "1/min", "n_min", self._covers(at), now.minimum_speed * RPM, "rpm")
+        limits, rank = self.rules.limits_and_rank(rule)
         for level, limit in rule.steps.levels:
             yield Quantity(f"{level} from a share of", "%", f"from_{level}", limits[level], limit * PERCENT, "share")
-        band = band_of_rank(rank)
-        yield Quantity("band of the total share", "", "band", band, self.diagnosis.band(now), "plain")
+        reached = self.diagnosis.band(now)
+        band = f'"{NOT_MEASURED}"' if reached is None else band_of_rank(rank)
+        yield Quantity("band of the total share", "", "band", band, reached or NOT_MEASURED, "plain")
 
     def _positions(self, at: SheetCondition) -> Iterable[Quantity]:
         """Return the leakages and shares between which the total may lie as the spools do."""
@@ -188,12 +278,58 @@ class ConditionsSheet:
             ("concentric", "every spool concentric", now.concentric_leakage),
             ("touching", "every spool touching its bore", now.touching_leakage),
         ):
-            name, leakage = f"leakage_{key}", self.gaps.sum_of(f"q_{key}", at) or "0"
+            name, leakage = f"leakage_{key}", self._with_others(at, self.gaps.sum_of(f"q_{key}", at), now)
             share = share_of(at(name), at("capacity"))
             yield Quantity(f"leakage with {spools}", "dm³/min", name, leakage, flow * DM3_MIN, "flow")
             yield Quantity(f"share with {spools}", "%", f"share_{key}", share, now.share_of(flow) * PERCENT, "share")
 
     def _covers(self, at: SheetCondition) -> str:
-        if self.diagnosis.model.uses_slip:
-            return f"({at('leakage')}+{at('slip')})/({at('q_p')}*1E-6)"
-        return f"{at('leakage')}/({at('q_p')}*{at('eta_v')}*1E-6)"
+        return f"({self._demand(at, 'leakage')})/({self._per_revolution(at)})"
+
+    def _demand(self, at: SheetCondition, leakage: str) -> str:
+        """Return the formula of all that leaves the pump, its own slip included."""
+        slip = [at("slip")] if self.diagnosis.model.uses_slip else []
+        return "+".join([at(leakage), *slip, at("consumers")])
+
+    def _reserve(self, at: SheetCondition) -> Iterable[Quantity]:
+        """Return the pump's reserve at the required main pressure, as measured and new, and who goes short."""
+        now, rule = at.projection, self.diagnosis.pressure_rule(at.projection, RuleKind.RESERVE)
+        first, behind = (self._consumers(at, after_line=after_line) for after_line in (False, True))
+        left = f"{at('capacity')}-{at('leakage')}" + (f"-({first})" if first else "")
+        starved = f"MAX({behind}-MAX({left},0),0)" if behind else "0"
+        label = "by which consumers behind the line's regulator go short"
+        yield Quantity(label, "dm³/min", "starved", starved, now.starved * DM3_MIN, "flow")
+        for name, label, leakage, each in (
+            ("reserve", "reserve of the pump: supply / (leakage + slip + consumers)", "leakage", now),
+            ("reserve_new", "reserve of the same unit new", "leakage_new", at.new),
+        ):
+            demand = self._demand(at, leakage)
+            text = f"IF({demand}>0,{at('supply')}/({demand}),{exact(NO_DELIVERY)})"
+            yield Quantity(label, "", name, text, each.reserve, "reserve")
+        low, high = self._interval(at, lambda total: total.reserve_interval)
+        for end, value in (("low", low), ("high", high)):
+            yield Quantity(f"reserve, {end} as issued", "", f"reserve_{end}", None, value, "reserve", issued=True)
+        if rule is not None:
+            limits, rank = self.rules.limits_and_rank(rule)
+            for level, limit in rule.steps.levels:
+                yield Quantity(f"{level} under a reserve of", "", f"reserve_{level}", limits[level], limit, "reserve")
+            yield Quantity("band of the reserve", "", "reserve_band", band_of_rank(rank), rule.level, "plain")
+
+
+def covers(diagnosis: Diagnosis) -> str:
+    """Say what the lowest speed of the pump means, and which consumers it counts."""
+    counted = counted_in_speed(diagnosis, wording("en"))
+    return f"The pump covers leakage and its own slip from the speed named; {counted}."
+
+
+def _leak_formula(flow: LeakFlow, at: SheetCondition, name_of: Callable[[str], str]) -> str:
+    """Return the formula of a leak [dm³/min] from the one point at which it was measured."""
+    leak = flow.leak
+    drop = drop_between(leak, name_of)
+    measured, over = exact(leak.flow * DM3_MIN), exact(leak.pressure_drop * KPA)
+    if leak.viscosity is not None:
+        driving = f"({drop})" if flow.leaks_back else f"MAX({drop},0)"
+        return f"{measured}*{driving}/{over}*{exact(leak.viscosity * MPA_S)}/({at('nu')}*{at('rho')})"
+    size = f"ABS({drop})" if flow.leaks_back else f"MAX({drop},0)"
+    sign = f"IF({drop}<0,-1,1)*" if flow.leaks_back else ""
+    return f"{sign}{measured}*SQRT({size}/{over}*{exact(leak.density * G_CM3)}/{at('rho')})"

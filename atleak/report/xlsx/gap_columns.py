@@ -10,12 +10,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from atleak.catalogue.controller import Gap
-from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import GapLaw, GapLeakage
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
 from atleak.report.xlsx.book import exact
-from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, CHANGEABLE, Cell, ColumnKey, SheetCondition, warm_clearance
+from atleak.report.xlsx.live_cells import (
+    AFTER_A_NUMBER,
+    CHANGEABLE,
+    Cell,
+    ColumnKey,
+    SheetCondition,
+    drop_between,
+    warm_clearance,
+)
 from atleak.views.condition_matrix import ANOTHER_CIRCUIT
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, MM3_S, UM
 
@@ -45,15 +52,11 @@ class GapColumn:
 
 
 def _drop(row: GapRow) -> Cell:
-    def term(pressure: Pressure) -> str:
-        if pressure.section is None:
-            return ""
-        name = row.at(pressure.section)
-        return name if pressure.coefficient == 1.0 else f"{exact(pressure.coefficient)}*{name}"
+    return Cell("kpa", row.leak.pressure_drop * KPA, drop_between(row.leak.gap, row.at.pressure))
 
-    taken = term(row.leak.gap.low)
-    formula = (term(row.leak.gap.high) or "0") + (f"-{taken}" if taken else "")
-    return Cell("kpa", row.leak.pressure_drop * KPA, formula)
+
+def _new_drop(row: GapRow) -> Cell:
+    return Cell("kpa", row.new.pressure_drop * KPA, drop_between(row.leak.gap, row.at.new_pressure))
 
 
 def _diameter(row: GapRow, mean_clearance: str) -> str:
@@ -86,21 +89,23 @@ def _taken(row: GapRow) -> str:
     return f"(1+{ECCENTRIC_GAIN}*{exact(eccentricity)}^2)" if eccentricity else CONCENTRIC
 
 
-def _flow(row: GapRow, factor: str, diameter: str = "diameter", clearance: str = "clearance") -> str:
+def _flow(row: GapRow, factor: str, prefix: str = "") -> str:
     """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s.
 
-    ``factor`` is the formula of what the spool's position takes off the friction.
+    ``factor`` is the formula of what the spool's position takes off the friction; ``prefix`` is that of the columns of
+    diameter, clearance and pressure drop.
     """
-    d, c, drop, rho = row.here(diameter), row.here(clearance), row.here("drop"), row.here("rho")
+    d, c, drop = (row.here(f"{prefix}{name}") for name in ("diameter", "clearance", "drop"))
+    rho, size = row.here("rho"), f"ABS({drop})" if row.leak.leaks_back else drop
     viscous = f"(12*{row.here('nu')}*{rho}*{row.here('length')})"
     if factor != CONCENTRIC:
         viscous = f"({viscous}/{factor})"
     if row.law.linear:
         law = f"PI()*{d}*{c}^3*{drop}*0.001/{viscous}"
     else:
-        root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*{rho}*{drop}*{c}^4*1E-6)"
+        root = f"SQRT({viscous}^2+2*{ENTRY_AND_EXIT_LOSS}*{rho}*{size}*{c}^4*1E-6)"
         law = f"2*PI()*{d}*{c}^3*{drop}*0.001/({viscous}+{root})"
-    return f"IF({drop}>0,{law},0)"
+    return law if row.leak.leaks_back else f"IF({drop}>0,{law},0)"
 
 
 def _drawn(row: GapRow) -> Cell:
@@ -110,7 +115,8 @@ def _drawn(row: GapRow) -> Cell:
 
 
 def _reynolds(row: GapRow) -> Cell:
-    formula = f"2*{row.here('q')}/(PI()*{row.here('diameter')}*{row.here('nu')})"
+    flow = row.here("q")
+    formula = f"2*{f'ABS({flow})' if row.leak.leaks_back else flow}/(PI()*{row.here('diameter')}*{row.here('nu')})"
     return Cell("um", row.leak.reynolds_number, formula)
 
 
@@ -164,10 +170,11 @@ GAP_COLUMNS = (
         "diameter when new [mm]",
         lambda row: Cell("mm", row.new.diameter * MM, _diameter(row, row.here("new_clearance"))),
     ),
+    GapColumn("new_drop", "pressure drop when new [kPa]", _new_drop),
     GapColumn(
         "new_q",
         "leakage when new [mm³/s], {spools}",
-        lambda row: Cell("mm3", row.new.leakage * MM3_S, _flow(row, _taken(row), "new_diameter", "new_clearance")),
+        lambda row: Cell("mm3", row.new.leakage * MM3_S, _flow(row, _taken(row), "new_")),
     ),
     GapColumn("reynolds", "Reynolds number", _reynolds),
     GapColumn("published", "pressure pair published", _published),

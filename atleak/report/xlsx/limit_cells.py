@@ -18,7 +18,7 @@ from atleak.report.xlsx.live_cells import CHANGEABLE, largest_of
 from atleak.verdicts import BANDS, FLAGGED
 from atleak.workshop_units import PERCENT, UM
 
-Part = Literal["limit", "at_least", "growth", "added"]  # of a limit: each stands in a row of its own
+Part = Literal["limit", "at_least", "growth", "added", "fall"]  # of a limit: each stands in a row of its own
 _SHEET = "Limits"
 _LABELS: dict[RuleKind, dict[Part, str]] = {
     RuleKind.WEAR: {
@@ -36,14 +36,18 @@ _LABELS: dict[RuleKind, dict[Part, str]] = {
         "growth": "and growth over the same unit new [%]",
         "added": "and points of pump flow added to it",
     },
-    RuleKind.RESERVE: {"limit": "reserve of the pump, under [-]"},
+    RuleKind.RESERVE: {
+        "limit": "reserve of the pump, under [-]",
+        "fall": "or, where the same unit new is under it, fall from that [%]",
+    },
     RuleKind.CIRCUIT_LOSS: {"limit": "pressure that a circuit lost against new [kPa]"},
     RuleKind.PERMISSIBLE_PRESSURE: {"limit": "main pressure below the permissible [%]"},
     RuleKind.COMMANDED_PRESSURE: {"limit": "main pressure off the commanded [kPa]"},
 }
 _NOTE = (
     "A level begins where all of its rows are reached; a level of wear never begins below the one before it. An empty "
-    "field asks for nothing, and a number filled in there is not followed."
+    "field asks for nothing, and a number filled in there is not followed. A level of the reserve is reached under its "
+    "limit, one of a limit of 0 by anything over it."
 )
 
 
@@ -77,9 +81,18 @@ class LimitCells:
             terms.append(f"{least}/{mounting}*100")
         return largest_of([*terms, *([before] if before else [])])
 
-    def clearance(self, level: Level) -> str:
-        """Return the cell of the set's limit of the radial clearance [µm]."""
-        return self._cells[RuleKind.CLEARANCE, level, "limit"]
+    def plain(self, kind: RuleKind, level: Level) -> str:
+        """Return the cell of a limit that is the same for every value of its kind."""
+        return self._cells[kind, level, "limit"]
+
+    def reserve(self, level: Level, new: str, worse: str | None) -> str:
+        """Return the formula of a limit of the reserve from the cells of that when new and of the worse level's limit.
+
+        See `atleak.catalogue.limits.Steps.under`.
+        """
+        limit, fall = (self._cells[RuleKind.RESERVE, level, part] for part in ("limit", "fall"))
+        fallen = f"IF({new}<{limit},(1-{fall}/100)*{new},{limit})"
+        return largest_of([fallen, *([worse] if worse else [])])
 
     def share(self, kind: RuleKind, level: Level, new: str) -> str:
         """Return the formula of a limit of a share [%] from the cell of the same share when new [%]."""
@@ -118,7 +131,10 @@ def _rows(kind: RuleKind, steps: Steps) -> Iterable[_Row]:
     at_least = {level: value * UM for level, value in steps.at_least.items()}
     growth = {level: grown * PERCENT for level, (grown, _) in steps.growth.items()}
     added = {level: points * PERCENT for level, (_, points) in steps.growth.items()}
-    others: tuple[tuple[Part, dict[Level, float]], ...] = (("at_least", at_least), ("growth", growth), ("added", added))
+    fall = {} if steps.fall is None else {level: steps.fall * PERCENT for level, _ in steps.levels}
+    others: tuple[tuple[Part, dict[Level, float]], ...] = (
+        ("at_least", at_least), ("growth", growth), ("added", added), ("fall", fall),
+    )  # fmt: skip
     for part, values in others:
         if values:
             yield _Row(kind, part, values)

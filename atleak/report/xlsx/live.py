@@ -13,6 +13,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.look import DATA_BAR
 from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.circuits_sheet import CircuitCells
 from atleak.report.xlsx.conditions_sheet import ConditionsSheet
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.land_columns import LandRow, LandSheet, land_columns
@@ -46,6 +47,7 @@ class LiveSheets:
         self.gaps = GapCells(diagnosis, self.conditions)
         self.limits = LimitCells(diagnosis.limits)
         self.rules = RuleCells(diagnosis, self.conditions, self.limits)
+        self.circuits = CircuitCells(diagnosis, self.conditions, self.rules)
         self.totals = ConditionsSheet(diagnosis, self.conditions, self.gaps, self.rules)
         self.columns = land_columns(
             LandSheet(
@@ -105,8 +107,12 @@ class LiveSheets:
         self.limits.write(self.book, sheet)
 
     def write_rules(self, sheet: Worksheet) -> None:
-        """Write what each rule says of the totals and of each land; the worst gives the verdict."""
-        self.rules.write(self.book, sheet, self.of_land)
+        """Write what each rule says of the unit and of each land; the worst gives the verdict."""
+        self.rules.write(self.book, sheet, self.of_land, self.circuits.held)
+
+    def write_circuits(self, sheet: Worksheet) -> None:
+        """Write the pressure that every circuit holds at every condition."""
+        self.circuits.write(self.book, sheet)
 
     def write_readings(self, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land; the lands' diameters are means of these cells."""

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.instruments import Part
+from atleak.catalogue.section_pressures import SECTIONS, Pressure
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.look import INPUT
 from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, formula, put
 from atleak.verdicts import BANDS, VERDICTS, Verdict
 from atleak.wording import signed
+from atleak.workshop_units import KPA
 
 CHANGEABLE: Mapping[str, Any] = {"font_color": INPUT}  # numbers that an auditor may change
 AFTER_A_NUMBER: Mapping[str, Any] = {"align": "left", "indent": 1}  # text to the right of a column of numbers
@@ -59,6 +61,14 @@ class SheetCondition:
     def __call__(self, name: str) -> str:
         """Return the workbook's name for one of the condition's quantities."""
         return f"{self.prefix}_{name}"
+
+    def pressure(self, section: str) -> str:
+        """Return the name of the pressure of a section or circuit, at the required main pressure."""
+        return self(section if section in SECTIONS else f"c_{section}")
+
+    def new_pressure(self, section: str) -> str:
+        """Return the name of the same pressure of the same unit new: those of circuits differ."""
+        return self(section if section in SECTIONS else f"new_c_{section}")
 
 
 def sheet_conditions(diagnosis: Diagnosis) -> list[SheetCondition]:
@@ -111,6 +121,29 @@ def band_of_rank(rank: str) -> str:
     bands = ([band for band in BANDS if band.verdict.rank <= verdict.rank][-1] for verdict in RANKED)
     words = ",".join(f'"{band}"' for band in bands)
     return f"CHOOSE({rank},{words})"
+
+
+class Ends(Protocol):
+    """What leaks from one pressure to another."""
+
+    @property
+    def high(self) -> Pressure: ...
+
+    @property
+    def low(self) -> Pressure: ...
+
+
+def drop_between(ends: Ends, name_of: Callable[[str], str]) -> str:
+    """Return the formula of a pressure drop [kPa]; ``name_of`` gives the name of the pressure of a section."""
+
+    def term(pressure: Pressure) -> str:
+        if pressure.section is None:
+            return exact(pressure.constant * KPA) if pressure.constant else ""
+        name = name_of(pressure.section)
+        return name if pressure.coefficient == 1.0 else f"{exact(pressure.coefficient)}*{name}"
+
+    taken = term(ends.low)
+    return (term(ends.high) or "0") + (f"-{taken}" if taken else "")
 
 
 def share_of(leakage: str, capacity: str) -> str:

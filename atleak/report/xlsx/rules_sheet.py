@@ -1,4 +1,4 @@
-"""Write the sheet of rules: what each limit says of the total at every condition and of each land."""
+"""Write the sheet of rules: what each limit says of the unit at every condition and of each land."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.limits import ROUNDING, Level, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.report.xlsx.book import Book, cell, formula, put, span
@@ -23,12 +24,13 @@ from atleak.report.xlsx.live_cells import (
 )
 from atleak.rules import LandKey, Rule
 from atleak.verdicts import FLAGGED, VERDICTS, Band, Verdict
-from atleak.wording import signed
+from atleak.wording import signed, wording
 
 _SHEET = "Rules"
 _VALUE, _NEW, _FIRST_LEVEL = 4, 5, 6
 _VERDICT = _FIRST_LEVEL + len(FLAGGED)  # behind a limit for every level
-_RANK = _VERDICT + 1
+_RANK, _DECISION = _VERDICT + 1, _VERDICT + 2
+_FORMATS = {RuleKind.RESERVE: "reserve", RuleKind.PAIR_SHARE: "share", RuleKind.TOTAL_SHARE: "share"}
 OF_THE_UNIT = "whole unit"  # in place of a component
 
 
@@ -37,18 +39,21 @@ class _Line:
     """One rule on the sheet, with what its formulas ask for."""
 
     rule: Rule
-    land: LandDiagnosis | None  # None for a total
-    value: str  # the cell with its value
-    base: str | None = None  # the cell that its limits grow from: the same share when new, or the mounting clearance
+    land: LandDiagnosis | None  # None for the whole unit
+    value: str  # the formula of its value
+    new: str | None = None  # the cell with the same when new, which limits may follow; None where it is as issued
+    mounting: str | None = None  # the cell with the mounting clearance
     tolerance: str | None = None  # the cell with that of the mounting clearance
 
 
 class RuleCells:
-    """Where every rule stands on its sheet: those of the totals first, then those of the lands."""
+    """Where every rule stands on its sheet: those of the whole unit first, then those of the lands."""
 
     def __init__(self, diagnosis: Diagnosis, conditions: Sequence[SheetCondition], limits: LimitCells) -> None:
         self.diagnosis, self.conditions, self.limits = diagnosis, conditions, limits
-        rows = len(conditions) + 1
+        self._of_unit = [diagnosis.total_rule(at.projection) for at in conditions]
+        self._of_unit += [rule for at in conditions for rule in diagnosis.pressure_rules_at(at.projection)]
+        rows = len(self._of_unit) + 1
         self._of_land: dict[LandKey, tuple[int, int]] = {}
         for land in diagnosis.lands:
             if land.rules:
@@ -70,26 +75,36 @@ class RuleCells:
         """Return the formula of what one rule says of a land; half a pair is never called ok."""
         return verdict_of_rank(cell(self._of_land[land.key][0] + land.rules.index(rule), _RANK, _SHEET), fine_of(land))
 
-    def of_total(self, at: SheetCondition) -> tuple[dict[Level, str], str]:
-        """Return the cells with the limits of the total at a condition, by band, and with its rank."""
-        row = self._total_row(at)
-        limits = {level: cell(row, _column(level), _SHEET) for level, _ in self._total(at).steps.levels}
+    def limits_and_rank(self, rule: Rule) -> tuple[dict[Level, str], str]:
+        """Return the cells with the limits of a rule of the unit, by level, and with its rank."""
+        row = self._unit_row(rule)
+        limits = {level: cell(row, _column(level), _SHEET) for level, _ in rule.steps.levels}
         return limits, cell(row, _RANK, _SHEET)
 
-    def _total(self, at: SheetCondition) -> Rule:
-        return self.diagnosis.total_rule(at.projection)
+    def of_unit(self, rule: Rule) -> str:
+        """Return the formula of what one rule says of the unit; one that nobody measured is never called ok."""
+        return verdict_of_rank(cell(self._unit_row(rule), _RANK, _SHEET), self._fine)
 
-    def _total_row(self, at: SheetCondition) -> int:
-        return 1 + list(self.conditions).index(at)
+    @property
+    def _fine(self) -> Verdict:
+        return Verdict.OK if self.diagnosis.judged else Verdict.NOT_MEASURED
 
-    def write(self, book: Book, sheet: Worksheet, of_land: Callable[[LandKey, ColumnKey], str]) -> None:
-        """Write what each rule says; ``of_land`` gives a cell of the sheet of lands."""
+    def _unit_row(self, rule: Rule) -> int:
+        return 1 + next(number for number, each in enumerate(self._of_unit) if each is rule)
+
+    def write(
+        self,
+        book: Book,
+        sheet: Worksheet,
+        of_land: Callable[[LandKey, ColumnKey], str],
+        held: Callable[[SheetCondition, Circuit], str],
+    ) -> None:
+        """Write what each rule says; ``of_land`` gives a cell of the sheet of lands, ``held`` that of a pressure."""
         names = ["component", "land", "rule", "unit", "value", "when new", *(f"{level} from" for level in FLAGGED)]
-        names += ["verdict", "rank", "origin of the limit", "source"]
+        names += ["verdict", "rank", "decision as issued", "origin of the limit", "source"]
         book.headings(sheet, 0, names)
-        for at in self.conditions:
-            line = _Line(self._total(at), None, at("share"), at("share_new"))
-            self._write(book, sheet, self._total_row(at), line)
+        for row, rule in enumerate(self._of_unit, start=1):
+            self._write(book, sheet, row, self._unit_line(rule, row, held))
         for land in self.diagnosis.lands:
             for row, rule in enumerate(land.rules, start=self._of_land.get(land.key, (0, 0))[0]):
                 self._write(book, sheet, row, self._line(land, rule, of_land))
@@ -102,8 +117,9 @@ class RuleCells:
                 12,
                 12,
                 *(12 for _ in FLAGGED),
-                14,
+                16,
                 7,
+                18,
                 24,
                 60,
             )
@@ -113,11 +129,22 @@ class RuleCells:
         sheet.print_area(0, 0, self.last, len(names) - 2)  # the sources stand beside the limits
         book.colour_words(sheet, (1, _VERDICT), (self.last, _VERDICT), VERDICTS)
 
+    def _unit_line(self, rule: Rule, row: int, held: Callable[[SheetCondition, Circuit], str]) -> _Line:
+        at = next(at for at in self.conditions if at.projection.condition == rule.condition)
+        if rule.kind is RuleKind.TOTAL_SHARE:
+            return _Line(rule, None, at("share"), at("share_new"))
+        if rule.kind is RuleKind.RESERVE:
+            return _Line(rule, None, at("reserve"), at("reserve_new"))
+        if rule.circuit is not None:
+            return _Line(rule, None, f"ABS({cell(row, _NEW)}-{held(at, rule.circuit)})")
+        return _Line(rule, None, f"(1-{at('p_g_held')}/MIN({at('permissible_low')},{at('p_g_held_new')}))*100")
+
     def _line(self, land: LandDiagnosis, rule: Rule, of_land: Callable[[LandKey, ColumnKey], str]) -> _Line:
         if rule.kind is RuleKind.WEAR:
             known = land.state.land.mounting_tolerance is not None
             tolerance = of_land(land.key, "tolerance") if known else None
-            return _Line(rule, land, of_land(land.key, "wear"), of_land(land.key, "c_m"), tolerance)
+            wear, mounting = of_land(land.key, "wear"), of_land(land.key, "c_m")
+            return _Line(rule, land, wear, mounting=mounting, tolerance=tolerance)
         if rule.kind is RuleKind.CLEARANCE:
             return _Line(rule, land, of_land(land.key, "c_r"))
         prefix = next(at.prefix for at in self.conditions if at.projection.condition == rule.condition)
@@ -127,39 +154,58 @@ class RuleCells:
     def _write(self, book: Book, sheet: Worksheet, row: int, line: _Line) -> None:
         rule, factor = line.rule, line.rule.kind.factor
         component, number = line.land.key if line.land else (OF_THE_UNIT, None)
-        form = book.form("share" if rule.new is not None else rule.kind.suffix)
+        form = book.form(_FORMATS.get(rule.kind, rule.kind.suffix))
         for column, value in enumerate((component, number, rule.label, rule.kind.unit)):
             put(sheet, row, column, value, book.form(align="left"))
         formula(sheet, row, _VALUE, line.value, rule.value * factor, form)
-        if line.base is not None and rule.new is not None:
-            formula(sheet, row, _NEW, line.base, rule.new * factor, form)
-        rank, before = "1", None
+        if line.new is not None and rule.new is not None:
+            formula(sheet, row, _NEW, line.new, rule.new * factor, form)
+        elif rule.circuit is not None:  # of a pressure, as issued
+            put(sheet, row, _NEW, None if rule.new is None else rule.new * factor, form)
+        rank = "1"
         for level, limit in rule.steps.levels:
             column = _column(level)
-            text = self._limit(row, line, level, before)
+            text = self._limit(row, line, level)
             if text is None:  # of the land alone, by the valve body's file
                 put(sheet, row, column, limit * factor, book.form(rule.kind.suffix, **CHANGEABLE))
             else:
                 formula(sheet, row, column, text, limit * factor, form)
-            before = cell(row, column)
             reached = RANKED.index(_verdict(level)) + 1
-            rank = f"IF({cell(row, _VALUE)}>={before}*(1-{ROUNDING:E}),{reached},{rank})"
+            rank = f"IF({_reached(rule, cell(row, _VALUE), cell(row, column))},{reached},{rank})"
+        fine = Verdict.OK if line.land is not None else self._fine
+        verdict = fine if rule.verdict == Verdict.OK else rule.verdict
         formula(sheet, row, _RANK, rank, RANKED.index(rule.verdict) + 1)
-        formula(
-            sheet, row, _VERDICT, verdict_of_rank(cell(row, _RANK)), signed(rule.verdict), book.form(**AFTER_A_NUMBER)
-        )
-        for column, text in enumerate((rule.origin, rule.source), start=_RANK + 1):
+        words = verdict_of_rank(cell(row, _RANK), fine)
+        formula(sheet, row, _VERDICT, words, signed(verdict), book.form(**AFTER_A_NUMBER))
+        for column, text in enumerate((self._decision(line), rule.origin, rule.source), start=_DECISION):
             put(sheet, row, column, text, book.form(**AFTER_A_NUMBER))
 
-    def _limit(self, row: int, line: _Line, level: Level, before: str | None) -> str | None:
+    def _decision(self, line: _Line) -> str | None:
+        """Return how sure a rule of the unit is; those of lands stand beside the lands."""
+        decided = None if line.land is not None else self.diagnosis.decided(line.rule)
+        return None if decided is None else wording("en").get("decisions", decided.decision)
+
+    def _limit(self, row: int, line: _Line, level: Level) -> str | None:
         """Return the formula of the limit at which a level begins; None where it is the land's own."""
-        kind = line.rule.kind
-        if line.rule.new is not None:
-            return self.limits.share(kind, level, cell(row, _NEW))
-        if line.base is not None:
-            return self.limits.wear(level, line.base, line.tolerance, before)
+        rule, limits = line.rule, self.limits
+        cells = [None, *(cell(row, _column(name)) for name, _ in rule.steps.levels), None]
+        place = [name for name, _ in rule.steps.levels].index(level)
+        milder, worse = cells[place], cells[place + 2]
+        if rule.kind.is_share:
+            return limits.share(rule.kind, level, cell(row, _NEW))
+        if rule.steps.falling:
+            return limits.reserve(level, cell(row, _NEW), worse)
+        if line.mounting is not None:
+            return limits.wear(level, line.mounting, line.tolerance, milder)
         own = line.land is not None and line.land.state.land.clearance_limit is not None
-        return None if own else self.limits.clearance(level)
+        return None if own else limits.plain(rule.kind, level)
+
+
+def _reached(rule: Rule, value: str, limit: str) -> str:
+    """Return the formula of whether a value has reached a limit; see `atleak.catalogue.limits.reaches`."""
+    if rule.steps.falling:
+        return f"{value}<{limit}*(1-{ROUNDING:E})"
+    return f"{value}>=MAX({limit}*(1-{ROUNDING:E}),{ROUNDING * rule.kind.factor:E})"
 
 
 def _verdict(level: Level) -> Verdict:

@@ -2,47 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, Record
-from atleak.look import CHART_GRID, PAPER
 from atleak.repair import RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
-from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, COVERS, DEMAND
+from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.live import LiveSheets
-from atleak.report.xlsx.live_cells import AFTER_A_NUMBER, ColumnKey, SheetCondition, component_width, verdict_of_rank
+from atleak.report.xlsx.live_cells import (
+    AFTER_A_NUMBER,
+    RANKED,
+    ColumnKey,
+    SheetCondition,
+    component_width,
+    verdict_of_rank,
+)
+from atleak.report.xlsx.road_sheet import RoadSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import head, measure_first, reason
+from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.road_instants import instant_rows
-from atleak.views.road_series import road_series
-from atleak.views.sentences import fluid_in_state, measuring_temperature
+from atleak.views.sentences import because_of, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 #: columns of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
     "band", "decision", "leakage", "low", "high", "leakage_new", "growth", "share", "share_new", "share_concentric",
-    "share_touching", "capacity", "n_min", "T", "n",
+    "share_touching", "capacity", "n_min", "reserve", "reserve_new", "p_g", "p_g_held", "T", "n",
 )  # fmt: skip
 _ISSUED = {
     "decision": "decision as issued",
     "low": "leakage, low as issued [dm³/min]",
     "high": "leakage, high as issued [dm³/min]",
 }
-ROAD_ROWS = 2000  # rows of the thinned road test
 MEASURE_FIRST = 6  # lands named for a complaint
-_KINDS = {  # of numbers, by their unit
-    "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
-}  # fmt: skip
 
 
 class Sheets:
@@ -79,10 +81,16 @@ class Sheets:
             ("measuring sheet", record["readings"]["file"]),
             ("measured at", measuring_temperature(diagnosis, wording("en"))),
             ("road test", record["road_test"]["file"] if record["road_test"] else None),
+            ("gauge readings", record["pressure_table"]["file"] if record["pressure_table"] else None),
             ("representative", record["controller"]["representative_note"]),
             *self._complaint(),
         ]
         row = book.pairs(sheet, 4, rows) + 1
+        if diagnosis.without_sheet:
+            put(sheet, row, 0, wording("en")("findings.alone"))
+            if diagnosis.log is not None:
+                RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
+            return
         row = self._totals(sheet, row) + 1
         row = self._flagged(sheet, row) + 1
         row = self._repair(sheet, row) + 1
@@ -109,7 +117,11 @@ class Sheets:
         put(sheet, row, 0, "verdict of the unit", book.bold)
         if diagnosis.judged:  # half a pair is never called ok
             fine = Verdict.OK if diagnosis.measured else Verdict.NOT_MEASURED
-            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks})", fine)
+            shown = (*diagnosis.gauge_rules, *diagnosis.log_rules)
+            issued = "".join(
+                f",{1 + RANKED.index(verdict)}" for verdict in dict.fromkeys(each.verdict for each in shown)
+            )
+            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks}{issued})", fine)
             formula(sheet, row, 1, verdict, signed(diagnosis.verdict), book.bold)
         else:
             put(sheet, row, 1, signed(diagnosis.verdict), book.bold)
@@ -120,13 +132,19 @@ class Sheets:
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
         decided_by = diagnosis.decided_by
-        worst = diagnosis.worst
-        total = f"At “{worst.condition.label}” {self._taken(worst)} ({diagnosis.band(worst)})."
+        measured = measured_sentence(diagnosis, wording("en"))
+        if measured is not None:
+            return f"{signed(diagnosis.verdict)}: {measured}"
+        worst, band = diagnosis.worst, diagnosis.band(diagnosis.worst)
+        total = f"At “{worst.condition.label}” {self._taken(worst)}" + (f" ({band})." if band else ".")
         if diagnosis.verdict == Verdict.NOT_MEASURED:
             return f"No land was measured. With mounting clearances: {total}"
         lands = f"{len(flagged)} of {diagnosis.judged} measured lands have reached a limit"
-        if isinstance(decided_by, Rule):
+        if isinstance(decided_by, Rule) and decided_by.kind is RuleKind.TOTAL_SHARE:
             return f"{signed(diagnosis.verdict)} because of the total: {total} {lands}."
+        if isinstance(decided_by, Rule):
+            because = because_of(diagnosis, decided_by, wording("en")) or f"because of the {decided_by.label}."
+            return f"{signed(diagnosis.verdict)} {because} {lands}. {total}"
         if decided_by is not None:
             component, number = decided_by.key
             lands += f"; {component}/{number} {diagnosis.controller.components[component]} decides"
@@ -158,7 +176,7 @@ class Sheets:
                     formula(sheet, row, column, at(name), now.value, book.form(now.kind, **left))
         book.colour_words(sheet, (first, 1), (row, 1), BANDS)
         put(sheet, row + 1, 0, f"Flows: {spools_taken(self.diagnosis.profile)}. {AS_SPOOLS_MAY_LIE} {DEMAND}")
-        put(sheet, row + 2, 0, COVERS)
+        put(sheet, row + 2, 0, covers(self.diagnosis))
         return row + 3
 
     def _issued(self, at: SheetCondition) -> dict[str, Any]:
@@ -264,72 +282,6 @@ class Sheets:
         sheet.set_column(3, len(names) - 1, 16)
         sheet.set_column(len(names), len(names), 44)
         sheet.autofilter(0, 0, len(rows), len(names))
-
-    # --- road test
-
-    def write_road(self, sheet: Worksheet) -> None:
-        """Write the main results of the road test, two charts, and the thinned series."""
-        road, record, book = self.diagnosis.road, self.record["road_test"], self.book
-        if road is None:
-            return
-        rows: list[tuple[str, Any]] = [(name, record[name]) for name in ("file", "sha256", "rows", "duration_s")]
-        rows.append(("gears", ", ".join(map(str, record["gears"]))))
-        rows += [
-            (f"of the volume leaked from {name}", f"{share * PERCENT:.1f} %")
-            for name, share in record["sections"].items()
-            if share is not None
-        ]
-        row = book.pairs(sheet, 0, rows)
-        kinds = {"time [s]": "time", "share [%]": "percent"}
-        kinds |= dict.fromkeys(("leakage [dm³/min]", "leakage from", "leakage to", "pump capacity [dm³/min]"), "flow")
-        kinds |= dict.fromkeys(("share from", "share to"), "percent")
-        row = book.records(sheet, row + 1, instant_rows(road, self.diagnosis.uncertainty), kinds) + 1
-        put(sheet, row - 1, 0, wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}"))
-        series = road_series(road, ROAD_ROWS)
-        kept = len(series.columns["time_s"])
-        if series.thinned:
-            text = f"{kept} of {series.samples} samples: every stretch keeps its lowest and highest values."
-            put(sheet, row, 0, text)
-        row += 34  # the two charts take so many rows
-        names = list(series.columns)
-        book.headings(sheet, row, [f"{label} [{unit}]" if unit else label for label, unit in series.labels.values()])
-        for column, (name, values) in enumerate(series.columns.items()):
-            form = book.form(_KINDS[series.labels[name][1]])
-            for line, value in enumerate(values.tolist(), start=row + 1):
-                if value == value:  # NaN: an empty cell, a gap in the chart
-                    sheet.write_number(line, column, value, form)
-        sheet.set_column(0, 0, 36)
-        sheet.set_column(1, len(names), 15)
-        first, last = row + 1, row + kept
-        flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
-        drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
-        self._chart(sheet, row - 33, "Flow [dm³/min]", drawn, first, last)
-        if "share_percent" in names:
-            share = ("share_percent", "share", names.index("share_percent"))
-            self._chart(sheet, row - 16, "Share [%]", [share], first, last)
-
-    def _chart(
-        self, sheet: Worksheet, row: int, axis: str, series: Sequence[tuple[str, str, int]], first: int, last: int
-    ) -> None:
-        chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
-        dashes = {"pump_capacity_dm3_min": (PAPER.pump, "dash"), "leakage_dm3_min": (PAPER.leakage, "solid")}
-        for name, label, column in series:
-            colour, dash = dashes.get(name, (PAPER.share, "solid"))
-            chart.add_series(
-                {
-                    "name": label,
-                    "categories": "=" + span(first, last, 0, "Road test"),
-                    "values": "=" + span(first, last, column, "Road test"),
-                    "line": {"color": colour, "width": 1.25, "dash_type": dash},
-                }
-            )
-        chart.set_x_axis({"name": "time [s]", "min": 0, "label_position": "low"})
-        chart.set_y_axis({"name": axis, "major_gridlines": {"visible": True, "line": {"color": CHART_GRID}}})
-        chart.set_title({"none": True})
-        chart.set_legend({"position": "top"} if len(series) > 1 else {"none": True})
-        chart.show_blanks_as("gap")
-        chart.set_size({"width": 980, "height": 320})
-        sheet.insert_chart(row, 0, chart, {"description": f"{axis} over the road test"})
 
     # --- job, messages, provenance
 

@@ -83,3 +83,18 @@ def process() -> Callable[..., subprocess.CompletedProcess[bytes]]:
         )
 
     return command
+
+
+@pytest.fixture
+def with_pressure(sample_log: Path, tmp_path: Path) -> Callable[..., Path]:
+    """Writes the sample log under another name, each main pressure as a function of the one that stands there."""
+
+    def write(name: str, changed: Callable[[str], str]) -> Path:
+        head, *rows = sample_log.read_text(encoding="utf-8").splitlines()
+        cells = [row.split(";") for row in rows]
+        lines = [";".join([*row[:2], changed(row[2]), *row[3:]]) for row in cells]
+        target = tmp_path / name
+        target.write_text("\n".join([head, *lines]), encoding="utf-8")
+        return target
+
+    return write

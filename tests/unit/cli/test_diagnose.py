@@ -17,6 +17,7 @@ from atleak.job.case import SLOTS, Case
 from atleak.job.file import read_job_file
 
 Run = Callable[..., tuple[int, str, str]]
+WithPressure = Callable[..., Path]
 RecordOf = Callable[..., dict[str, Any]]
 SmallSheet = Callable[..., Path]
 OWN_FILES = {
@@ -313,36 +314,43 @@ def test_nothing_is_written_over_what_is_read(run: Run, tmp_path: Path, small_sh
     assert not (tmp_path / "a").exists()
 
 
-def test_a_log_without_main_pressure(run: Run, sample_readings: Path, tmp_path: Path) -> None:
+def test_a_log_without_main_pressure_is_told_and_the_sheet_judged_all_the_same(
+    run: Run, sample_readings: Path, tmp_path: Path
+) -> None:
     log = tmp_path / "log.csv"
     log.write_text("time [s],engine_speed [rpm],gear\n0,800,1\n1,900,1\n2,950,1\n", encoding="utf-8")
-    status, _, err = run("diagnose", sample_readings, "--road-test", log)
-    assert status == 2
-    assert "log.csv" in err
-    assert "pressure" in err
+    status, out, _ = run("diagnose", sample_readings, "--road-test", log, "--fail-on", "replace")
+    said = " ".join(out.split())
+    assert status == 1
+    assert "The log holds no main pressure: how well it is held is not known." in said
+    assert "No leakage is computed over log.csv: the log has no main pressure" in said
 
 
 @pytest.mark.parametrize(
-    ("pressure", "why"),
-    [
-        ("-{}", "most of its values cannot be main (line) pressure in kPa"),
-        ("0", "'p_g [kPa]' is 0 throughout"),
-        ("", "'p_g [kPa]' holds no values"),
-    ],
+    ("pressure", "why"), [("0", "'p_g [kPa]' is 0 throughout"), ("", "'p_g [kPa]' holds no values")]
 )
 def test_a_main_pressure_that_is_there_but_not_usable_is_not_called_missing(
-    run: Run, sample_readings: Path, sample_log: Path, tmp_path: Path, pressure: str, why: str
+    run: Run, sample_readings: Path, with_pressure: WithPressure, pressure: str, why: str
 ) -> None:
-    head, *rows = sample_log.read_text(encoding="utf-8").splitlines()
-    cells = [row.split(";") for row in rows]
-    log = tmp_path / "negative.csv"
-    changed = [";".join([*row[:2], pressure.format(row[2]), *row[3:]]) for row in cells]
-    log.write_text("\n".join([head, *changed]), encoding="utf-8")
-    status, _, err = run("diagnose", sample_readings, "--road-test", log)
+    log = with_pressure("dead.csv", lambda _: pressure)
+    _, out, _ = run("diagnose", sample_readings, "--road-test", log)
+    said = " ".join(out.split())
+    assert f"The log holds no usable main pressure: how well it is held is not known. {why}" in said
+    assert "the log's column of main pressure is not usable" in said
+    assert "no main pressure" not in said
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_log_is_not_taken_while_it_is_open_which_column_is_its_main_pressure(
+    run: Run, sample_readings: Path, with_pressure: WithPressure, alone: bool
+) -> None:
+    negative = with_pressure("negative.csv", lambda kpa: f"-{kpa}")
+    sheet = () if alone else (sample_readings,)
+    status, _, err = run("diagnose", *sheet, "--road-test", negative)
     assert status == 2
     assert "negative.csv" in err
     assert "the log's column of main pressure is not usable" in err
-    assert why in err
+    assert "most of its values cannot be main (line) pressure in kPa" in err
     assert "no main pressure" not in err
 
 

@@ -24,7 +24,7 @@ from atleak.views.repair_words import plan_ends
 from atleak.wording import signed, wording
 
 SHEETS = ["Summary", "Lands", "Land by condition", "Gaps", "Gaps hot idle", "Rules", "Readings", "Directions"]
-SHEETS += ["Road test", "Conditions", "Limits"]
+SHEETS += ["Road test", "Road test events", "Conditions", "Limits"]
 
 
 def column_of(book: openpyxl.Workbook, sheet: str, heading: str) -> str:

@@ -20,7 +20,8 @@ from atleak.engine.projection import stated_condition
 from atleak.errors import Message, Place
 from atleak.readings import Readings
 from atleak.version import __version__
-from atleak.views.diagnosis_record import diagnosis_record, message_record, to_json
+from atleak.views.diagnosis_record import diagnosis_record, to_json
+from atleak.views.message_record import message_record
 
 # What was promised to scripts. A key may be added to the record; none of these may go.
 TOP = "format atleak profile controller fluid limits readings lands gaps projection hot_idle road_test messages"

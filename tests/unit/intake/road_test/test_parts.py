@@ -44,7 +44,8 @@ SEEN = {
         "Trans Temp (°C)", "Transmission Fluid Temperature Sensor 1 (°F)", "TCM.TFT", "AT – ATF Temperature", "ATF Temperature 2", "ATF Temperature (Lookup)", "Automatic Transmission Fluid Temp (ATF)", "A/T Oil Temperature 1",
         "Getriebeöltemperatur", "Getriebeoeltemperatur", "Transmissionsoljetemperatur", "Temperatura oleju w skrzyni biegów", "Température huile boîte", "Temperatura do óleo da transmissão",
     ],
-    "main_pressure": ["P/L Solenoid Valve Pressure (kPa)", "Line Pressure", "Trans Line Pressure", "TCM.LINEPRS_D", "TCM.LINEPRS_A", "TCM.LINEPRSD", "TCM.LINEPRSA", "EPC", "hydraulic oil pressure actual", "MPC", "p_g"],
+    "main_pressure": ["P/L Solenoid Valve Pressure (kPa)", "Line Pressure", "Trans Line Pressure", "TCM.LINEPRS_A", "TCM.LINEPRSA", "EPC", "hydraulic oil pressure actual", "MPC", "p_g"],
+    "commanded_pressure": ["TCM.LINEPRS_D", "TCM.LINEPRSD", "Desired Line Pressure (psi)", "line pressure commanded"],
     "converter_pressure": ["p_k", "Converter Pressure (kPa)", "Torque converter pressure", "Wandlerdruck"],
     "lock_up": ["L/U Solenoid Valve Pressure (kPa)", "TCU: TC Duty", "TCM.TCCP", "TCM.TCCPCSCP", "TCM.TCCDC", "TCC Duty Cycle", "TCC Pressure"],
     "gear": [

@@ -1,0 +1,223 @@
+"""Compare the main pressure of a road test with what the valve body permits, and with what was commanded.
+
+Only what lasts counts (`atleak.engine.lasting`): a departure is as large as it stays for a second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from atleak.catalogue.circuit_tables import State
+from atleak.catalogue.circuits import IDLE_SPEED
+from atleak.catalogue.controller import Controller
+from atleak.engine.lasting import CountedSamples, Lasting
+from atleak.events import Thresholds
+from atleak.events.event import standing_samples
+from atleak.road_test import RoadTest
+
+STATES: tuple[State, ...] = ("idle", "stall", "driving")
+NotJudged = Literal["no_main_pressure", "not_measured", "not_permitted", "no_engine_speed", "no_gear", "never_there"]
+
+
+@dataclass(frozen=True)
+class Departure:
+    """How far pressure lies outside a limit, or how near it comes, for a second on end."""
+
+    start: float  # [s] of the whole stretch outside the limit; of the second alone where it stays within
+    stop: float  # [s]
+    at: float  # [s] where in that second pressure is nearest to the limit
+    gear: int
+    state: State
+    pressure: float  # [Pa] there
+    limit: float  # [Pa]
+    fraction: float  # of the limit by which it lies outside; negative within
+    source: str  # of the limit
+
+    @property
+    def outside(self) -> float:
+        """Return how far it lies outside the limit [Pa]; negative within."""
+        return self.fraction * self.limit
+
+
+@dataclass(frozen=True)
+class PlaceFinding:
+    """Main pressure in one gear and state: times [s], pressure [Pa] as it stays for a second."""
+
+    gear: int
+    state: State
+    judged: float  # time with a limit
+    below: float  # time in stretches below it that last
+    above: float
+    worst: Departure | None  # below the low limit, or nearest to it; None without such a limit, or too short a time
+
+
+@dataclass(frozen=True)
+class RoadPressure:
+    """Main pressure of a road test beside what the valve body permits in each gear and state."""
+
+    places: tuple[PlaceFinding, ...]  # in the order of gears and states
+    lowest: Departure | None  # the worst below a low limit, or the nearest to one
+    highest: Departure | None  # the same of the high limits
+
+    @property
+    def judged(self) -> float:
+        """Return for how long there was a limit [s]."""
+        return sum(place.judged for place in self.places)
+
+    @property
+    def below(self) -> float:
+        """Return for how long pressure stayed below what is permitted [s], in stretches that last."""
+        return sum(place.below for place in self.places)
+
+    @property
+    def above(self) -> float:
+        """Return for how long it stayed above [s], in stretches that last."""
+        return sum(place.above for place in self.places)
+
+
+@dataclass(frozen=True)
+class CommandedPressure:
+    """Main pressure as measured minus as commanded, as far as the difference stays for a second on end."""
+
+    difference: float  # [Pa] the largest; negative where less is there than was commanded
+    at: float  # [s]
+    actual: float  # [Pa] there
+    commanded: float  # [Pa] there
+    start: float  # [s] of the stretch in which it stays on that side of zero
+    stop: float  # [s]
+    compared: float  # [s] for how long both are there
+
+
+def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure | NotJudged:
+    """Compare main pressure with what the valve body permits in the gear and state of every sample.
+
+    A sample idles under `IDLE_SPEED`; it stalls where a logged vehicle speed shows that the car stands in gear with the
+    engine raised; else it drives. Without a gear that the valve body's file names there is no limit, nor while the
+    engine stands or starts, nor in shifts shorter than a second.
+
+    Returns
+    -------
+    RoadPressure | NotJudged
+        the comparison, or why there is none: a pressure that was assumed or commanded is never judged.
+    """
+    channel = road_test.channel("main_pressure")
+    if channel is None:
+        return "no_main_pressure"
+    if channel.source == "constant" or channel.kind == "commanded":
+        return "not_measured"
+    if not controller.permissible:
+        return "not_permitted"
+    if road_test.channel("engine_speed") is None:
+        return "no_engine_speed"
+    if road_test.channel("gear") is None:
+        return "no_gear"
+    limits = _Limits(controller, road_test)
+    return limits.judge() if limits.ever else "never_there"
+
+
+class _Limits:
+    """What is permitted at every sample of a log; arrays of shape (samples,), NaN where there is no limit."""
+
+    def __init__(self, controller: Controller, road_test: RoadTest) -> None:
+        self.controller, self.time = controller, road_test.time
+        self.gear = _gear(road_test)
+        self.counted = CountedSamples(road_test)
+        self.pressure = self.counted.smooth(np.asarray(road_test.values("main_pressure")))
+        self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
+        self.number = np.full(len(self.time), -1)  # of the limits in the valve body's file
+        states = _states(road_test, self.gear)
+        for number, permitted in enumerate(controller.permissible):
+            here = np.isin(self.gear, list(permitted.gears)) & states[permitted.state] & np.isfinite(self.pressure)
+            self.number[here] = number
+            self.low[here] = np.nan if permitted.low is None else permitted.low
+            self.high[here] = np.nan if permitted.high is None else permitted.high
+
+    @property
+    def ever(self) -> bool:
+        """Tell whether there is a limit for any time at all."""
+        return self.counted.time_of(self.number >= 0) > 0.0
+
+    def judge(self) -> RoadPressure:
+        under = Lasting(self.counted, 1.0 - self.pressure / self.low)
+        over = Lasting(self.counted, self.pressure / self.high - 1.0)
+        places = []
+        for number, permitted in enumerate(self.controller.permissible):
+            for gear in sorted(permitted.gears):
+                here = (self.number == number) & (self.gear == gear)
+                judged = self.counted.time_of(here)
+                if judged > 0.0:
+                    below, above = (self.counted.time_of(each.outside & here) for each in (under, over))
+                    worst = self._departure(under, self.low, here)
+                    places.append(PlaceFinding(gear, permitted.state, judged, below, above, worst))
+        places.sort(key=lambda place: (place.gear, STATES.index(place.state)))
+        limited = self.number >= 0
+        lowest, highest = self._departure(under, self.low, limited), self._departure(over, self.high, limited)
+        return RoadPressure(tuple(places), lowest, highest)
+
+    def _departure(self, lasting: Lasting, limit: np.ndarray, among: np.ndarray) -> Departure | None:
+        sample = lasting.worst(among)
+        if sample is None:
+            return None
+        permitted = self.controller.permissible[self.number[sample]]
+        start, stop = lasting.stretch(sample)
+        return Departure(
+            start=start,
+            stop=stop,
+            at=float(self.time[sample]),
+            gear=int(self.gear[sample]),
+            state=permitted.state,
+            pressure=float(self.pressure[sample]),
+            limit=float(limit[sample]),
+            fraction=float(lasting.excess[sample]),
+            source=permitted.source,
+        )
+
+
+def _gear(road_test: RoadTest) -> np.ndarray:
+    """Return the gear of every sample; 0 where the selector is in neutral or park."""
+    gear, selector = np.asarray(road_test.values("gear")), road_test.values("selector")
+    return gear if selector is None else np.where((selector == 0) | (selector == -2), 0.0, gear)
+
+
+def _states(road_test: RoadTest, gear: np.ndarray) -> dict[State, np.ndarray]:
+    """Return at which samples the engine idles, the converter stalls and the car drives; none of it where unknown.
+
+    Only a logged speed behind the gears shows that the car stands.
+    """
+    engine, limits = np.asarray(road_test.values("engine_speed")), Thresholds()
+    idles, standing = engine < IDLE_SPEED, standing_samples(road_test, limits)
+    stalls = np.zeros(len(engine), bool)
+    if standing is not None:
+        stalls = standing & (gear != 0) & (engine > limits.stall_speed)
+    return {"idle": idles, "stall": stalls, "driving": np.isfinite(engine) & ~idles & ~stalls}
+
+
+def compare_with_commanded(road_test: RoadTest) -> CommandedPressure | None:
+    """Compare main pressure with what the gearbox computer commanded; None where one of them is not logged."""
+    channel, wanted = road_test.channel("main_pressure"), road_test.channel("commanded_pressure")
+    if channel is None or wanted is None or channel.kind == "commanded":
+        return None
+    if "constant" in (channel.source, wanted.source):
+        return None
+    counted = CountedSamples(road_test)
+    names = ("main_pressure", "commanded_pressure")
+    actual, commanded = (counted.smooth(np.asarray(road_test.values(name))) for name in names)
+    difference, everywhere = actual - commanded, np.ones(len(road_test.time), bool)
+    sides = (Lasting(counted, difference), Lasting(counted, -difference))
+    largest = [(lasting, sample) for lasting in sides if (sample := lasting.worst(everywhere)) is not None]
+    if not largest:
+        return None
+    lasting, sample = max(largest, key=lambda each: float(each[0].excess[each[1]]))
+    start, stop = lasting.stretch(sample)
+    return CommandedPressure(
+        difference=float(difference[sample]),
+        at=float(road_test.time[sample]),
+        actual=float(actual[sample]),
+        commanded=float(commanded[sample]),
+        start=start,
+        stop=stop,
+        compared=counted.time_of(np.isfinite(difference)),
+    )

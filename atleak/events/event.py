@@ -1,0 +1,117 @@
+"""Define an event of a road test, its thresholds, and the runs of samples from which events are made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from atleak.road_test import ChannelSource, RoadTest
+
+EventKind = Literal[
+    "minimum_acceleration", "gear_shift", "hot_idle", "stall", "lock_up", "steady_driving", "engine_start"
+]
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Limits of the events. Speeds of rotation [1/s], vehicle speeds [m/s], temperatures [°C], durations [s]."""
+
+    standing: float = 1.0 / 3.6
+    idle_low: float = 400 / 60
+    idle_high: float = 1100 / 60
+    hot: float = 70.0
+    idle_seconds: float = 3.0
+    stall_speed: float = 1400 / 60
+    stall_seconds: float = 0.4
+    stall_longest: float = 15.0
+    gentle_speed: float = 2500 / 60
+    gentle_end: float = 30 / 3.6
+    gentle_back: float = 5 / 3.6
+    slip: float = 50 / 60
+    lock_up_seconds: float = 1.0
+    steady_seconds: float = 5.0
+    steady_speed: float = 20 / 3.6
+    steady_vehicle: float = 3 / 3.6
+    steady_engine: float = 100 / 60
+    ratio_tolerance: float = 0.06
+    engine_standing: float = 50 / 60
+    engine_standing_seconds: float = 0.5
+    start_seconds: float = 3.0
+    # of a minimum-acceleration test
+    gentle_begun: float = 15 / 3.6  # at which it is one that was begun, where no gear is known
+    driven_otherwise: float = 4000 / 60  # above which nobody meant to drive one
+    idle_spread: float = 50 / 60
+    slows: float = 0.15  # fall of the engine speed in the last gear with which the car slows down
+    shift_settles: float = 1.0
+    shift_fall: float = 0.12  # of the engine speed at a shift
+    shift_longest: float = 1.5
+    shift_sampling: float = 0.5  # longest interval that shows such a fall
+
+
+TestFault = Literal["too_fast", "broken_off"]
+
+
+@dataclass(frozen=True)
+class AccelerationTest:
+    """How a minimum-acceleration test was driven: speeds of the engine [1/s], times [s] on the road test's time."""
+
+    gears: tuple[int, ...]  # passed, rising; none where no gear is logged
+    missing: tuple[int, ...]  # gears of the valve body above them
+    highest_speed: float
+    highest_at: float
+    speed_limit: float
+    fault: TestFault | None  # None: driven as it is meant to be
+
+    @property
+    def over_by(self) -> float:
+        """Return how far the engine speed went over the limit [1/s]; 0 where it did not."""
+        return max(0.0, self.highest_speed - self.speed_limit)
+
+
+@dataclass(frozen=True)
+class Event:
+    """One event: ``start`` and ``stop`` [s] on the road test's time; gears only for shifts."""
+
+    kind: EventKind
+    start: float
+    stop: float
+    from_gear: int | None = None
+    to_gear: int | None = None
+    source: ChannelSource = "logged"
+    note: str = ""
+    test: AccelerationTest | None = None  # of a minimum-acceleration test: how it was driven
+
+    @property
+    def duration(self) -> float:
+        """Return the length [s]."""
+        return self.stop - self.start
+
+
+def segments(road_test: RoadTest) -> Iterator[slice]:
+    """Yield the samples of every stretch in which time runs on without a break."""
+    if not road_test.segments:
+        yield slice(0, len(road_test.time))
+    for segment in road_test.segments:
+        yield slice(segment.start_row, segment.start_row + segment.rows)
+
+
+def runs(road_test: RoadTest, mask: np.ndarray, shortest: float) -> Iterator[tuple[int, int]]:
+    """Yield first and last index of every run of True that lasts long enough; none crosses a segment's end."""
+    for part in segments(road_test):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], mask[part].astype(np.int8), [0]])))
+        for low, high in zip(edges[::2], edges[1::2], strict=True):
+            first, last = part.start + int(low), part.start + int(high) - 1
+            if road_test.time[last] - road_test.time[first] >= shortest:
+                yield first, last
+
+
+def standing_samples(road_test: RoadTest, limits: Thresholds) -> np.ndarray | None:
+    """Return at which samples the car stands, shape (samples,); None where the log does not show it."""
+    speed = road_test.values("vehicle_speed")
+    if speed is not None:
+        return speed < limits.standing
+    output = road_test.values("output_speed")
+    return output < 0.5 if output is not None else None

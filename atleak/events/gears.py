@@ -1,0 +1,161 @@
+"""Detect shifts between gears, and derive a gear from the speed ratio where none is logged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from atleak.errors import Message
+from atleak.events.event import Event, Thresholds, segments
+from atleak.road_test import Channel, ChannelSource, RoadTest
+
+
+def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+    """Return shifts between forward gears.
+
+    They follow from the ratio of turbine to output speed where both are logged, since a logged gear may lag by half a
+    second; else from the gear channel.
+    """
+    limits = limits or Thresholds()
+    gear = road_test.values("gear")
+    ratio = _ratio(road_test, ("turbine_speed",))
+    if gear is None and ratio is None:
+        return []
+    shifts: list[Event] = []
+    if gear is None:
+        derived = with_derived_gear(road_test)
+        gear = derived.values("gear")
+        if gear is None:
+            return []
+    channel = road_test.channel("gear")
+    source: ChannelSource = channel.source if channel else "derived"
+    for part in segments(road_test):
+        in_gear = np.flatnonzero(gear[part] > 0)
+        if len(in_gear) < 2:
+            continue
+        values = gear[part][in_gear]
+        for step in np.flatnonzero(np.diff(values) != 0):
+            before, after = in_gear[step], in_gear[step + 1]
+            event = Event(
+                "gear_shift", float(road_test.time[part][before]), float(road_test.time[part][after]),
+                int(values[step]), int(values[step + 1]), source,
+            )  # fmt: skip
+            shifts.append(_by_ratio(event, road_test, ratio, part, int(before), int(after), limits))
+    return shifts
+
+
+def _by_ratio(
+    event: Event, road_test: RoadTest, ratio: np.ndarray | None, part: slice, low: int, high: int, limits: Thresholds
+) -> Event:
+    """Correct a shift's beginning and end by the ratio of turbine speed to output speed."""
+    if ratio is None or event.source != "logged":
+        return event
+    time, values = road_test.time[part], ratio[part]
+    before = (time > time[high] - 4.0) & (time < time[high] - 2.0)
+    after = (time > time[high]) & (time < time[high] + 2.0)
+    if not np.isfinite(values[before]).any() or not np.isfinite(values[after]).any():
+        return event
+    old, new = float(np.nanmedian(values[before])), float(np.nanmedian(values[after]))
+    if abs(new / old - 1) < 0.1:
+        return event
+    near = np.flatnonzero((time >= time[high] - 2.0) & (time <= time[high] + 1.0))
+    left = near[np.abs(values[near] / old - 1) > limits.ratio_tolerance]
+    reached = near[np.abs(values[near] / new - 1) <= limits.ratio_tolerance]
+    if not len(left) or not len(reached):
+        return event
+    start, stop = time[max(left[0] - 1, 0)], time[reached[0]]
+    if stop <= start:
+        return event
+    lag = float(time[high] - stop)
+    return replace(
+        event, start=float(start), stop=float(stop), note=f"the logged gear lags by {lag:.2f} s" if lag > 0 else ""
+    )
+
+
+def _ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", "engine_speed")) -> np.ndarray | None:
+    """Return the ratio of speed before the gears to speed behind them; its scale is arbitrary for vehicle speed."""
+    above = next((road_test.values(name) for name in drivers if road_test.values(name) is not None), None)
+    below = next(
+        (road_test.values(name) for name in ("output_speed", "vehicle_speed") if road_test.values(name) is not None),
+        None,
+    )
+    if above is None or below is None:
+        return None
+    moving = below > (2.0 if road_test.values("output_speed") is None else 1.0)
+    return np.where(moving & (above > 0), above / np.where(moving, below, 1.0), np.nan)
+
+
+def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
+    """Return the ratios at which a log stays, highest first: the gears. Levels closer than 12 % are one.
+
+    >>> r = np.repeat([2.8, 1.5, 1.0], 200)
+    >>> [round(level, 2) for level in ratio_levels(r)]
+    [2.8, 1.5, 1.0]
+    """
+    good = np.log(ratio[np.isfinite(ratio) & (ratio > 0)])
+    if len(good) < 50:
+        return []
+    edges = np.arange(good.min() - 0.02, good.max() + 0.04, 0.02)
+    counts, _ = np.histogram(good, edges)
+    wide = np.convolve(counts, np.ones(3), "same")
+    order = np.argsort(wide)[::-1]
+    levels: list[float] = []
+    for index in order:
+        if wide[index] < share * len(good):
+            break
+        middle = 0.5 * (edges[index] + edges[index + 1])
+        near = good[np.abs(good - middle) < 0.03]
+        if not len(near):
+            continue
+        middle = float(np.median(near))
+        if all(abs(middle - level) > 0.12 for level in levels):
+            # a gear stands out from the ratios that a shift passes through
+            around = good[(np.abs(good - middle) < 0.12)]
+            if np.mean(np.abs(around - middle) < 0.03) > 0.45:
+                levels.append(middle)
+    return [float(np.exp(level)) for level in sorted(levels, reverse=True)]
+
+
+def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None, tolerance: float = 0.06) -> RoadTest:
+    """Return the road test with a gear derived from the speed ratio, marked ``derived``; unchanged where one is logged.
+
+    Parameters
+    ----------
+    ratios
+        Ratios of the gears from first on, in the scale of turbine (or engine) over output (or vehicle) speed. Without
+        them the levels found in the log are numbered from the highest ratio as first gear.
+    tolerance
+        How far from a gear's ratio a sample may be [1]; between gears, and with a slipping converter, it is unknown.
+    """
+    if road_test.channel("gear") is not None:
+        return road_test
+    ratio = _ratio(road_test)
+    if ratio is None:
+        return road_test
+    levels = list(ratios) if ratios else ratio_levels(ratio)
+    if not levels:
+        return road_test
+    distance = np.abs(ratio[:, None] / np.array(levels)[None, :] - 1)
+    nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
+    close = distance[np.arange(len(ratio)), nearest] <= tolerance
+    gear = np.where(close, nearest + 1.0, np.nan)
+    how = "given ratios" if ratios else f"{len(levels)} ratios found in the log, the highest taken as first gear"
+    channel = Channel(
+        "gear",
+        road_test.time,
+        gear,
+        np.zeros(len(gear), bool),
+        column="",
+        source="derived",
+        independent=int(close.sum()),
+    )
+    note = Message("warning", "gear_derived", f"no gear is logged: it is derived from the speed ratio ({how})")
+    return replace(
+        road_test,
+        channels=MappingProxyType({**road_test.channels, "gear": channel}),
+        messages=(*road_test.messages, note),
+        _held={},
+    )

@@ -1,0 +1,165 @@
+"""Build the section on the road test: what the log says by itself, what to check next, and the leakage over it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.events import Event
+from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
+from atleak.report.pdf.printed_names import PrintedNames
+from atleak.road_findings import RoadFindings
+from atleak.views.road_series import RoadSeries
+from atleak.views.road_words import (
+    check_sentences,
+    event_name,
+    event_remark,
+    log_sentences,
+    pressure_sentences,
+    test_sentences,
+)
+from atleak.workshop_units import KPA, PERCENT
+
+EVENTS = 40  # that are listed one by one; the others stand in the workbook and in the JSON
+
+
+class RoadTestSection:
+    """The section on the road test; ``series`` is the thinned leakage over it, None where there is none."""
+
+    def __init__(self, names: PrintedNames, series: RoadSeries | None) -> None:
+        self.names, self.series = names, series
+        self.diagnosis, self.say = names.diagnosis, names.say
+
+    def blocks(self, charts: dict[str, str]) -> Iterable[Block]:
+        """Yield what the log says by itself, then the leakage over it."""
+        log, road = self.diagnosis.log, self.diagnosis.road
+        if log is None:
+            return
+        say, test = self.say, log.road_test
+        yield facts(
+            [
+                [say("facts.road_test"), test.file],
+                [say("facts.duration"), f"{say.number(test.duration, 1)} s"],
+                [say("facts.samples"), say.number(test.rows, 0)],
+            ]
+        )
+        yield from (text(each) for each in pressure_sentences(log, say))
+        yield self._places(log)
+        yield from (text(each) for each in (*test_sentences(log, say), *log_sentences(log, say)))
+        checks = check_sentences(log, self.diagnosis.limits, say)
+        if checks:
+            yield text(say("findings.check_next"))
+            yield {"kind": "list", "items": checks}
+        yield from self._events(log)
+        if road is not None and self.series is not None:
+            yield from self._leakage(road, self.series, charts)
+
+    def _places(self, log: RoadFindings) -> Block:
+        """Return main pressure in each gear and state beside what is permitted there."""
+        if log.permitted is None:
+            return {}
+        say = self.say
+        columns = [
+            PrintedColumn(say("columns.gear"), lambda place: str(place.gear), side="r"),
+            PrintedColumn(say("columns.state"), lambda place: say(f"states.{place.state}"), width=2),
+            PrintedColumn(say("columns.judged"), lambda place: say.number(place.judged, 1), "s", width=1, side="r"),
+            PrintedColumn(
+                say("columns.lowest"),
+                lambda place: say.number(place.worst and place.worst.pressure * KPA, 0),
+                "kPa",
+                width=2,
+                side="r",
+            ),
+            PrintedColumn(
+                say("columns.least"),
+                lambda place: say.number(place.worst and place.worst.limit * KPA, 0),
+                "kPa",
+                width=2,
+                side="r",
+            ),
+            PrintedColumn(
+                say("columns.below"),
+                lambda place: say.number(place.worst and max(place.worst.fraction, 0.0) * PERCENT, 1),
+                "%",
+                width=1,
+                side="r",
+            ),
+            PrintedColumn(say("columns.below_for"), lambda place: say.number(place.below, 1), "s", width=1, side="r"),
+            PrintedColumn(say("columns.above_for"), lambda place: say.number(place.above, 1), "s", width=1, side="r"),
+        ]
+        return table(columns, log.permitted.places)
+
+    def _events(self, log: RoadFindings) -> Iterator[Block]:
+        say = self.say
+        columns: list[PrintedColumn] = [
+            PrintedColumn(say("columns.event"), lambda event: event_name(event, say), width=4),
+            PrintedColumn(say("columns.from"), lambda event: self._seconds(event.start), "s", width=1, side="r"),
+            PrintedColumn(say("columns.to"), lambda event: self._seconds(event.stop), "s", width=1, side="r"),
+            PrintedColumn(say("columns.remark"), self._remark, width=6),
+        ]
+        yield table(columns, log.events[:EVENTS])
+        more = len(log.events) - EVENTS
+        if more > 0:
+            yield text(say("findings.more_events", count=more), small=True)
+
+    def _seconds(self, time: float) -> str:
+        return self.say.number(time, 1)
+
+    def _remark(self, event: Event) -> str:
+        return event_remark(event, self.say)
+
+    # --- leakage over the log
+
+    def _leakage(self, road: RoadLeakage, series: RoadSeries, charts: dict[str, str]) -> Iterator[Block]:
+        say, names = self.say, self.names
+        if not self.diagnosis.judged:
+            yield text(say("findings.unmeasured"))
+        shares = joined(
+            f"{self.names.section(name)} {say.percent(share, 0)}"
+            for name, share in road.section_shares.items()
+            if share is not None
+        )
+        yield facts(
+            [
+                [say("facts.gears"), joined(map(str, road.gears))],
+                [say("facts.sections"), shares],
+            ]
+        )
+        marked = [row for row in series.instants if row.leads]
+        spoken = " ".join(
+            say(
+                "charts.instant_alt",
+                instant=row.label(say),
+                share=say.percent(row.instant.share)
+                if row.instant.share is not None
+                else f"{names.flow(row.instant.leakage)} dm³/min",
+                time=say.number(row.instant.time, 1),
+            )
+            for row in marked
+        )
+        thinned = ""
+        if series.thinned:
+            kept = say.number(len(series.columns["time_s"]), 0)
+            thinned = say("charts.caption_thinned", kept=kept, samples=say.number(series.samples, 0))
+        listed = joined(f"{number} {row.label(say)}" for number, row in enumerate(marked, start=1))
+        known = "charts.road_alt" if road.share is not None else "charts.road_alt_no_share"
+        yield {
+            "kind": "image",
+            "file": charts["road"],
+            "alt": say(known, instants=spoken),
+            "caption": say("charts.caption_road", instants=listed, thinned=thinned).strip(),
+        }
+        columns = [
+            PrintedColumn("", lambda row: str(1 + marked.index(row)) if row in marked else "", side="r"),
+            PrintedColumn(say("columns.instant"), lambda row: row.label(say), width=4),
+            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
+            PrintedColumn(say("columns.leakage"), lambda row: names.instant_leakage(row.instant), width=2, side="r"),
+            PrintedColumn(
+                say("columns.capacity"), lambda row: names.flow_with_unit(row.instant.pump_capacity), width=2, side="r"
+            ),
+            PrintedColumn(say("columns.share"), lambda row: names.instant_share(row.instant), width=2, side="r"),
+        ]
+        yield table(columns, series.instants)
+        notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
+        notes += [say("texts.lower_bound")] if road.lower_bound else []
+        yield text(" ".join(notes), small=True)

@@ -1,0 +1,132 @@
+"""Gather what a road-test log says by itself, whether or not the valve body was measured, and judge its pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.limits import Limits, RuleKind
+from atleak.engine.lasting import CountedSamples
+from atleak.engine.road_pressure import (
+    CommandedPressure,
+    NotJudged,
+    RoadPressure,
+    compare_with_commanded,
+    judge_pressure,
+)
+from atleak.equations.uncertainty import normal_cdf
+from atleak.events import Event, events
+from atleak.road_test import RoadTest
+from atleak.rules import Rule
+from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, RuleDecision
+from atleak.uncertainty.decision import decide_rule
+
+
+@dataclass(frozen=True)
+class RoadFindings:
+    """What a log says by itself: its events, gears and temperatures, and its main pressure beside what it should be."""
+
+    road_test: RoadTest
+    events: tuple[Event, ...]
+    gears: dict[int, float]  # gear → time in it with the engine running [s]; none where no gear is logged
+    temperatures: tuple[float, float] | None  # lowest and highest of the fluid [°C]; None where not logged
+    pressure: RoadPressure | NotJudged
+    commanded: CommandedPressure | None
+    decisions: tuple[RuleDecision, ...]  # on main pressure: beside what is permitted, beside what was commanded
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge the log."""
+        return tuple(each.rule for each in self.decisions)
+
+    def decided(self, kind: RuleKind) -> RuleDecision | None:
+        """Return the decision on one of the rules; None where the log was not judged by it."""
+        return next((each for each in self.decisions if each.rule.kind is kind), None)
+
+    @property
+    def permitted(self) -> RoadPressure | None:
+        """Return main pressure beside what is permitted; None where it could not be judged."""
+        return self.pressure if isinstance(self.pressure, RoadPressure) else None
+
+    @property
+    def not_judged(self) -> NotJudged | None:
+        """Return why main pressure could not be judged; None where it was."""
+        return None if isinstance(self.pressure, RoadPressure) else self.pressure
+
+
+def road_findings(
+    controller: Controller,
+    road_test: RoadTest,
+    limits: Limits,
+    assumptions: Assumptions = DEFAULTS,
+    guard_factor: float = GUARD_FACTOR,
+) -> RoadFindings:
+    """Return what a log says by itself.
+
+    Parameters
+    ----------
+    controller
+        the valve body, with its gears and what it permits of main pressure.
+    road_test
+        any log: what it lacks is left out.
+    limits
+        by which main pressure is judged.
+    assumptions, guard_factor
+        how uncertain the gauge is, and the guard band of every limit.
+    """
+    pressure, commanded = judge_pressure(controller, road_test), compare_with_commanded(road_test)
+    judged = _judged(pressure, commanded, limits, assumptions.main_pressure)
+    return RoadFindings(
+        road_test=road_test,
+        events=events(road_test, gears=controller.gears),
+        gears=_gears(road_test),
+        temperatures=_temperatures(road_test),
+        pressure=pressure,
+        commanded=commanded,
+        decisions=tuple(_decided(rule, u, guard_factor) for rule, u in judged),
+    )
+
+
+def _judged(
+    pressure: RoadPressure | NotJudged, commanded: CommandedPressure | None, limits: Limits, relative: float
+) -> Iterator[tuple[Rule, float]]:
+    """Yield every rule with the standard uncertainty of its value; ``relative`` is that of main pressure."""
+    lowest = pressure.lowest if isinstance(pressure, RoadPressure) else None
+    if lowest is not None and limits.below_permissible is not None:
+        where = f"gear {lowest.gear}, {lowest.state}, at {lowest.at:.1f} s of the road test"
+        kind, steps = RuleKind.PERMISSIBLE_PRESSURE, limits.below_permissible
+        yield Rule(kind, None, lowest.fraction, steps, where=where), relative * lowest.pressure / lowest.limit
+    if commanded is not None and limits.commanded_pressure is not None:
+        where = f"at {commanded.at:.1f} s of the road test"
+        kind, steps = RuleKind.COMMANDED_PRESSURE, limits.commanded_pressure
+        yield Rule(kind, None, abs(commanded.difference), steps, where=where), relative * commanded.actual
+
+
+def _decided(rule: Rule, standard_uncertainty: float, guard_factor: float) -> RuleDecision:
+    """Decide a rule whose value is normally distributed."""
+    limits = [limit for _, limit in rule.steps.levels]
+    over = tuple(
+        float(normal_cdf((rule.value - limit) / standard_uncertainty))
+        if standard_uncertainty > 0.0
+        else float(rule.value > limit)
+        for limit in limits
+    )
+    return decide_rule(rule, (standard_uncertainty,) * len(limits), over, guard_factor, skewed=False)
+
+
+def _gears(road_test: RoadTest) -> dict[int, float]:
+    gear = road_test.values("gear")
+    if gear is None:
+        return {}
+    counted = CountedSamples(road_test)
+    return {int(each): counted.time_of(gear == each) for each in np.unique(gear[np.isfinite(gear)])}
+
+
+def _temperatures(road_test: RoadTest) -> tuple[float, float] | None:
+    logged = road_test.values("atf_temperature")
+    if logged is None or not np.isfinite(logged).any():
+        return None
+    return float(np.nanmin(logged)), float(np.nanmax(logged))

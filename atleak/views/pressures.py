@@ -1,0 +1,171 @@
+"""Gather the pressures of a unit at one condition: what the line and every circuit hold, now, new and once repaired."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from atleak.catalogue.circuits import Circuit, PermissiblePressure
+from atleak.catalogue.limits import Level, RuleKind
+from atleak.diagnosis import Diagnosis
+from atleak.engine.line import LINE
+from atleak.engine.projection import CircuitState, Projection
+from atleak.repair import RepairPlan
+from atleak.rules import LandKey, Rule, permissible_low
+from atleak.uncertainty import RuleDecision
+from atleak.verdicts import Verdict
+
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class HeldPressure:
+    """The pressure of the line or of one circuit at one condition [Pa]."""
+
+    circuit: Circuit | None  # None: the line
+    now: float
+    interval: Interval | None  # None where nothing was measured
+    new: float  # of the same unit new
+    repaired: float | None  # with the planned repairs; None where none is asked for
+    set_pressure: float | None  # of the circuit's regulator; what is required of the line
+    vented: bool  # not applied in this gear
+    permissible: PermissiblePressure | None  # of the line
+    low: float | None  # [Pa] the least permissible pressure by which the line is judged
+    rule: Rule | None  # that judges it; None where no such limit is set, and of a vented circuit
+    decided: RuleDecision | None
+    verdict: Verdict | None  # ``not_measured`` where nothing was measured and no limit is passed
+    causes: Mapping[LandKey, float]  # [Pa] that it would gain with one of these lands new
+
+    @property
+    def id(self) -> str:
+        """Return the name that the valve body's file has for it."""
+        return LINE if self.circuit is None else self.circuit.id
+
+    @property
+    def loss(self) -> float:
+        """Return what it holds less than when new [Pa]; negative where it holds more."""
+        return self.new - self.now
+
+    @property
+    def limits(self) -> tuple[tuple[Level, float], ...]:
+        """Return the pressures [Pa] under which a level is reached, the mildest first; none where nothing is judged."""
+        if self.rule is None:
+            return ()
+        if self.rule.kind is RuleKind.CIRCUIT_LOSS:
+            new = self.new if self.rule.new is None else self.rule.new
+            return tuple((level, max(new - limit, 0.0)) for level, limit in self.rule.steps.levels)
+        low = self.low if self.low is not None else 0.0
+        return tuple((level, low * (1.0 - limit)) for level, limit in self.rule.steps.levels)
+
+    @property
+    def costly(self) -> tuple[tuple[LandKey, float], ...]:
+        """Return the lands that cost it most of what it lost, the costliest first."""
+        least = _WORTH_A_LOOK * self.loss
+        return tuple((key, loss) for key, loss in self.causes.items() if loss > 0.0 and loss >= least)
+
+
+_WORTH_A_LOOK = 0.1  # part of a circuit's loss that one land alone costs: choice of this project
+
+
+@dataclass(frozen=True)
+class PressuresAt:
+    """The pump's reserve and every pressure at one condition."""
+
+    projection: Projection
+    line: HeldPressure
+    circuits: tuple[HeldPressure, ...]  # in the order of the controller's file
+    reserve_interval: Interval | None
+    reserve_new: float
+    reserve_repaired: float | None  # with the planned repairs
+    reserve_rule: Rule | None
+    reserve_decided: RuleDecision | None
+    reserve_verdict: Verdict | None
+    speed_interval: Interval | None  # [1/s] from which the pump covers the demand
+
+    @property
+    def applied(self) -> tuple[HeldPressure, ...]:
+        """Return the line and the circuits that are applied in this gear."""
+        return (self.line, *(each for each in self.circuits if not each.vented))
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """Return every rule that judged a pressure or the reserve here."""
+        every = (self.reserve_rule, *(each.rule for each in self.applied))
+        return tuple(rule for rule in every if rule is not None)
+
+
+def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan | None = None) -> PressuresAt:
+    """Gather reserve and pressures at one condition of a diagnosis; with a plan also as its repairs leave them."""
+    total = diagnosis.uncertainty.total(projection.condition.name) if diagnosis.uncertainty else None
+    new, losses = diagnosis.new_at(projection), diagnosis.losses_at(projection)
+    end = None
+    if plan is not None and plan.steps:
+        end = next(each for each in plan.ends if each.condition == projection.condition)
+    after: Mapping[str, float] = {} if end is None else end.pressures
+    rules = diagnosis.pressure_rules_at(projection)
+    reserve = _rule(rules, RuleKind.RESERVE)
+    permissible = _rule(rules, RuleKind.PERMISSIBLE_PRESSURE)
+
+    def circuit(state: CircuitState) -> HeldPressure:
+        circuit = state.circuit
+        rule = _rule(rules, RuleKind.CIRCUIT_LOSS, circuit)
+        return HeldPressure(
+            circuit=circuit,
+            now=state.pressure,
+            interval=total.circuit_intervals.get(circuit.id) if total else None,
+            new=new.circuit(circuit.id).pressure,
+            repaired=after.get(circuit.id),
+            set_pressure=state.set_pressure,
+            vented=state.vented,
+            permissible=None,
+            low=None,
+            rule=rule,
+            decided=diagnosis.decided(rule) if rule else None,
+            verdict=diagnosis.circuit_verdict(rule),
+            causes=losses.get(circuit.id, {}),
+        )
+
+    line = HeldPressure(
+        circuit=None,
+        now=projection.main_pressure_held,
+        interval=total.main_pressure_interval if total else None,
+        new=new.main_pressure_held,
+        repaired=after.get(LINE),
+        set_pressure=projection.condition.main_pressure,
+        vented=False,
+        permissible=projection.permissible,
+        low=permissible_low(projection, diagnosis.unworn_at(projection)),
+        rule=permissible,
+        decided=diagnosis.decided(permissible) if permissible else None,
+        verdict=diagnosis.circuit_verdict(permissible),
+        causes=losses.get(LINE, {}),
+    )
+    return PressuresAt(
+        projection=projection,
+        line=line,
+        circuits=tuple(circuit(state) for state in projection.circuits),
+        reserve_interval=total.reserve_interval if total else None,
+        reserve_new=new.reserve,
+        reserve_repaired=None if end is None else end.reserve,
+        reserve_rule=reserve,
+        reserve_decided=diagnosis.decided(reserve) if reserve else None,
+        reserve_verdict=diagnosis.circuit_verdict(reserve),
+        speed_interval=total.minimum_speed_interval if total else None,
+    )
+
+
+def lowest_first(diagnosis: Diagnosis) -> tuple[Projection, ...]:
+    """Return the conditions with that first at which a pressure or the reserve is judged worst.
+
+    Of several that are judged alike the one that is farthest past its limit, or nearest to it, comes first.
+    """
+
+    def badness(projection: Projection) -> tuple[float, float]:
+        rules = diagnosis.pressure_rules_at(projection)
+        return max(((rule.verdict.rank, rule.severity) for rule in rules), default=(-1.0, 0.0))
+
+    return tuple(sorted(diagnosis.presented, key=badness, reverse=True))
+
+
+def _rule(rules: Collection[Rule], kind: RuleKind, circuit: Circuit | None = None) -> Rule | None:
+    return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)

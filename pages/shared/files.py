@@ -1,0 +1,25 @@
+"""Offer the result as files, and say what it rests on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import streamlit as st
+
+from atleak.diagnosis import Diagnosis
+from atleak.report.xlsx import write_workbook
+from atleak.views.diagnosis_record import to_json
+from pages.shared import show
+from pages.shared.cases import PageCase
+
+
+def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
+    """Offer JSON and workbook, and show the basis of the result."""
+    st.subheader("Take it along")
+    with st.container(horizontal=True):
+        source = case.readings or case.road_test
+        name = f"diagnosis_{Path(source.name).stem if source else diagnosis.controller.id}"
+        st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
+        st.download_button("Excel workbook", lambda: write_workbook(diagnosis), f"{name}.xlsx", on_click="ignore")
+    show.basis(diagnosis, record)
