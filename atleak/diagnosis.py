@@ -20,6 +20,8 @@ from atleak.engine.projection import Projection, mileage_at_wear, model_new, pro
 from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message, RoadTestError
+from atleak.gauges.check import PressureCheck, check_pressures
+from atleak.pressure_table import PressureTable
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
@@ -131,6 +133,7 @@ class Diagnosis:
     losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
     road: RoadLeakage | None  # None without a log, and where no leakage can be computed over it
     log: RoadFindings | None  # what the log says by itself; None without one
+    pressures: PressureCheck | None  # gauge readings of the standing vehicle; None without any
     uncertainty: UnitUncertainty | None  # None without readings
     total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
     pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
@@ -248,15 +251,14 @@ class Diagnosis:
         """Return what put the unit past a limit: a land, a total, a pressure, the worst; None within all limits.
 
         Of several that are equally bad one that is sure is named before one that is not, a land before a total, a total
-        before a pressure, and of pressures the one that is farthest past its limit, those of the log last.
-        Without any reading the log alone decides: all else is that of a new unit.
+        before a pressure, and of pressures the one that is farthest past its limit, those of gauges and log last.
+        Without any reading gauges and log alone decide: all else is that of a new unit.
         """
         candidates: list[LandDiagnosis | Rule] = [*self.flagged]
         if self.judged:
             candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
-            past = sorted(self.pressure_rules, key=lambda rule: -rule.severity)
-            candidates += [rule for rule in past if rule.verdict.flagged]
-        candidates += [rule for rule in self.log_rules if rule.verdict.flagged]
+            candidates += _farthest_first(self.pressure_rules)
+        candidates += [*_farthest_first(self.gauge_rules), *_farthest_first(self.log_rules)]
         return max(candidates, key=lambda each: (each.verdict.rank, _certainty(self._decision_on(each))), default=None)
 
     @property
@@ -278,8 +280,14 @@ class Diagnosis:
 
     def decided(self, rule: Rule) -> RuleDecision | None:
         """Return the decision on one of the unit's rules; None where it depends on readings and there are none."""
-        of_log = next((each for each in (self.log.decisions if self.log else ()) if each.rule == rule), None)
-        return of_log or (self.uncertainty.on(rule) if self.uncertainty else None)
+        shown = (*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ()))
+        measured = next((each for each in shown if each.rule == rule), None)
+        return measured or (self.uncertainty.on(rule) if self.uncertainty else None)
+
+    @property
+    def gauge_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that judge what gauges showed."""
+        return self.pressures.rules if self.pressures else ()
 
     @property
     def log_rules(self) -> tuple[Rule, ...]:
@@ -288,9 +296,9 @@ class Diagnosis:
 
     @property
     def unit_rules(self) -> tuple[Rule, ...]:
-        """Return every rule that judges the whole unit: totals first, the log last; without readings the log alone."""
+        """Return every rule that judges the whole unit: totals first, gauges and log last, alone without readings."""
         of_clearances = (*self.total_rules, *self.pressure_rules) if self.judged else ()
-        return (*of_clearances, *self.log_rules)
+        return (*of_clearances, *self.gauge_rules, *self.log_rules)
 
     def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
         """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
@@ -303,21 +311,21 @@ class Diagnosis:
 
     @property
     def verdict(self) -> Verdict:
-        """Return the worst of any measured land, the totals and the log; ``not_measured`` where none of them is there.
+        """Return the worst of any measured land, totals, gauges and log; ``not_measured`` where none of them is there.
 
-        Without any reading it is that of the log's main pressure alone.
+        Without any reading it is that of the pressures alone that gauges showed and the log holds.
         """
         decided_by = self.decided_by
         if decided_by is not None:
             return decided_by.verdict
-        within = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
-        within += () if self.judged else [rule.verdict for rule in self.log_rules]
+        within: list[Verdict] = [land.verdict for land in self.lands if land.verdict == Verdict.OK]
+        within += () if self.judged else [rule.verdict for rule in self.unit_rules]
         return worst(within or [Verdict.NOT_MEASURED])
 
     @property
-    def log_alone(self) -> bool:
-        """Return whether the log is all there is: no measuring sheet was given."""
-        return self.log is not None and self.readings is None
+    def without_sheet(self) -> bool:
+        """Return whether a log, gauge readings or both are all there is: no measuring sheet was given."""
+        return self.readings is None and (self.log is not None or self.pressures is not None)
 
     @property
     def judged(self) -> int:
@@ -338,6 +346,7 @@ def diagnose(
     fluid_state: FluidState | None = None,
     readings: Readings | None = None,
     road_test: RoadTest | None = None,
+    pressures: PressureTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
@@ -359,6 +368,8 @@ def diagnose(
         those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
     road_test
         log that is judged by itself, and over which leakage is computed where it holds main pressure.
+    pressures
+        gauge readings of the standing vehicle, which are judged by themselves.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
@@ -414,8 +425,17 @@ def diagnose(
             guard_factor=guard_factor,
         )
         of_sheet = sheet_messages(readings, measured_at, [land.sources for land in uncertainty.lands], road_test)
+    checked = (
+        None
+        if pressures is None
+        else check_pressures(
+            pressures, model, limits, projections=projections, assumptions=assumptions, guard_factor=guard_factor
+        )
+    )
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
     messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    if checked is not None:
+        messages += checked.messages
     if log is not None and without is not None:
         messages += [*log.road_test.messages, without]
     if fluid_state_assumed:
@@ -440,6 +460,7 @@ def diagnose(
         losses=tuple(pressure_losses(model, as_new, point, measured) for point in conditions),
         road=road,
         log=log,
+        pressures=checked,
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,
@@ -456,6 +477,11 @@ def _leakage_over(
         return evaluate_road_test(model, road_test, condition), None
     except RoadTestError as error:
         return None, Message("warning", NO_LEAKAGE, f"No leakage is computed over {road_test.file}: {error.problem}.")
+
+
+def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:
+    """Return the rules that reached a limit, the one that is farthest past it first."""
+    return sorted((rule for rule in rules if rule.verdict.flagged), key=lambda rule: -rule.severity)
 
 
 def _certainty(decision: Decision | None) -> int:

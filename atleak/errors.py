@@ -100,6 +100,10 @@ class RoadTestError(InputError):
     """A road-test log that cannot be used."""
 
 
+class PressureTableError(InputError):
+    """A table of gauge readings that cannot be used."""
+
+
 class OutputError(InputError):
     """A file that cannot be written, or that may not be written over."""
 

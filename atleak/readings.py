@@ -18,6 +18,7 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message, Place, ReadingsError
+from atleak.pressure_table import PressureTable
 
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
@@ -65,6 +66,7 @@ class Readings:
     messages: tuple[Message, ...] = ()
     temperature: float | None = None  # [°C] of gauge and parts, as the sheet's head states it
     date: dt.date | None = None  # of the measurement, as the sheet's head states it
+    pressures: PressureTable | None = None  # of the sheet's own tab, where it is filled in
 
     def measured_at(self, stated: float | None = None) -> MeasuringTemperature:
         """Return the temperature of measuring: as stated for the job [°C], else as in the sheet, else 20 °C."""

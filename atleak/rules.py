@@ -114,6 +114,7 @@ _LABELS = {
     RuleKind.TOTAL_SHARE: "total share of pump flow",
     RuleKind.RESERVE: "reserve of the pump",
     RuleKind.CIRCUIT_LOSS: "pressure lost against new",
+    RuleKind.BELOW_LINE: "pressure below the line",
     RuleKind.PERMISSIBLE_PRESSURE: "main pressure below the permissible",
     RuleKind.COMMANDED_PRESSURE: "main pressure off the commanded",
 }
@@ -124,6 +125,7 @@ _IDS = {
     RuleKind.TOTAL_SHARE: "total_share",
     RuleKind.RESERVE: "reserve",
     RuleKind.CIRCUIT_LOSS: "circuit_loss",
+    RuleKind.BELOW_LINE: "below_line",
     RuleKind.PERMISSIBLE_PRESSURE: "below_permissible_pressure",
     RuleKind.COMMANDED_PRESSURE: "off_commanded_pressure",
 }

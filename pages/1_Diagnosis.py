@@ -3,16 +3,21 @@
 import streamlit as st
 
 from atleak.figures import diagnosis_figures as figures
+from atleak.repair import plan_repairs
 from atleak.views.diagnosis_record import diagnosis_record
-from pages.shared import conditions, files, panel, road, show, words
+from pages.shared import conditions, files, panel, pressures, road, show, words
 
 case, diagnosis = panel.shown()
 record = diagnosis_record(diagnosis)
 st.title("Diagnosis")
 show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
 conditions.complaint(diagnosis)
-if diagnosis.log_alone:
-    road.alone(diagnosis)
+if diagnosis.without_sheet:
+    if diagnosis.pressures is not None:
+        st.subheader("What gauges show")
+        show.gauges(diagnosis.pressures)
+    if diagnosis.log is not None:
+        road.alone(diagnosis)
     files.take_along(case, diagnosis, record)
     st.stop()
 
@@ -29,14 +34,22 @@ st.subheader("Total share of the pump's flow")
 show.chart(figures.total_share(diagnosis), "share")
 conditions.totals(diagnosis, record)
 
+st.subheader("Pressures")
+plan = plan_repairs(diagnosis)
+pressures.section(diagnosis, plan)
+
 st.subheader("Land by condition")
 conditions.matrix(diagnosis)
 
 st.subheader("Order of repair")
-conditions.repairs(diagnosis)
+conditions.repairs(diagnosis, plan)
 
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)
+
+if diagnosis.pressures is not None:
+    st.subheader("What gauges show")
+    show.gauges(diagnosis.pressures)
 
 if diagnosis.log is not None:
     st.subheader("Over the road test")

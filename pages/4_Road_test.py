@@ -65,6 +65,7 @@ if file == case.road_test and diagnosis.road is not None:
     try:
         road = diagnosis.road if ends is None else diagnosis.over(part)
         st.subheader("Leakage over it")
+        road_page.as_new(diagnosis)
         show.chart(figures.road_leakage(road, diagnosis.limits), "road")
         show.extremes(road, diagnosis.uncertainty)
         show.messages(road.messages, "leakage over this log")

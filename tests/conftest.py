@@ -93,6 +93,12 @@ def minimal() -> Controller:
 
 
 @pytest.fixture(scope="session")
+def three_circuits() -> Controller:
+    """A small valve body with every kind of circuit, leak and consumer."""
+    return load_controller(ROOT / "tests" / "three_circuits.toml")
+
+
+@pytest.fixture(scope="session")
 def hipol() -> Fluid:
     return load_fluid("hipol_atf_iid")
 

@@ -9,6 +9,8 @@ from pydantic import Field, PlainValidator, field_validator, model_validator
 from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
 
 State = Literal["idle", "stall", "driving"]
+StandingState = Literal["idle", "fast_idle", "stall", "driving"]  # fast idle: of gauge readings alone
+SelectorRange = Literal["P", "R", "N", "D", "S", "1", "2", "3", "4", "5", "6", "7", "8", "9"]  # of the lever
 DISCHARGE_COEFFICIENT = 0.62  # of a sharp-edged orifice, where a feed states none
 
 
@@ -144,15 +146,18 @@ class ConsumerTable(Strict):
 class PermissiblePressureTable(Strict):
     gear: int | None = None
     gears: list[int] | None = Field(default=None, min_length=1)
-    state: State
+    ranges: list[SelectorRange] | None = Field(default=None, min_length=1)
+    state: StandingState
     low_kpa: Positive | None = None
     high_kpa: Positive | None = None
     source: NonEmptyText
 
     @model_validator(mode="after")
     def _complete(self) -> PermissiblePressureTable:
-        if (self.gear is None) == (self.gears is None):
+        if self.gear is not None and self.gears is not None:
             raise ValueError("either gear or gears")
+        if self.gear is None and self.gears is None and self.ranges is None:
+            raise ValueError("gear, gears or ranges")
         if self.low_kpa is None and self.high_kpa is None:
             raise ValueError("low_kpa, high_kpa or both")
         if self.low_kpa is not None and self.high_kpa is not None and self.high_kpa <= self.low_kpa:

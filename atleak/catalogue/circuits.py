@@ -22,7 +22,9 @@ from atleak.catalogue.circuit_tables import (
     FollowingTable,
     LeakTable,
     PermissiblePressureTable,
+    SelectorRange,
     SetTable,
+    StandingState,
     State,
 )
 from atleak.catalogue.entries import catalogue_error
@@ -148,6 +150,18 @@ class PermissiblePressure:
 
     gears: frozenset[int]
     state: State
+    low: float | None  # [Pa]
+    high: float | None  # [Pa]
+    source: str
+
+
+@dataclass(frozen=True)
+class StandingPressure:
+    """The same for gauge readings of a standing vehicle: in gears, and in ranges of the selector lever by name."""
+
+    gears: frozenset[int]
+    ranges: frozenset[SelectorRange]
+    state: StandingState
     low: float | None  # [Pa]
     high: float | None  # [Pa]
     source: str
@@ -355,24 +369,39 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
     return tuple(consumers)
 
 
-def read_permissible(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[PermissiblePressure, ...]:
-    """Return between which pressures main pressure must lie.
+def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[StandingPressure, ...]:
+    """Return between which pressures main pressure must lie, for gauge readings of a standing vehicle.
 
     Raises
     ------
     CatalogueError
-        an unknown gear, or a gear and state given twice.
+        an unknown gear, or a gear or range given twice in one state.
     """
-    permissible: list[PermissiblePressure] = []
+    standing: list[StandingPressure] = []
     for number, table in enumerate(tables, start=1):
         where = f"permissible_pressure[{number}]"
-        stated = table.gears if table.gear is None else [table.gear]
+        stated = (table.gears or []) if table.gear is None else [table.gear]
         gears = reading.gears_of(stated, where, "gears" if table.gear is None else "gear")
-        for other in permissible:
-            both = sorted(gears & other.gears) if other.state == table.state else []
-            if both:
-                problem = f"gear given twice for the state {table.state}"
-                raise catalogue_error(reading.path, where, "gear", problem, value=both[0])
+        ranges = frozenset(table.ranges or ())
+        for other in standing:
+            if other.state == table.state:
+                _refuse_twice("gear", gears & other.gears, table.state, where, reading.path)
+                _refuse_twice("range", ranges & other.ranges, table.state, where, reading.path)
         low, high = (None if kpa is None else kpa * 1e3 for kpa in (table.low_kpa, table.high_kpa))
-        permissible.append(PermissiblePressure(gears, table.state, low, high, table.source))
-    return tuple(permissible)
+        standing.append(StandingPressure(gears, ranges, table.state, low, high, table.source))
+    return tuple(standing)
+
+
+def permissible_in_gear(standing: Iterable[StandingPressure]) -> tuple[PermissiblePressure, ...]:
+    """Return those of them that hold in gears, at operating points and over logs."""
+    return tuple(
+        PermissiblePressure(each.gears, each.state, each.low, each.high, each.source)
+        for each in standing
+        if each.gears and each.state != "fast_idle"
+    )
+
+
+def _refuse_twice(what: str, both: Iterable[int | str], state: str, where: str, path: Path) -> None:
+    """Refuse a gear or range whose permissible pressures another table states for the same state."""
+    for value in sorted(both, key=str):
+        raise catalogue_error(path, where, f"{what}s", f"{what} given twice for the state {state}", value=value)

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import LineTable, State
+from atleak.catalogue.circuit_tables import LineTable, SelectorRange, StandingState, State
 from atleak.catalogue.circuits import (
     IDLE_SPEED,
     Circuit,
@@ -23,11 +23,13 @@ from atleak.catalogue.circuits import (
     PermissiblePressure,
     Reading,
     SetPressure,
+    StandingPressure,
     circuit_ids,
+    permissible_in_gear,
     read_circuits,
     read_consumers,
     read_leaks,
-    read_permissible,
+    read_standing,
 )
 from atleak.catalogue.complaints import Complaint, complaints_of, find_complaint
 from atleak.catalogue.controller_tables import (
@@ -213,6 +215,7 @@ class Controller:
     line: SetPressure | None = None  # of main pressure, where it is not simply that of the operating point
     line_source: str = ""
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
+    standing: tuple[StandingPressure, ...] = ()  # of main pressure, for gauge readings of a standing vehicle
 
     @property
     def sha256(self) -> str:
@@ -260,6 +263,14 @@ class Controller:
     def permissible_at(self, gear: int, state: State) -> PermissiblePressure | None:
         """Return between which pressures main pressure must lie in a gear and state; None where the file is silent."""
         return next((each for each in self.permissible if gear in each.gears and each.state == state), None)
+
+    def permissible_in(
+        self, selected: SelectorRange, gear: int | None, state: StandingState
+    ) -> StandingPressure | None:
+        """Return the same for a range of the selector lever: what the file says of the range, or else of its gear."""
+        of_state = [each for each in self.standing if each.state == state]
+        of_range = (each for each in of_state if selected in each.ranges)
+        return next(of_range, None) or next((each for each in of_state if gear in each.gears), None)
 
     def with_line(self, point: OperatingPoint) -> OperatingPoint:
         """Return an operating point with the main pressure that the line is set to there, where the file says what to.
@@ -353,6 +364,7 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         entry.source,
         origin.path,
     )
+    standing = read_standing(entry.permissible_pressure, reading)
     controller = Controller(
         id=entry.id,
         name=entry.name,
@@ -374,7 +386,8 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         consumers=read_consumers(entry.consumers, reading),
         line=None if entry.line is None else _line(entry.line, reading),
         line_source="" if entry.line is None else entry.line.source,
-        permissible=read_permissible(entry.permissible_pressure, reading),
+        permissible=permissible_in_gear(standing),
+        standing=standing,
     )
     return replace(controller, operating_points=tuple(controller.with_line(point) for point in points))
 

@@ -62,6 +62,7 @@ class RuleKind(StrEnum):
     TOTAL_SHARE = "total_share"  # leakage of the unit / pump capacity
     RESERVE = "reserve"  # pump supply / (leakage + slip + consumers)
     CIRCUIT_LOSS = "circuit_loss"  # [Pa] pressure that a circuit has lost, or gained, against new
+    BELOW_LINE = "below_line"  # [Pa] how far a circuit's gauge is below that of the line; limited as the loss
     PERMISSIBLE_PRESSURE = "permissible_pressure"  # how far main pressure is below the permissible, a fraction of it
     COMMANDED_PRESSURE = "commanded_pressure"  # [Pa] how far main pressure is from what is commanded
 
@@ -104,6 +105,7 @@ _UNITS: Mapping[RuleKind, tuple[float, str, str]] = {
     RuleKind.TOTAL_SHARE: _FRACTION,
     RuleKind.RESERVE: (1.0, "", ""),
     RuleKind.CIRCUIT_LOSS: _PRESSURE,
+    RuleKind.BELOW_LINE: _PRESSURE,
     RuleKind.PERMISSIBLE_PRESSURE: _FRACTION,
     RuleKind.COMMANDED_PRESSURE: _PRESSURE,
 }

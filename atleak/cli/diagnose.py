@@ -36,7 +36,7 @@ _POSITION = "eccentricity"  # an option of the profile that people also look for
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
-    parser = add_command(commands, "diagnose", run, "a verdict from a measuring sheet, a road test, or both")
+    parser = add_command(commands, "diagnose", run, "a verdict from a measuring sheet, a road test or gauge readings")
     parser.add_argument(
         "readings",
         metavar="READINGS",
@@ -56,6 +56,11 @@ def add_parser(commands: Any) -> None:
         help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
     )
     parser.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
+    parser.add_argument(
+        "--pressures",
+        metavar="FILE",
+        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
+    )
     add_columns(parser)
     add_controller(parser)
     parser.add_argument("--fluid", metavar="ID|FILE")
@@ -133,14 +138,20 @@ def run(options: argparse.Namespace) -> int:
     from atleak.job.case import SLOTS
     from atleak.verdicts import Verdict
 
-    if options.readings is None and options.road_test is None:
-        problem = "there is nothing to diagnose: neither a measuring sheet nor a road test is given"
-        raise InputError(problem, expected="READINGS, --road-test LOG or both")
+    if options.readings is None and options.road_test is None and options.pressures is None:
+        problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
+        raise InputError(problem, expected="READINGS, --road-test LOG or --pressures FILE")
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
-    inputs = (options.readings, options.road_test, options.job, *(getattr(options, name) for name in SLOTS))
+    inputs = (
+        options.readings,
+        options.road_test,
+        options.pressures,
+        options.job,
+        *(getattr(options, name) for name in SLOTS),
+    )
     targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
     check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
     job = None
@@ -171,6 +182,7 @@ def _case(options: argparse.Namespace) -> Case:
     return Case(
         readings=None if options.readings is None else SourceFile.at(options.readings),
         road_test=None if options.road_test is None else SourceFile.at(options.road_test),
+        pressures=None if options.pressures is None else SourceFile.at(options.pressures),
         **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
         fluid_state=options.fluid_state,
         options=_profile_options(options),

@@ -27,7 +27,7 @@ import numpy as np
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap, Land, OperatingPoint, Pump
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.engine import circuits
+from atleak.engine import circuits, restrictions
 from atleak.engine.profile import UNKNOWN, Profile
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import gap as gap_equations
@@ -191,12 +191,12 @@ class GapLaw:
         density: Any,
         contact_length: Any,
         eccentricity_factor: Any = None,
-    ) -> circuits.Gap:
+    ) -> restrictions.Gap:
         """Return a gap as a restriction of a network: its `flow` at any pressure drop, with the same arguments."""
         factors = (diameter, clearance, kinematic_viscosity, density, contact_length)
         eccentric = self.eccentricity_factor if eccentricity_factor is None else eccentricity_factor
         loss = 0.0 if self.linear else gap_equations.ENTRY_AND_EXIT_LOSS
-        return circuits.Gap(*gap_equations.entry_loss_terms(*factors, loss, eccentric))
+        return restrictions.Gap(*gap_equations.entry_loss_terms(*factors, loss, eccentric))
 
     def entry_loss(
         self, pressure_drop: Any, clearance: Any, kinematic_viscosity: Any, density: Any, contact_length: Any
@@ -351,7 +351,7 @@ class LeakageModel:
             if condition.gear not in geometry.gap.gears:
                 continue
             drop = float(geometry.pressure_drop(pressures))
-            leaks_back = circuits.leaks_both_ways(geometry.gap, network.solved)
+            leaks_back = restrictions.leaks_both_ways(geometry.gap, network.solved)
             driving = drop if leaks_back else max(drop, 0.0)
             mean = float(geometry.effective_clearance(temperature))
             diameter = float(self.law.diameter(geometry.spool_diameter, mean))

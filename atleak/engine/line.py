@@ -6,17 +6,20 @@ or not, and the consumers, but for those behind the line's regulator: these get 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from atleak.catalogue.circuits import SetPressure
 from atleak.catalogue.controller import Controller, OperatingPoint
-from atleak.engine.circuits import Balance, Network
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import PumpFlow
 
 LINE = "p_g"  # the section that supplies all others
-_ROOT = 1e-13  # relative width of the bracket of a line pressure at which the search ends
+_EXACT = 1e-12  # of the pressure, or of the flow that is lacking: at which a search for the line pressure ends
 _STEPS = 200  # of it at the most
 SURELY_LESS = 1e-9  # relative: a pressure that is lower than another by more than rounding
 
@@ -76,53 +79,75 @@ def hold(network: Network, point: OperatingPoint, pump: PumpFlow, dynamic_viscos
 
     balance, lacking = at(required)
     main = np.full(np.shape(lacking), float(required)) if np.ndim(lacking) else float(required)
-    converged: Any = balance.converged
     if np.any(lacking > 0.0):
-        most = _where_balanced(lambda main: at(main)[1], main, lacking)
-        main = np.where(lacking > 0.0, most, main) if np.ndim(lacking) else most
+        main = _where_balanced(lambda main: at(main)[1], main, lacking)
         balance = at(main)[0]
+    converged: Any = True
     if controller.line is not None and controller.line.following is not None:
-        main, balance, settled = _following(network, point, main, balance, lambda main: at(main)[0])
-        converged = converged & settled
-    return Held(main, required, balance, converged & balance.converged)
+        main, balance, converged = _following(controller.line, point, main, balance, lambda main: at(main)[0])
+    return Held(main, required, balance, converged & np.asarray(balance.converged))
 
 
-def _where_balanced(lacking: Any, main: Any, at_main: Any) -> Any:
-    """Return the pressure at which nothing is lacking [Pa]: by false position, with Illinois' halving (Dowell 1971).
+def _where_balanced(lacking: Callable[[Any], Any], main: Any, at_main: Any) -> Any:
+    """Return the pressure at which nothing is lacking [Pa], by false position with Illinois' halving.
 
-    What is lacking rises with the pressure. Where something is lacking even without pressure the result is zero.
+    What is lacking rises with the pressure (Dowell & Jarratt, BIT 11, 1971). Where nothing is lacking at the highest
+    pressure that one is the result; zero where something is even without pressure.
     """
-    high, f_high = np.array(main, float), np.array(at_main, float)
+    high, f_high = np.atleast_1d(np.array(main, float)), np.atleast_1d(np.array(at_main, float))
     low = np.zeros_like(high)
-    f_low = np.array(np.broadcast_to(lacking(low if low.ndim else 0.0), high.shape), float)
-    open_ = (f_high > 0.0) & (f_low < 0.0)
-    for step in range(_STEPS):
+
+    def at(pressure: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(lacking(pressure if np.ndim(main) else pressure.item()), pressure.shape)
+
+    f_low = at(low).copy()
+    root = np.where(f_high <= 0.0, high, low)
+    exact = _EXACT * (f_high - f_low)
+    open_, side = (f_high > 0.0) & (f_low < 0.0), np.zeros_like(high)
+    for _ in range(_STEPS):
         if not open_.any():
             break
-        with np.errstate(divide="ignore", invalid="ignore"):
-            guess = high - f_high * (high - low) / (f_high - f_low)
-        guess = np.where(open_ & (step % 8 < 7), guess, 0.5 * (low + high))  # now and then by halves, whatever it does
-        guess = np.where(open_ & np.isfinite(guess), guess, low)
-        f = np.array(np.broadcast_to(lacking(guess if guess.ndim else float(guess)), high.shape), float)
+        guess = high - f_high * (high - low) / np.where(open_, f_high - f_low, 1.0)
+        root = np.where(open_, guess, root)
+        f = at(root)
         over = f > 0.0
-        f_low = np.where(over, 0.5 * f_low, f)
-        f_high = np.where(over, f, 0.5 * f_high)
-        high, low = np.where(over, guess, high), np.where(over, low, guess)
-        open_ = open_ & (high - low > _ROOT * high) & (f != 0.0)
-    return low if low.ndim else float(low)
+        f_low = np.where(over, np.where(side > 0.0, 0.5 * f_low, f_low), f)
+        f_high = np.where(over, f, np.where(side < 0.0, 0.5 * f_high, f_high))
+        high, low, side = np.where(over, root, high), np.where(over, low, root), np.where(over, 1.0, -1.0)
+        open_ &= (high - low > _EXACT * high) & (np.abs(f) > exact)
+    return root if np.ndim(main) else root.item()
 
 
 def _following(
-    network: Network, point: OperatingPoint, main: Any, balance: Balance, at: Any
+    line: SetPressure, point: OperatingPoint, main: Any, balance: Balance, at: Callable[[Any], Balance]
 ) -> tuple[Any, Balance, Any]:
-    """Bring the line down to its set pressure where that follows a circuit, which the line itself may feed."""
-    line = network.controller.line
-    assert line is not None
+    """Bring the line down to its set pressure where that follows a circuit, which the line itself may feed.
+
+    The line falls until its set pressure falls no more. Secants hasten this; where one leads too far, the line falls
+    to its set pressure and no further. A circuit's pressure rises ever less with that of the line, so that hardly one
+    does.
+    """
+
+    one, highest = np.ndim(main) == 0, np.asarray(main, float)
+
+    def set_pressure(balance: Balance) -> Any:
+        return np.minimum(line.with_pressures(point, balance.pressures), highest)
+
+    main, before, slope = highest, None, np.inf
+    plain = lower = set_pressure(balance)
     for _ in range(_STEPS):
-        lower = np.minimum(main, line.with_pressures(point, balance.pressures))
-        settled = main - lower <= _ROOT * np.maximum(main, 1.0)
-        main = lower if np.ndim(lower) else float(lower)
+        settled = np.abs(main - lower) <= _EXACT * np.maximum(main, 1.0)
         if np.all(settled):
-            return main, balance, True
-        balance = at(main)
-    return main, balance, settled
+            break
+        too_far = ~settled & (lower > main)
+        if before is not None:
+            moved = before[0] - main
+            slope = np.where(moved > 0.0, (before[1] - lower) / np.where(moved > 0.0, moved, 1.0), np.inf)
+        with_secant = ~too_far & (slope < 1.0)
+        secant = main - (main - lower) / np.where(with_secant, 1.0 - slope, 1.0)
+        target = np.where(too_far, plain, np.where(with_secant, np.clip(secant, 0.0, lower), lower))
+        before, plain = (main, lower), np.where(too_far, plain, lower)
+        main = np.where(settled, main, target)
+        balance = at(main.item() if one else main)
+        lower = set_pressure(balance)
+    return main.item() if one else main, balance, settled

@@ -11,9 +11,9 @@ import numpy as np
 
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import OperatingPoint
-from atleak.engine.circuits import Gap
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import LINE, hold
+from atleak.engine.restrictions import Gap
 
 WORTH_NAMING = 100.0  # [Pa] that a land costs a circuit at least, to be named as a cause: choice of this project
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import OperatingPoint
-from atleak.catalogue.section_pressures import SECTIONS
+from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.engine.extremes import Extremes, Instant, share_of, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series
@@ -21,6 +20,17 @@ _FIELDS = {"atf_temperature": "temperature"}  # a log's quantity → the field o
 
 
 @dataclass(frozen=True)
+class CircuitRange:
+    """What pressure a circuit holds while it is applied and the engine turns, the moments after a start apart."""
+
+    lowest: float  # [Pa]
+    mean: float  # [Pa] over the samples
+    sample: int  # of the lowest
+    time: float  # [s] of it
+    samples: int  # that count
+
+
+@dataclass(frozen=True)
 class RoadLeakage:
     """Leakage over a road test; arrays have shape (samples,) and are NaN where a channel was not usable."""
 
@@ -28,7 +38,9 @@ class RoadLeakage:
     assumed: OperatingPoint  # from which comes what the log does not hold
     time: np.ndarray  # [s]
     leakage: np.ndarray  # [m³/s]
-    sections: dict[str, np.ndarray]  # [m³/s]
+    sections: dict[str, np.ndarray]  # [m³/s] of sections and circuits
+    circuits: dict[str, np.ndarray]  # [Pa] the pressure that each holds at the measured line pressure, 0 where vented
+    circuit_ranges: dict[str, CircuitRange]  # of those that the log applies
     pump_capacity: np.ndarray | None  # [m³/s]
     gears: tuple[int, ...]
     section_shares: dict[str, float | None]  # of the volume leaked
@@ -110,7 +122,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     )
     temperature = channel("atf_temperature", assumed.temperature, f"{assumed.temperature:g} °C ({assumed.label})")
     gear = channel("gear", float(assumed.gear), f"gear {assumed.gear} ({assumed.label})")
-    series = leakage_series(model, main, converter, temperature, gear, sections=True)
+    series = leakage_series(model, main, converter, temperature, gear, sections=True, assumed=assumed)
     if not np.isfinite(series.total).any():
         low, high = model.fluid.span(model.profile.viscosity)
         raise RoadTestError(
@@ -162,6 +174,8 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         time=road_test.time,
         leakage=series.total,
         sections=series.sections,
+        circuits=series.circuits,
+        circuit_ranges=_circuit_ranges(model.controller, road_test, series, gear),
         pump_capacity=capacity,
         gears=tuple(int(number) for number in np.unique(known_gears)),
         section_shares=_section_shares(series.sections, road_test.time),
@@ -219,6 +233,26 @@ def _extremes(
     return of(np.where(starting, np.nan, leakage)), of(np.where(starting, leakage, np.nan))
 
 
+def _circuit_ranges(
+    controller: Controller, road_test: RoadTest, series: LeakageSeries, gear: np.ndarray
+) -> dict[str, CircuitRange]:
+    """Return the lowest and mean pressure of every circuit that the log applies, with the engine running."""
+    counting = ~_within(road_test.time, engine_starts(road_test)) if series.circuits else np.array([])
+    speed = road_test.values("engine_speed")
+    if speed is not None and series.circuits:
+        counting &= speed >= Thresholds.engine_standing
+    ranges = {}
+    for circuit in controller.circuits:
+        pressure = series.circuits[circuit.id]
+        samples = np.flatnonzero(counting & np.isfinite(pressure) & np.isin(gear, list(circuit.gears)))
+        if samples.size:
+            held = pressure[samples]
+            at = int(samples[np.argmin(held)])
+            lowest, mean = float(pressure[at]), float(held.mean())
+            ranges[circuit.id] = CircuitRange(lowest, mean, at, float(road_test.time[at]), samples.size)
+    return ranges
+
+
 def _within(time: np.ndarray, events: list[Event]) -> np.ndarray:
     """Return which stamps lie in one of the events, ends included."""
     inside = np.zeros(len(time), bool)
@@ -238,7 +272,7 @@ def _section_shares(sections: dict[str, np.ndarray], time: np.ndarray) -> dict[s
     steps = np.where((steps > 0.0) & (steps <= 10.0 * usual), steps, usual)
     volumes = {name: float(np.nansum(flow * steps)) for name, flow in sections.items()}
     total = sum(volumes.values())
-    return {name: volumes[name] / total if total > 0.0 else None for name in SECTIONS}
+    return {name: volume / total if total > 0.0 else None for name, volume in volumes.items()}
 
 
 def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> list[Message]:
@@ -250,6 +284,9 @@ def _series_messages(series: LeakageSeries, size: int, model: LeakageModel) -> l
                 "leakage."
             )
             messages.append(Message("warning", "reversed_pressure_drop", text))
+    if series.unbalanced:
+        text = f"In {series.unbalanced} of {size} samples no pressures were found at which all circuits balance."
+        messages.append(Message("warning", "circuits_not_balanced", text))
     if series.other_gear:
         gears = ", ".join(map(str, model.controller.gears))
         text = f"{series.other_gear} of {size} samples are in no gear of this valve body ({gears}) and are left out."

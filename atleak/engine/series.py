@@ -38,7 +38,6 @@ costs more than the sums.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -47,13 +46,14 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, OperatingPoint
 from atleak.catalogue.section_pressures import SECTIONS
+from atleak.engine.circuit_series import CircuitLog
+from atleak.engine.gap_polynomials import follows_polynomial, polynomial, without_entry_loss
+from atleak.engine.gap_polynomials import powers as write_powers
 from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel
-from atleak.equations.clearance import effective_clearance
 
 _CHUNK = 32_768  # samples worked on at a time: the work arrays of one chunk stay in the processor's cache
-ENTRY_LOSS_LEFT_OUT = 0.01  # part of a gap's flow [-] up to which ``auto`` leaves the entry loss out over a whole log
 
 _RUNS = 32  # runs of one gear in a chunk, above which masks are quicker than slices
 
@@ -64,12 +64,15 @@ _Drop = tuple[tuple[str, float], ...]  # (section, coefficient) …
 class LeakageSeries:
     """Leakage over a log [m³/s], shape (samples,); NaN where a channel was not usable.
 
-    ``sections`` is empty unless asked for. ``reversed_samples`` counts, per section, samples whose pressure drop was
-    negative in at least one gap of it: they count as zero flow there.
+    ``sections`` is empty unless asked for; it holds circuits too, each with what its gaps and leaks let out to the sump
+    and what it relieves. ``reversed_samples`` counts, per section, samples whose pressure drop was negative in at least
+    one gap of it: they count as zero flow there.
     """
 
     total: np.ndarray
     sections: dict[str, np.ndarray]
+    circuits: dict[str, np.ndarray] = field(default_factory=dict)  # [Pa] the pressure that each holds; 0 where vented
+    unbalanced: int = 0  # samples at which no pressures were found at which all circuits balance
     reversed_samples: dict[str, int] = field(default_factory=lambda: dict.fromkeys(SECTIONS, 0))
     outside_fluid: int = 0  # samples at a temperature the fluid's data do not cover
     other_gear: int = 0  # samples in a gear the controller does not have
@@ -83,6 +86,7 @@ def leakage_series(
     gear: Any,
     *,
     sections: bool = False,
+    assumed: OperatingPoint | None = None,
 ) -> LeakageSeries:
     """Compute the leakage of every sample of a log.
 
@@ -97,18 +101,54 @@ def leakage_series(
     gear
         Likewise; a gear the controller does not have, or NaN, gives NaN.
     sections
-        Whether the totals of p_g, p_s, p_m and p_k are kept too.
+        Whether the totals of p_g, p_s, p_m, p_k and the circuits are kept too.
+    assumed
+        The operating point whose set pressures hold, where they go by point or current; the controller's first unless
+        given.
     """
     arrays = [np.asarray(array, dtype=float) for array in (main_pressure, converter_pressure, temperature, gear)]
     size = np.broadcast_shapes(*(array.shape for array in arrays), (1,))[0]
     log = _Log(*(np.broadcast_to(array, (size,)) for array in arrays))
     series = LeakageSeries(np.empty(size), {name: np.empty(size) for name in SECTIONS} if sections else {})
-    sums = _gear_sums(model, log)
+    ends = log.ends
+    sums = _gear_sums(model, ends)
     rows = np.ones((8, min(_CHUNK, size)))
     for start in range(0, size, _CHUNK):
         part = slice(start, start + _CHUNK)
         _compute_chunk(model, sums, log.part(part), series, part, rows[:, : size - start])
+    circuits = CircuitLog.of(
+        model,
+        assumed or model.controller.operating_points[0],
+        float(np.nanmax(ends.sections(model), initial=0.0)),
+        ends.temperature,
+    )
+    if circuits is not None:
+        _add_circuits(circuits, log, series)
     return series
+
+
+def _add_circuits(circuits: CircuitLog, log: _Log, series: LeakageSeries) -> None:
+    """Add the pressures of circuits to a series, and the flows that do not follow from the sections alone."""
+    controller = circuits.model.controller
+    usable = np.isfinite(series.total) & np.isfinite(log.converter_pressure)
+    series.circuits = {circuit.id: np.full(len(usable), np.nan) for circuit in controller.circuits}
+    if series.sections:
+        series.sections |= {name: np.zeros(len(usable)) for name in series.circuits}
+    for flow in (series.total, *series.sections.values()):
+        flow[~usable] = np.nan
+    channels = log.main_pressure, log.converter_pressure, log.temperature
+    for gear in controller.gears:
+        samples = np.flatnonzero(usable & (log.gear == gear))
+        for part, flows in circuits.parts(gear, samples, *channels):
+            for name, pressures in series.circuits.items():
+                pressures[part] = flows.balance.pressures[name]
+            for name, flow in flows.drawn.items():
+                series.total[part] += flow
+                if series.sections:
+                    series.sections[name][part] += flow
+            for name, reverse in flows.reversed_drops.items():
+                series.reversed_samples[name] = series.reversed_samples.get(name, 0) + int(np.count_nonzero(reverse))
+            series.unbalanced += len(part) - int(np.count_nonzero(np.broadcast_to(flows.balance.converged, len(part))))
 
 
 # --- the gaps of one gear, added up
@@ -125,21 +165,9 @@ class _Term:
     @classmethod
     def of(cls, geometry: GapGeometry, law: GapLaw) -> _Term:
         """Expand π D c³/12l in powers of τ."""
-        c, a = geometry.radial_clearance, geometry.thermal_rate
-        m2, m3 = geometry.form_moments if law.counts_form else (0.0, 0.0)
-        even = (c**3, 3.0 * c**2 * a, 3.0 * c * a**2, a**3, 0.0)  # cube of c + a τ
-        uneven = (3.0 * c * m2 + m3, 3.0 * a * m2, 0.0, 0.0, 0.0)  # what the form of the gap adds to it
-        cube = tuple(one + other for one, other in zip(even, uneven, strict=True))
-        diameter, growth = law.diameter(geometry.spool_diameter, c), law.diameter(0.0, a)  # of diameter + growth τ
         size = abs(geometry.drop_coefficients[0][1])
-        factor, scale = math.pi / (12.0 * geometry.contact_length), law.eccentricity_factor * size
-        before = (0.0, *cube[:4])
         drop = tuple((section, round(value / size, 12)) for section, value in geometry.drop_coefficients)
-        return cls(
-            geometry,
-            (geometry.gap.section, drop),
-            tuple(scale * (factor * (here * diameter + low * growth)) for here, low in zip(cube, before, strict=True)),
-        )
+        return cls(geometry, (geometry.gap.section, drop), polynomial(geometry, law, size))
 
 
 @dataclass(frozen=True)
@@ -173,7 +201,7 @@ class _GearSum:
         """Return these gaps with those set apart that close somewhere between the given temperatures [°C]."""
         if self.always_open or not self.terms:
             return self
-        open_ = _open([term.geometry for term in self.terms], self.law, *_span(temperature))
+        open_ = follows_polynomial([term.geometry for term in self.terms], self.law, *_span(temperature))
         if open_.all():
             return self
         return _GearSum(
@@ -183,39 +211,20 @@ class _GearSum:
         )
 
 
-def _clearances(gaps: Sequence[GapGeometry], lowest: float, highest: float) -> np.ndarray:
-    """Return the mean clearance [m] of each gap at both ends of a range of temperature [°C], shape (2, gaps)."""
-    cold = np.array([gap.radial_clearance for gap in gaps])
-    rate = np.array([gap.thermal_rate for gap in gaps])
-    return effective_clearance(cold, rate, np.array([[lowest], [highest]]) - REFERENCE_TEMPERATURE)
-
-
-def _moments(gaps: Sequence[GapGeometry]) -> np.ndarray:
-    """Return the second [m²] and third [m³] moment of each gap, shape (2, gaps)."""
-    return np.array([gap.form_moments for gap in gaps]).reshape(-1, 2).T
-
-
-def _open(gaps: Sequence[GapGeometry], law: GapLaw, lowest: float, highest: float) -> np.ndarray:
-    """Return which gaps follow their polynomials at both ends of a range of temperature [°C], and so all through it.
-
-    One does as long as it is open and, where it is not the same all around, leaks more than its mean clearance would.
-    """
-    clearance = _clearances(gaps, lowest, highest)
-    follows: Any = clearance > 0.0
-    if law.counts_form:
-        m2, m3 = _moments(gaps)
-        follows &= 3.0 * clearance * m2 + m3 >= 0.0
-    return follows.all(axis=0)
-
-
-def _gear_sums(model: LeakageModel, log: _Log) -> dict[int, _GearSum]:
+def _gear_sums(model: LeakageModel, ends: _Log) -> dict[int, _GearSum]:
     """Add up the gaps of each gear that count as drawn from the pump."""
-    gaps = [geometry for geometry in model.geometries if geometry.drawn_from_pump and geometry.drop_coefficients]
-    in_groups = _without_entry_loss(model, gaps, log)
+    gaps = [
+        geometry
+        for geometry in model.geometries
+        if geometry.drawn_from_pump and geometry.drop_coefficients and geometry.follows_sections
+    ]
+    in_groups = _without_entry_loss(model, gaps, ends)
     terms = [_Term.of(geometry, model.law) for geometry, keep in zip(gaps, in_groups, strict=True) if keep]
     alone = [geometry for geometry, keep in zip(gaps, in_groups, strict=True) if not keep]
     always_open = bool(
-        _open([term.geometry for term in terms], model.law, *model.fluid.span(model.profile.viscosity)).all()
+        follows_polynomial(
+            [term.geometry for term in terms], model.law, *model.fluid.span(model.profile.viscosity)
+        ).all()
     )
     return {
         gear: _GearSum(
@@ -228,27 +237,11 @@ def _gear_sums(model: LeakageModel, log: _Log) -> dict[int, _GearSum]:
     }
 
 
-def _without_entry_loss(model: LeakageModel, gaps: Sequence[GapGeometry], log: _Log) -> list[bool]:
+def _without_entry_loss(model: LeakageModel, gaps: Sequence[GapGeometry], ends: _Log) -> list[bool]:
     """Return which gaps are computed without entry loss over the whole log."""
-    if model.profile.entry_loss != "auto":
-        return [model.law.linear] * len(gaps)
-    kind = model.profile.viscosity
-    main, converter, temperature = (
-        np.array([np.fmin.reduce(channel), np.fmax.reduce(channel)])
-        for channel in (log.main_pressure, log.converter_pressure, log.temperature)
-    )
-    pressures = model.controller.section_pressures(main, converter)  # monotonous, so that the ends bound them
-    inside = np.clip(temperature, *model.fluid.span(kind))
-    viscosity = np.min(model.fluid.kinematic_viscosity(inside, kind))
-    density = np.min(model.fluid.density(inside, kind))
-
     drops = [[dict(gap.drop_coefficients).get(section, 0.0) for section in SECTIONS] for gap in gaps]
-    ends = np.array([pressures[section] for section in SECTIONS])
-    largest = np.max(np.array(drops).reshape(-1, len(SECTIONS), 1) * ends, axis=2).sum(axis=1)
-    widest = model.law.flow_clearance(np.max(_clearances(gaps, *inside), axis=0), *_moments(gaps))
-    lengths = np.array([gap.contact_length for gap in gaps])
-    loss = model.law.entry_loss(largest, widest, viscosity, density, lengths)
-    return (loss < ENTRY_LOSS_LEFT_OUT).tolist()
+    largest = np.max(np.array(drops).reshape(-1, len(SECTIONS), 1) * ends.sections(model), axis=2).sum(axis=1)
+    return without_entry_loss(model, gaps, largest, ends.temperature)
 
 
 # --- the samples
@@ -262,6 +255,20 @@ class _Log:
     converter_pressure: np.ndarray
     temperature: np.ndarray
     gear: np.ndarray
+
+    @property
+    def ends(self) -> _Log:
+        """Return the lowest and highest of every channel but the gear."""
+        channels = (self.main_pressure, self.converter_pressure, self.temperature)
+        return _Log(*(np.array([np.fmin.reduce(each), np.fmax.reduce(each)]) for each in channels), self.gear)
+
+    def sections(self, model: LeakageModel) -> np.ndarray:
+        """Return the pressure of every section [Pa], shape (sections, samples): the ends of each for `ends`.
+
+        Every relation is monotonous, so that the ends of p_g give those of p_s and p_m.
+        """
+        pressures = model.controller.section_pressures(self.main_pressure, self.converter_pressure)
+        return np.array([pressures[section] for section in SECTIONS])
 
     def part(self, samples: Any) -> _Log:
         """Return some of the samples."""
@@ -278,7 +285,7 @@ def _compute_chunk(
     sections = {name: flow[part] for name, flow in series.sections.items()}
     viscosity = model.dynamic_viscosity(log.temperature)
     powers, lines = rows[:5], rows[5:]  # μ q = p_g · lines[0] + p_k · lines[1] + lines[2]
-    _powers(log.temperature, powers)
+    write_powers(log.temperature, powers)
     matrices: dict[int | None, tuple[_GearSum, np.ndarray | None]] = {}
     straight = None if sections else _straight_lines(model.controller, log)
     one_by_one = []
@@ -389,14 +396,6 @@ def _group_by_group(
             single.contact_length,
         )
     return flows, {section: int(np.count_nonzero(below)) for section, below in negative.items()}
-
-
-def _powers(temperature: np.ndarray, out: np.ndarray) -> None:
-    """Write τ, … τ⁴ as the rows after the first, with τ = T − T₀."""
-    np.subtract(temperature, REFERENCE_TEMPERATURE, out=out[1])
-    np.multiply(out[1], out[1], out=out[2])
-    np.multiply(out[2], out[1], out=out[3])
-    np.multiply(out[2], out[2], out=out[4])
 
 
 def _span(temperature: np.ndarray) -> tuple[float, float]:

@@ -292,6 +292,8 @@ def restricted_flow(pressure_drop: ArrayLike, conductance: ArrayLike, bend: Arra
     (2e-07, 1.3333333333333334e-07)
     """
     p, g, b = _restriction(pressure_drop, conductance, bend)
+    if not b.any():
+        return result(g * p)
     return result(2.0 * g * p / (1.0 + np.sqrt(1.0 + b * np.abs(p))))
 
 
@@ -323,6 +325,8 @@ def restricted_slope(pressure_drop: ArrayLike, conductance: ArrayLike, bend: Arr
     1e-12
     """
     p, g, b = _restriction(pressure_drop, conductance, bend)
+    if not b.any():
+        return result(np.broadcast_to(g, np.broadcast_shapes(g.shape, p.shape, b.shape)))
     return result(g / np.sqrt(1.0 + b * np.abs(p)))
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from atleak.events.event import AccelerationTest, Event, Thresholds, segments
+from atleak.events.event import AccelerationTest, Event, TestFault, Thresholds, segments
 from atleak.road_test import RoadTest
 
 
@@ -77,7 +77,7 @@ def _judged(
     at = int(np.nanargmax(speeds))
     highest = float(speeds[at])
     missing = tuple(range(climb.gears[-1] + 1, top + 1)) if climb.gears else ()
-    fault = None
+    fault: TestFault | None = None
     if highest > limits.gentle_speed:
         if not alone or highest > limits.driven_otherwise:
             return None

@@ -106,8 +106,8 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
 def total_share(diagnosis: Diagnosis) -> go.Figure:
     """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
 
-    An open mark is the same unit new. Bars are the 95 % intervals of the measurement, where readings are there; the
-    hover says how likely each band is.
+    An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the
+    measurement, where readings are there; the hover says how likely each band is.
     """
     unit, reported = diagnosis.uncertainty, diagnosis.reported
     totals = [unit.total(point.condition.name) if unit else None for point in reported]
@@ -123,7 +123,7 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
         end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
     ]
     figure = go.Figure()
-    right = _bands(figure, rules, max(ends, default=0.0))
+    right = _bands(figure, rules if diagnosis.judged else [], max(ends, default=0.0))
     new = [
         (point.condition.label, rule.new)
         for point, rule in zip(reported, rules, strict=True)
@@ -140,7 +140,7 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
         error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
         customdata=[likely for _, _, _, likely in shown],
         hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",
-        name="as measured",
+        name="as measured" if diagnosis.judged else "as new: nothing was measured",
     )
     figure.add_scatter(
         x=[share * PERCENT for _, share in new],

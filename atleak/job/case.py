@@ -28,10 +28,12 @@ from atleak.catalogue.limits import load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
-from atleak.errors import InputError, Place, RoadTestError
+from atleak.errors import InputError, Message, Place, RoadTestError
+from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.plain_words import words
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, understand
+from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
@@ -117,6 +119,9 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
 )
 
 
+OWN_FILES = ("readings", "road_test", "pressures")  # of a job, besides what it takes from the catalogue
+
+
 class SheetChoices(TypedDict):
     """The choices by which a measuring sheet is read, as `read_readings` takes them."""
 
@@ -142,6 +147,8 @@ class Loader(Protocol):
 
     def log(self, case: Case) -> Understood: ...
 
+    def pressures(self, case: Case, controller: Controller) -> PressureTable: ...
+
 
 @dataclass(frozen=True)
 class Case:
@@ -149,6 +156,7 @@ class Case:
 
     readings: SourceFile | None = None  # the measuring sheet
     road_test: SourceFile | None = None  # the log
+    pressures: SourceFile | None = None  # gauge readings of a standing vehicle; the sheet's own tab unless given
     controller: Choice = "four_speed_2023"
     fluid: Choice = "hipol_atf_iid"
     fluid_state: FluidState | None = None  # None: nobody said; as its data are, fresh as a rule
@@ -187,7 +195,7 @@ class Case:
         return replace(self, **changes)
 
     def _files(self) -> list[tuple[str, SourceFile]]:
-        named = ((name, getattr(self, name)) for name in ("readings", "road_test", *SLOTS))
+        named = ((name, getattr(self, name)) for name in (*OWN_FILES, *SLOTS))
         return [(name, file) for name, file in named if isinstance(file, SourceFile)]
 
     @property
@@ -256,12 +264,15 @@ class Case:
         controller, fluid, limits, spool, sleeve = (
             loader.entry(slot, getattr(self, name)) for name, slot in SLOTS.items()
         )
+        readings = None if self.readings is None else loader.readings(self, controller)
+        pressures = None if self.pressures is None else loader.pressures(self, controller)
         return diagnose(
             controller,
             fluid,
             limits,
             fluid_state=self.fluid_state,
-            readings=None if self.readings is None else loader.readings(self, controller),
+            readings=readings if readings is not None and readings.readings else None,
+            pressures=_one_table(pressures, readings),
             road_test=None if self.road_test is None else _road_test(loader.log(self)),
             profile=self.engine_profile,
             condition=self.condition(controller),
@@ -287,6 +298,16 @@ def _road_test(log: Understood) -> RoadTest:
         problem = f"the log's column of main pressure is not usable: {test.refused['main_pressure']}"
         raise RoadTestError(problem, place=place, expected="the column of main pressure, and its unit, to be named")
     return test
+
+
+def _one_table(own: PressureTable | None, readings: Readings | None) -> PressureTable | None:
+    """Return the gauge readings of a job: those of their own file, or else of the measuring sheet's tab."""
+    of_tab = None if readings is None else readings.pressures
+    if own is None or of_tab is None:
+        return own or of_tab
+    text = f"the gauge readings in sheet {of_tab.sheet!r} of {of_tab.file} are left aside: those of {own.file} are used"
+    place = Place(of_tab.file, of_tab.sheet)
+    return replace(own, messages=(*own.messages, Message("warning", "pressure_tab_aside", text, place)))
 
 
 class Reader:
@@ -326,6 +347,18 @@ class Reader:
         assert log is not None
         remembered = default_path() if case.remember else None
         return understand(log.given, name=log.name, remembered=remembered, **case.log_choices)
+
+    def pressures(self, case: Case, controller: Controller) -> PressureTable:
+        """Read the job's gauge readings from a file of their own.
+
+        Raises
+        ------
+        PressureTableError
+            as `read_pressure_table`.
+        """
+        file = case.pressures
+        assert file is not None
+        return read_pressure_table(file.given, controller, name=file.name)
 
 
 def with_log_choices(case: Case, log: Understood) -> Case:

@@ -21,7 +21,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
-from atleak.job.case import SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
+from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
 from atleak.job.record import Job, MeasuringCelsius, picture_name, without_surrogates
 from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
@@ -29,7 +29,6 @@ from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
 
 FORMAT: Literal[1] = 1
-_OWN_FILES = ("readings", "road_test")
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
 _RECORD_LIMIT = 16 << 20
@@ -123,7 +122,7 @@ class JobFile:
 
 
 def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
-    """Return the bytes of the zip: job record, measuring sheet, log, pictures, catalogue files and result.
+    """Return the bytes of the zip: job record, measuring sheet, log, gauges, pictures, catalogue files, result.
 
     Parameters
     ----------
@@ -142,8 +141,12 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
     """
     job, case = job or Job(), case or Case()
     entries = _catalogue_files(diagnosis, case)
-    sheet = _source(case.readings, diagnosis.readings, "the measuring sheet")
+    gauges = diagnosis.pressures.table if diagnosis.pressures else None
+    of_tab = gauges if case.pressures is None else None
+    sheet = _source(case.readings, diagnosis.readings or of_tab, "the measuring sheet")
+    table = _source(case.pressures, None if gauges is of_tab else gauges, "the table of gauge readings")
     log = _source(case.road_test, diagnosis.log.road_test if diagnosis.log else None, "the road-test log")
+    own = dict(zip(OWN_FILES, (sheet, log, table), strict=True))
     uncertainty = diagnosis.uncertainty
     choices = Choices(
         format=FORMAT,
@@ -159,13 +162,13 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else _assumptions(case),
         guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
-        files=_names(sheet, log, entries),
+        files=_names(own, entries),
     )
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as bundle:
         _add(bundle, "job.json", choices.model_dump_json(indent=2, exclude_defaults=True).encode())
         _add(bundle, "result.json", json.dumps(diagnosis_record(diagnosis), ensure_ascii=False, indent=2).encode())
-        for name, source in (("readings", sheet), ("road_test", log)):
+        for name, source in own.items():
             if source is not None:
                 _add(bundle, name, source.content)
         for name, source in entries.items():
@@ -241,8 +244,8 @@ class _Strict(BaseModel):
 
 def _known_slot(name: str) -> str:
     """Check that a name is one of the files that a job can hold."""
-    if name not in (*_OWN_FILES, *SLOTS):
-        raise ValueError(f"one of {', '.join((*_OWN_FILES, *SLOTS))}")
+    if name not in (*OWN_FILES, *SLOTS):
+        raise ValueError(f"one of {', '.join((*OWN_FILES, *SLOTS))}")
     return name
 
 
@@ -371,7 +374,7 @@ def _entries(bundle: zipfile.ZipFile, name: str, size_limit: int) -> Iterator[tu
 
 
 def _known_entry(name: str) -> bool:
-    if name in ("job.json", "result.json", "readings", "road_test"):
+    if name in ("job.json", "result.json", *OWN_FILES):
         return True
     if name in {f"catalogue/{slot}.toml" for slot in SLOTS}:
         return True
@@ -424,9 +427,8 @@ def _source(source: SourceFile | None, used: Any, called: str) -> SourceFile | N
     return SourceFile(used.file, source.content)
 
 
-def _names(sheet: SourceFile | None, log: SourceFile | None, catalogue: Mapping[str, SourceFile]) -> dict[str, str]:
-    sources = {"readings": sheet, "road_test": log, **catalogue}
-    return {slot: source.name for slot, source in sources.items() if source is not None}
+def _names(own: Mapping[str, SourceFile | None], catalogue: Mapping[str, SourceFile]) -> dict[str, str]:
+    return {slot: source.name for slot, source in {**own, **catalogue}.items() if source is not None}
 
 
 def _json(content: bytes, name: str) -> Any:

@@ -20,7 +20,9 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Part
 from atleak.look import SHEET_COLOURS
+from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
+from atleak.report.pressure_sheet import PRESSURES, write_pressures
 from atleak.system.marks import PROPERTY, sealed, unsealed
 
 SHEET = "Measurements"
@@ -95,6 +97,11 @@ _HOW_TO = (
         "stand in any order; their headings must stay.",
     ),
     (
+        "Pressures",
+        "The tab Pressures takes what gauges show while the vehicle stands, range by range: for a job of its own or "
+        "beside the diameters. Left empty, it is no table.",
+    ),
+    (
         "Check",
         "The last column shows how far each diameter is from the nominal one. It turns red from 500 µm on: another "
         "plane, a slip of the pen, or inches.",
@@ -144,6 +151,7 @@ def write_readings(
     *,
     fields: Mapping[str, str] | None = None,
     blank_rows: bool = True,
+    pressures: PressureTable | None = None,
 ) -> bytes:
     """Return a measuring sheet with readings filled in.
 
@@ -158,6 +166,8 @@ def write_readings(
         what to write at the head of the sheet, by the names of `FIELDS`.
     blank_rows
         whether planes, directions and repeats without a reading get an empty row.
+    pressures
+        gauge readings to fill in on the tab of pressures, the first of each cell.
 
     Returns
     -------
@@ -165,7 +175,7 @@ def write_readings(
         of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
     """
     readings = list(readings)
-    empty = not readings and not fields
+    empty = not readings and not fields and pressures is None
     rows = list(_rows(controller, readings, blank_rows))
     buffer = io.BytesIO()
     options = {
@@ -183,6 +193,7 @@ def write_readings(
         sheet.head(fields or {})
         sheet.body(rows)
         sheet.set_up(len(rows))
+        write_pressures(book.add_worksheet(PRESSURES), formats, controller, pressures)
         _instructions(book.add_worksheet(INSTRUCTIONS), formats, controller)
     return sealed(buffer.getvalue()) if empty else buffer.getvalue()
 
@@ -236,6 +247,7 @@ def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
         "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.000", "locked": False}),
         "nominal": book.add_format({**given, "num_format": "0.000", "font_color": SHEET_COLOURS["soft"]}),
         "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
+        "pressure": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.0", "locked": False}),
         "origin": book.add_format({**given, "font_color": SHEET_COLOURS["soft"], "italic": True}),
         "deviation": book.add_format({**given, "num_format": "0"}),
         "alarm": book.add_format(

@@ -23,6 +23,7 @@ from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
+from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
@@ -63,15 +64,17 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     if readings is not None:
         measured += f" in {readings.file}; temperature of measuring: {measuring_temperature(diagnosis, say)}"
-    console.print(Text(say("findings.alone") if diagnosis.log_alone else measured))
+    console.print(Text(say("findings.alone") if diagnosis.without_sheet else measured))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
     tight = tighter_than_new(diagnosis, wording("en"))
     if tight is not None:
         console.print(Text(tight))
     for line in _complaint(diagnosis):
         console.print(Text(line))
-    if not diagnosis.log_alone:
+    if not diagnosis.without_sheet:
         _print_unit(console, diagnosis)
+    for part in _gauges(diagnosis):
+        console.print(part)
     if diagnosis.log is not None:
         for line in _log(diagnosis, diagnosis.log):
             console.print(Text(line))
@@ -213,12 +216,18 @@ def _verdict(diagnosis: Diagnosis) -> str:
     """Return the verdict of the unit, and which land or total gave it."""
     decided_by, sentence = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
     if decided_by is None:
-        of_log = diagnosis.log_alone and diagnosis.verdict != Verdict.NOT_MEASURED
-        return f"{sentence}, by the main pressure of the log alone" if of_log else sentence
+        alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
+        return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence
     if isinstance(decided_by, Rule):
         return f"{sentence}, decided by the {decided_by.label}"
     component, land = decided_by.key
     return f"{sentence}, decided by {component}/{land} {diagnosis.controller.components[component]}"
+
+
+def _measured_by(diagnosis: Diagnosis) -> str:
+    """Name what main pressure was measured with: gauges, a log, or both."""
+    named = (("gauges", diagnosis.pressures), ("the log", diagnosis.log))
+    return " and ".join(name for name, given in named if given is not None)
 
 
 def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
@@ -312,6 +321,34 @@ def _helps(step: RepairStep) -> str:
     at = step.at
     shares = f"{at.before.share * PERCENT:.1f} → {at.after.share * PERCENT:.1f} %"
     return f"total share at {at.condition.label} {shares} ({at.after.band})"
+
+
+def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
+    """Return what gauges showed, reading by reading, and the patterns in it."""
+    check = diagnosis.pressures
+    if check is None:
+        return
+    yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
+    rows = gauge_rows(check)
+    table = Table("verdict", *rows[0], show_edge=False)
+    for column in table.columns:
+        column.overflow = "fold"  # on a narrow terminal nothing is cut off
+    for reading, row in zip(check.readings, rows, strict=True):
+        style = look_of(reading.verdict).style if reading.verdict else ""
+        cells = (
+            "–" if each is None else f"{each:.0f}" if isinstance(each, float) else str(each) for each in row.values()
+        )
+        table.add_row(Text(_judged(reading.verdict), style=style), *map(Text, cells))
+    yield table
+    for pattern in check.patterns:
+        say = wording("en")
+        source = say.get("pattern_sources", pattern.source)
+        yield Text(f"→ {pattern_text(pattern, diagnosis.controller, say)} ({source})")
+
+
+def _judged(verdict: Verdict | None) -> str:
+    """Return a verdict's word with its sign; that nothing was judged where there is none."""
+    return "not judged" if verdict is None else signed(verdict)
 
 
 def _share(cell: LandAtCondition) -> Text:

@@ -19,7 +19,15 @@ from atleak.rules import Rule, UnitRules
 from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
 from atleak.uncertainty.pressures import PressureSpread
-from atleak.uncertainty.propagation import DRAWS, SEED, InstantSpread, LandSpread, TotalSpread, propagate
+from atleak.uncertainty.propagation import (
+    DRAWS,
+    DRAWS_OF_CIRCUITS,
+    SEED,
+    InstantSpread,
+    LandSpread,
+    TotalSpread,
+    propagate,
+)
 from atleak.uncertainty.results import (
     AtCondition,
     InstantUncertainty,
@@ -47,7 +55,7 @@ def assess(
     assumptions: Assumptions = DEFAULTS,
     coverage: float = COVERAGE,
     guard_factor: float = GUARD_FACTOR,
-    draws: int = DRAWS,
+    draws: int | None = None,
     seed: int = SEED,
 ) -> UnitUncertainty:
     """Carry the measurement uncertainty of a unit through the cube to every flow, the total and every decision.
@@ -75,7 +83,8 @@ def assess(
     guard_factor
         k of the guard band k·u around a limit; 1.645 leaves 5 % one-sided.
     draws, seed
-        number of draws and seed of the Monte Carlo; the same input gives the same digits.
+        number of draws and seed of the Monte Carlo; the same input gives the same digits. Unless given, `DRAWS`, or
+        `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
 
     Returns
     -------
@@ -98,6 +107,9 @@ def assess(
     ----------
     JCGM 100:2008, JCGM 101:2008, JCGM 106:2012; ILAC-G8:09/2019.
     """
+    if draws is None:
+        solves = model.profile.circuits == "on" and any(circuit.feeds for circuit in model.controller.circuits)
+        draws = DRAWS_OF_CIRCUITS if solves else DRAWS
     _check(projections, coverage, guard_factor, draws)
     instruments = instruments or load_instruments()
     sources, repeats = find_sources(states, readings, model.controller, instruments, assumptions)

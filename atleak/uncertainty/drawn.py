@@ -11,11 +11,13 @@ import numpy as np
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.engine.circuits import Balance, Network, leaks_both_ways
-from atleak.engine.circuits import Gap as Restricted
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.circuits import network as circuit_network
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.projection import Projection
+from atleak.engine.restrictions import Gap as Restricted
+from atleak.engine.restrictions import leaks_both_ways
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 from atleak.equations.uncertainty import rectangular

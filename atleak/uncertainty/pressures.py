@@ -10,7 +10,8 @@ import numpy as np
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Limits
-from atleak.engine.circuits import Balance, Network
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.line import consumed, sections_held
 from atleak.engine.projection import Projection

@@ -47,6 +47,7 @@ from atleak.uncertainty.spread import Spread, interval_of, spread_of
 
 SEED = 7667
 DRAWS = 20_000
+DRAWS_OF_CIRCUITS = 8_000  # of a unit with circuits, whose pressures are solved anew in every one
 
 _SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction of a standard uncertainty
 _SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it

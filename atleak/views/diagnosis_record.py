@@ -15,6 +15,7 @@ from atleak.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.version import __version__
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, condition_matrix
 from atleak.views.condition_record import condition_record, finite, scaled
+from atleak.views.gauge_rows import gauge_record
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.message_record import message_record
 from atleak.views.repair_words import plan_ends
@@ -25,6 +26,7 @@ FORMAT = 1
 _DECIDING = {
     RuleKind.TOTAL_SHARE: "total",
     RuleKind.CIRCUIT_LOSS: "circuit",
+    RuleKind.BELOW_LINE: "circuit",
 }  # what decided, where the rule's name differs
 
 
@@ -81,6 +83,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "repair_plan": [_repair_step(step) for step in plan.steps],
         "repair_plan_ends": _repair_ends(plan),
         "road_test": road_record(diagnosis),
+        "pressure_table": gauge_record(diagnosis),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
 
@@ -101,6 +104,7 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
             "component": component,
             "land": land,
             "circuit": rule.circuit.id if rule and rule.circuit else None,
+            "where": rule.where if rule and rule.where else None,
             "rule": rule.id if rule else None,
             "value": finite(rule.value * rule.kind.factor) if rule else None,
             "limit": finite(rule.limit * rule.kind.factor) if rule else None,

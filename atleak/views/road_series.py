@@ -53,6 +53,8 @@ def _columns(road: RoadLeakage) -> list[tuple[str, str, str, np.ndarray, float]]
         columns.append(("share_percent", "share", "%", share, PERCENT))
     for section, flow in road.sections.items():
         columns.append((f"leakage_{section}_dm3_min", f"leakage {section}", "dm³/min", flow, DM3_MIN))
+    for circuit, pressure in road.circuits.items():
+        columns.append((f"{circuit}_kpa", f"{circuit}, computed", "kPa", pressure, KPA))
     for quantity, name, label, unit, factor in (
         ("main_pressure", "p_g_kpa", "p_g", "kPa", KPA),
         ("converter_pressure", "p_k_kpa", "p_k", "kPa", KPA),

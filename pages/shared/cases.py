@@ -19,13 +19,15 @@ from atleak.errors import OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
 from atleak.intake.road_test.names.memory import RememberedColumns
-from atleak.job.case import SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
+from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
+from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 _CHOICES = {  # those that belong to one file, and go with it
     "readings": ("sheet_name", "sheet_unit", "sheet_where"),
     "road_test": ("columns", "units", "constants", "remember"),
+    "pressures": (),
 }
 FITTED: dict[str, dict[str, Any]] = {  # the same, as a fresh job has them
     slot: {name: getattr(Case, name) for name in names} for slot, names in _CHOICES.items()
@@ -41,8 +43,8 @@ class PageCase(Case):
     def with_file(self, slot: str, file: SourceFile | None) -> PageCase:
         """Return this job with another sheet or log; the sample's other file never mixes with the user's own."""
         if self.sample:
-            bare = replace(self, readings=None, road_test=None, sample=False)
-            return replace(bare, **FITTED["readings"], **FITTED["road_test"]).with_files({slot: file})
+            fitted = {name: value for choices in FITTED.values() for name, value in choices.items()}
+            return replace(self, **fitted, sample=False).with_files({**dict.fromkeys(OWN_FILES), slot: file})
         return replace(self, **FITTED[slot]).with_files({slot: file})
 
 
@@ -95,6 +97,11 @@ class Kept(Reader):
         key = repr((file.name, file.sha256, controller.sha256, sorted(case.sheet_choices.items())))
         return _readings(key, case, controller)
 
+    def pressures(self, case: Case, controller: Controller) -> PressureTable:
+        assert case.pressures is not None
+        file = case.pressures
+        return _pressures(repr((file.name, file.sha256, controller.sha256)), case, controller)
+
     def log(self, case: Case) -> Understood:
         assert case.road_test is not None
         return understood(case.road_test, case)
@@ -110,6 +117,11 @@ def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
     assert _case.readings is not None
     file = _case.readings
     return read_readings(file.content, _controller, name=file.name, **_case.sheet_choices)
+
+
+@st.cache_resource(max_entries=6, show_spinner=False)
+def _pressures(key: str, _case: Case, _controller: Controller) -> PressureTable:
+    return Reader().pressures(_case, _controller)
 
 
 @st.cache_resource(max_entries=6, show_spinner="Reading the road-test log …")

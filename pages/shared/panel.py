@@ -23,13 +23,17 @@ from pages.shared.state import choose, current_diagnosis, new_job, open_job, put
 
 PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
-WHERE = {"readings": "Readings", "road_test": "Road test"}
+WHERE = {"readings": "Readings", "road_test": "Road test", "pressures": "Pressures"}
 FILES = {
     "readings": (
         "Measuring sheet",
         "Spool and sleeve diameters: xlsx, xls, ods or csv. Recognised by its content, not its name.",
     ),
     "road_test": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
+    "pressures": (
+        "Gauge readings",
+        "Pressures of the standing vehicle, range by range: xlsx or csv. Page Pressures takes typed ones.",
+    ),
 }
 RPM = unit("rpm", "rotational_speed")
 NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
@@ -153,6 +157,8 @@ def _status(slot: str, result: Diagnosis) -> None:
     origin = "sample: " if now.good.sample else "still " if refused is not None else ""
     if slot == "readings":
         about = f"{result.measured} of {len(result.lands)} lands measured"
+    elif slot == "pressures":
+        about = f"{len(result.pressures.readings) if result.pressures else 0} readings"
     elif result.log is not None:
         test = result.log.road_test
         about = f"{test.rows} rows, {test.duration:.0f} s"

@@ -9,7 +9,7 @@ from typing import Any
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError, CatalogueError, ReadingsError, RoadTestError
+from atleak.errors import AtleakError, CatalogueError, PressureTableError, ReadingsError, RoadTestError
 from atleak.job.case import SLOTS, SourceFile
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
@@ -82,7 +82,7 @@ def choose(**changes: Any) -> None:
         changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None, "complaint": None}
         now.away.clear()
         if now.case.sample:
-            changes |= {"readings": None, "road_test": None, "sample": False}
+            changes |= {**dict.fromkeys(FILES), "sample": False}
     now.case = replace(now.case, **changes)
 
 
@@ -146,6 +146,8 @@ def _at_fault(now: Session, error: AtleakError) -> str:
     changed = [
         slot for slot in FILES if now.before is not None and getattr(now.case, slot) != getattr(now.before, slot)
     ]
+    if isinstance(error, PressureTableError):
+        return next((slot for slot in ("pressures", "readings") if slot in changed), "settings")
     if isinstance(error, ReadingsError):
         return "readings" if "readings" in changed else "settings"
     if isinstance(error, RoadTestError):

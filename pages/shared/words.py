@@ -12,8 +12,9 @@ from atleak.engine.projection import Projection
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
-from atleak.views.road_words import deciding_sentence
-from atleak.views.sentences import covered_from, replace_at
+from atleak.views.measured_words import measured_sentence
+from atleak.views.pressures import worst_pressure
+from atleak.views.sentences import because_of, covered_from, replace_at
 from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared.show import plain
@@ -40,11 +41,11 @@ DIGITS = {
 
 
 def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
-    """Return the verdict in one paragraph, in markdown; of a road test alone what its main pressure says."""
-    log, decided_by, say = diagnosis.log, diagnosis.decided_by, wording("en")
-    if log is not None and diagnosis.log_alone:
-        said = plain(deciding_sentence(log, decided_by, say))
-        return f"**{signed(diagnosis.verdict)}** {said} {plain(say('findings.alone'))}"
+    """Return the verdict in one paragraph, in markdown; without a sheet what gauges and log say."""
+    say = wording("en")
+    measured = measured_sentence(diagnosis, say)
+    if measured is not None and diagnosis.without_sheet:
+        return f"**{signed(diagnosis.verdict)}** {plain(measured)} {plain(say('findings.alone'))}"
     lands = record["lands"]
     counts = {level: sum(land["verdict"] == level for land in lands) for level in reversed(FLAGGED)}
     flagged = " and ".join(f"**{count} {signed(name)}**" for name, count in counts.items() if count)
@@ -63,13 +64,18 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     else:
         new = f"all {len(lands)} are at their mounting clearance"
         head = f"**{signed(Verdict.NOT_MEASURED)}:** no land is measured; {new}."
-    if log is not None and decided_by in log.rules:
-        said = plain(deciding_sentence(log, decided_by, say))
-        head = f"**{signed(diagnosis.verdict)}** because of main pressure: {said} {head}"
+    if measured is not None:
+        head = f"**{signed(diagnosis.verdict)}** because of main pressure: {plain(measured)} {head}"
     elif isinstance(diagnosis.decided_by, Rule):
-        head = f"**{signed(diagnosis.verdict)}** because of the {plain(diagnosis.decided_by.label)}. {head}"
+        because = because_of(diagnosis, diagnosis.decided_by, wording("en"))
+        because = because or f"because of the {diagnosis.decided_by.label}."
+        head = f"**{signed(diagnosis.verdict)}** {plain(because)} {head}"
     elif diagnosis.decided_by is not None:
         head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
+        pressure = worst_pressure(diagnosis)
+        if pressure is not None:
+            because = because_of(diagnosis, pressure, wording("en")) or ""
+            head += f" Pressure: **{signed(pressure.verdict)}** {plain(because)}"
     if open_ones:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     several = len(diagnosis.projections) > 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import shutil
 import sys
 from collections.abc import Callable
@@ -40,6 +41,23 @@ def edited(tmp_path: Path) -> Edited:
             assert old in text, f"{old!r} is not in {name}.toml"
             text = text.replace(old, new, 1)
         path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+_PERMISSIBLE = re.compile(r"\[\[permissible_pressure\]\]\n(?:\w+ = [^\n]*\n)+")
+
+
+@pytest.fixture
+def permitting(edited: Edited) -> Callable[[str], Path]:
+    """Writes the study's controller as ``own.toml`` with other permissible pressures in place of its own."""
+
+    def write(tables: str) -> Path:
+        path = edited("controllers", "four_speed_2023")
+        bare, count = _PERMISSIBLE.subn("", path.read_text(encoding="utf-8"))
+        assert count, "the study's controller permits no pressures"
+        path.write_text(f"{bare}\n{tables}", encoding="utf-8")
         return path
 
     return write

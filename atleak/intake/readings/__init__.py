@@ -5,7 +5,7 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 
 What happens to a file:
 
-1. `sheet_file` and `workbook` turn its bytes into sheets (`sheet`): cells, what is merged, hidden or crossed out.
+1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
 2. `sheet_tables` cuts a sheet into tables; `headings` (with `heading_numbers` and `counts`) says what each column is by
    its heading; ``vocabulary.toml`` holds the words in every language, and `words` understands single cells.
 3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
@@ -27,6 +27,7 @@ from typing import Literal
 
 from atleak.catalogue.controller import Controller
 from atleak.errors import Message, Place, ReadingsError
+from atleak.intake.gauge_table import find_tabs, likeness_of
 from atleak.intake.readings import agreement
 from atleak.intake.readings.asides import LEFT_ASIDE
 from atleak.intake.readings.checks import check
@@ -37,14 +38,15 @@ from atleak.intake.readings.head import read_head
 from atleak.intake.readings.headings import best_header
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
-from atleak.intake.readings.sheet import Sheet
-from atleak.intake.readings.sheet_file import read_bytes, read_sheets
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.states import require_known
 from atleak.intake.readings.unread import Account
 from atleak.intake.readings.values import Converted, convert
+from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
+from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
@@ -80,13 +82,16 @@ def read_readings(
     Returns
     -------
     Readings
-        diameters in metres, each with its place in the file; ``messages`` say what was assumed.
+        diameters in metres, each with its place in the file; ``messages`` say what was assumed. Its ``pressures`` are
+        those of a tab of gauge readings; where only that is filled in, there are no diameters.
 
     Raises
     ------
     ReadingsRefused
         with all problems found: an unknown component, part or plane, a cell that is no diameter, a repeat given twice,
         a diameter off its nominal one by a factor, a sleeve smaller than its spool, a clearance over 0.5 mm …
+    PressureTableError
+        a tab of gauge readings that cannot be used.
     ReadingsError
         where the file as a whole cannot be read: no such file, empty, damaged, a picture, no measuring sheet in it,
         several of them, or none filled in.
@@ -94,7 +99,13 @@ def read_readings(
     given_unit = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
     names = ControllerNames(controller)
-    sheets = read_sheets(data, file, _score)
+    of_gauges = likeness_of(controller)
+    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)))
+    tabs = find_tabs(sheets, controller)
+    pressures = tabs.read(file, data)
+    sheets = [each for each in sheets if each not in tabs]
+    if not any(_holds_numbers(each) for each in sheets) and pressures is not None:
+        return _of_gauges_alone(pressures)
     chosen = choose(sheets, file, names, sheet)
     require_known(chosen.tables, where or {})
     read = [read_rows(table, names, given_unit, where) for table in chosen.tables]
@@ -127,6 +138,7 @@ def read_readings(
         ),
         temperature=head.temperature,
         date=head.date,
+        pressures=pressures,
     )
     problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
     for table in chosen.tables:
@@ -135,9 +147,19 @@ def read_readings(
             problems = [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
-    if not result.readings:
+    if not result.readings and pressures is None:
         raise _none_left(result) or _not_filled_in(first)
     return result
+
+
+def _holds_numbers(sheet: Sheet) -> bool:
+    return any(isinstance(cell, int | float) or any(map(str.isdigit, str(cell))) for row in sheet.rows for cell in row)
+
+
+def _of_gauges_alone(pressures: PressureTable) -> Readings:
+    """Return what a file says that holds gauge readings and nothing else."""
+    file, digest, sheet = pressures.file, pressures.sha256, pressures.sheet
+    return Readings(file, digest, sheet, "mm", False, "tidy", readings=(), pressures=pressures)
 
 
 def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]:

@@ -12,7 +12,6 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
-from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
@@ -29,6 +28,7 @@ from atleak.intake.readings.words import (
     plain,
     text_of,
 )
+from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import Reading
 

@@ -10,7 +10,6 @@ from statistics import fmean, median
 from atleak.errors import Message, ReadingsError
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.controller_names import ControllerNames
-from atleak.intake.readings.sheet import Cell, rows_named
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
@@ -32,6 +31,7 @@ from atleak.intake.readings.words import (
     summary_of,
     text_of,
 )
+from atleak.intake.sheets.sheet import Cell, rows_named
 
 LEFT_ASIDE = (
     "summaries_left_aside",

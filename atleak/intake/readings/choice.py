@@ -12,10 +12,10 @@ from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import EXPECTED, Header, best_header
 from atleak.intake.readings.rows import Rows
-from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sheet_tables import Table, continued, find_tables
 from atleak.intake.readings.values import Key
 from atleak.intake.readings.words import is_repeat_title
+from atleak.intake.sheets.sheet import Sheet
 
 
 @dataclass(frozen=True)

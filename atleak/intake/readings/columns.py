@@ -9,9 +9,9 @@ from itertools import pairwise
 from atleak.errors import ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column, Header, Role
-from atleak.intake.readings.sheet import Cell, Sheet
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import is_blank, part_of, plain, text_of, vocabulary
+from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit
 
 _UNIT_WORDS = vocabulary("unit")

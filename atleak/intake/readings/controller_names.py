@@ -8,8 +8,8 @@ from functools import cached_property
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.errors import ReadingsError, nearest_name
-from atleak.intake.readings.sheet import Cell
 from atleak.intake.readings.words import plain, plane_names, text_of
+from atleak.intake.sheets.sheet import Cell
 
 _LEADING = re.compile(
     r"^(?:no|nr|number|component|comp|valve|damper|item|pos|bauteil|ventil|element|#)[\s.:]*(?=\S)", re.I

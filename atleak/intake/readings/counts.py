@@ -6,8 +6,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 from atleak.intake.readings.headings import Column, Header, Role
-from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.words import is_blank, letters, repeat_of, summary_of, vocabulary
+from atleak.intake.sheets.sheet import Sheet
 
 _READING = vocabulary("reading")
 _NUMBER = vocabulary("number")

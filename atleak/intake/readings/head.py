@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.dates import sure_date
-from atleak.intake.readings.sheet import Cell, Sheet
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import Vocabulary, is_blank, letters, text_of, vocabulary
+from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
 from atleak.written_numbers import MEASURING_TEMPERATURE, possible_values, read_number
 

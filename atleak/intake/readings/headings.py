@@ -11,7 +11,6 @@ from typing import Literal
 
 from atleak.catalogue.instruments import Part
 from atleak.intake.readings.heading_numbers import besides_numbers, is_angle, numbers_of_heading
-from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.words import (
     SPECIFICATIONS,
     STATES,
@@ -22,6 +21,7 @@ from atleak.intake.readings.words import (
     text_of,
     vocabulary,
 )
+from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 
 Role = Literal[

@@ -14,7 +14,6 @@ from atleak.intake.readings.asides import Asides
 from atleak.intake.readings.columns import Columns, find_columns
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Column
-from atleak.intake.readings.sheet import Cell, column_letter
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.values import MM, DiameterCell, Key, RawValue
@@ -31,6 +30,7 @@ from atleak.intake.readings.words import (
     summary_of,
     text_of,
 )
+from atleak.intake.sheets.sheet import Cell, column_letter
 from atleak.intake.units import Unit, find_unit, unit_names
 
 _EVERY_ROW = (

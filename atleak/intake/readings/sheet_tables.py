@@ -12,7 +12,6 @@ from atleak.errors import Place
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.counts import with_counts
 from atleak.intake.readings.headings import Column, Header, find_headers, read_together
-from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sizes import INCH, MM, UM, Sizes, numbers_of
 from atleak.intake.readings.words import (
     ERRORS,
@@ -25,6 +24,7 @@ from atleak.intake.readings.words import (
     text_of,
     vocabulary,
 )
+from atleak.intake.sheets.sheet import Sheet
 
 _ASIDE = vocabulary("specification_title", "calibration")
 _READ = vocabulary("reading", "actual")

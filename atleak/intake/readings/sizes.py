@@ -6,8 +6,8 @@ from bisect import bisect_left
 from collections.abc import Iterable
 
 from atleak.catalogue.controller import Controller
-from atleak.intake.readings.sheet import Cell
 from atleak.intake.readings.words import numbers_in
+from atleak.intake.sheets.sheet import Cell
 from atleak.intake.units import Unit, unit
 from atleak.readings import NOMINAL_TOLERANCE
 

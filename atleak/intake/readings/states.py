@@ -12,7 +12,6 @@ from atleak.catalogue.controller import Controller
 from atleak.errors import Message, Place, ReadingsError, unknown
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
-from atleak.intake.readings.sheet import Cell, Sheet, rows_named
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.values import DiameterCell
 from atleak.intake.readings.words import (
@@ -26,6 +25,7 @@ from atleak.intake.readings.words import (
     text_of,
     vocabulary,
 )
+from atleak.intake.sheets.sheet import Cell, Sheet, rows_named
 from atleak.intake.units import find_unit
 
 _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)

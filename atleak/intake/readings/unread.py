@@ -14,10 +14,10 @@ from atleak.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.headings import Role, split_unit
 from atleak.intake.readings.rows import Rows
-from atleak.intake.readings.sheet import Sheet
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.sizes import INCH, MM, Sizes, is_coarse, is_whole, numbers_of
 from atleak.intake.readings.words import is_blank, letters, number_of, part_of, plain, text_of, vocabulary
+from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.units import Unit, find_unit
 from atleak.readings import NOMINAL_HEADING, REPEAT_TOLERANCE
 

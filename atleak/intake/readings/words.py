@@ -13,7 +13,7 @@ from typing import Literal
 
 from atleak.catalogue.instruments import Part
 from atleak.errors import Place, ReadingsError
-from atleak.intake.readings.sheet import Cell
+from atleak.intake.sheets.sheet import Cell
 from atleak.intake.units import Unit, find_unit
 from atleak.written_numbers import decimal_number
 

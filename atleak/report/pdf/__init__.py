@@ -80,7 +80,7 @@ def write_pdf(
     says so on top of its first page.
     """
     job, say = job or Job(), wording(language)
-    chosen = chosen_sections(sections, log_alone=diagnosis.log_alone)
+    chosen = chosen_sections(sections, without_sheet=diagnosis.without_sheet)
     size = find_paper(paper)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         pictures = write_pictures(job, Path(folder))

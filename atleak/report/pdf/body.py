@@ -12,6 +12,7 @@ from atleak.errors import unknown
 from atleak.job.record import RepairDecision
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.conditions import Conditions
+from atleak.report.pdf.gauges import GaugeSection
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.road import RoadTestSection
@@ -31,6 +32,7 @@ SECTIONS = (
     "all",
     "shares",
     "again",
+    "gauges",
     "road_test",
     "repair",
     "condition",
@@ -48,10 +50,10 @@ OF_LANDS = ("picture", "flagged", "matrix", "repair_order", "all", "shares", "ag
 BARS = 16  # largest number of bars in the chart of shares
 
 
-def chosen_sections(sections: Iterable[str] | None, *, log_alone: bool = False) -> tuple[str, ...]:
+def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = False) -> tuple[str, ...]:
     """Return the sections asked for, in the report's order; all of them where none is chosen.
 
-    Of a road test alone those about lands are left out unless they are asked for: no land was measured.
+    Without a measuring sheet those about lands are left out unless they are asked for: no land was measured.
 
     Raises
     ------
@@ -59,7 +61,7 @@ def chosen_sections(sections: Iterable[str] | None, *, log_alone: bool = False) 
         if no report has such a section.
     """
     if sections is None:
-        return tuple(name for name in SECTIONS if not (log_alone and name in OF_LANDS))
+        return tuple(name for name in SECTIONS if not (without_sheet and name in OF_LANDS))
     wanted = list(sections)
     for name in wanted:
         if name not in SECTIONS:
@@ -194,6 +196,9 @@ class Body:
             "alt": say("charts.shares_alt", lands=lands),
             "caption": say("charts.caption_shares", condition=self.names.condition(at.condition)),
         }
+
+    def _gauges(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from GaugeSection(self.names).blocks(self.diagnosis.pressures)
 
     def _road_test(self, charts: dict[str, str]) -> Iterable[Block]:
         yield from RoadTestSection(self.names, self.series).blocks(charts)
@@ -428,7 +433,7 @@ class Body:
             ),
             PrintedColumn("SHA-256", lambda name: record[name]["sha256"], width=8),
         ]
-        used = ("readings", "road_test", "controller", "fluid", "limits")
+        used = ("readings", "road_test", "pressure_table", "controller", "fluid", "limits")
         yield table(columns, [name for name in used if record[name] and record[name].get("sha256")])
 
     def _signatures(self, charts: dict[str, str]) -> Iterable[Block]:

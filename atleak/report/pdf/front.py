@@ -12,9 +12,9 @@ from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.verdicts import Verdict
+from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import position_band
 from atleak.views.pressures import lowest_first, pressures_at
-from atleak.views.road_words import deciding_sentence
 from atleak.views.sentences import (
     because_of,
     circuit_sentence,
@@ -75,25 +75,25 @@ class Front:
         return [[say(f"facts.{name}"), value] for name, value in rows if value]
 
     def verdict(self) -> dict[str, Any]:
-        """Return the verdict in one sentence, and the totals below it; of a road test alone what the log says."""
+        """Return the verdict in one sentence, and the totals below it; without a sheet what log and gauges say."""
         diagnosis, say = self.diagnosis, self.say
-        alone = diagnosis.log_alone
+        alone = diagnosis.without_sheet
         return {
             "key": diagnosis.verdict,
             "word": say.level(diagnosis.verdict),
             "sentence": self._sentence(),
-            "more": " ".join(self._of_log_alone() if alone else self._more()),
+            "more": " ".join(self._without_sheet() if alone else self._more()),
             "complaint": Conditions(self.names).complaint(),
             "totals": None if alone else self._totals(),
         }
 
     def _sentence(self) -> str:
         """Return what the verdict is and what gave it."""
-        diagnosis, say, log = self.diagnosis, self.say, self.diagnosis.log
+        diagnosis, say = self.diagnosis, self.say
         decided_by, at = diagnosis.decided_by, diagnosis.worst
         verdict = say.level(diagnosis.verdict).capitalize()
-        if log is not None and (diagnosis.log_alone or decided_by in log.rules):
-            finding = deciding_sentence(log, decided_by, say)
+        finding = measured_sentence(diagnosis, say)
+        if finding is not None:
             by = "of_log" if decided_by is None else "by_pressure"
             return say(f"findings.{by}", verdict=verdict, finding=finding)
         condition = self.names.condition(at.condition)
@@ -124,7 +124,7 @@ class Front:
         because = because_of(self.diagnosis, rule, self.say, self.names.condition)
         return because or self.say("sentences.because", rule=self.names.reached(rule))
 
-    def _of_log_alone(self) -> list[str]:
+    def _without_sheet(self) -> list[str]:
         """Return that no land was measured, and where the limits of the log are from."""
         say, log = self.say, self.diagnosis.log
         permitted = log.permitted if log is not None else None

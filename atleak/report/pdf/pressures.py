@@ -42,8 +42,8 @@ class Pressures:
 
     def _held(self, each: HeldPressure) -> str:
         low, high = each.interval or (None, None)
-        scaled = (None if end is None else end * KPA for end in (low, high))
-        return self._kpa(each.now) + self.names.interval(*scaled, 0)
+        low, high = (None if end is None else end * KPA for end in (low, high))
+        return self._kpa(each.now) + self.names.interval(low, high, 0)
 
     def _verdict(self, each: HeldPressure) -> dict[str, str] | str:
         if each.verdict is None:

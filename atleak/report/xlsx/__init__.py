@@ -15,6 +15,8 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.gauges_sheet import SHEET as GAUGES
+from atleak.report.xlsx.gauges_sheet import write_gauges
 from atleak.report.xlsx.live import LiveSheets
 from atleak.report.xlsx.road_sheet import RoadSheets
 from atleak.report.xlsx.sheets import Sheets
@@ -63,13 +65,15 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     rest = Sheets(book, diagnosis, record, job, live)
     summary = book.sheet("Summary")
     rest.write_summary(summary)
-    if not diagnosis.log_alone:
+    if not diagnosis.without_sheet:
         _write_unit(book, diagnosis, live, rest)
+    if diagnosis.pressures is not None:
+        write_gauges(book, book.sheet(GAUGES, frozen=(1, 2)), diagnosis)
     if diagnosis.log is not None:
         road = RoadSheets(book, diagnosis, diagnosis.log)
         road.write(book.sheet("Road test"))
         road.write_events(book.sheet("Road test events", frozen=(1, 0)))
-    if not diagnosis.log_alone:
+    if not diagnosis.without_sheet:
         live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
         live.write_limits(book.sheet("Limits", frozen=(1, 1)))
     if not job.empty:

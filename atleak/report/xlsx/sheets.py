@@ -27,9 +27,9 @@ from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import head, measure_first, reason
+from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import spools_taken
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.road_words import deciding_sentence
 from atleak.views.sentences import because_of, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
@@ -81,13 +81,15 @@ class Sheets:
             ("measuring sheet", record["readings"]["file"]),
             ("measured at", measuring_temperature(diagnosis, wording("en"))),
             ("road test", record["road_test"]["file"] if record["road_test"] else None),
+            ("gauge readings", record["pressure_table"]["file"] if record["pressure_table"] else None),
             ("representative", record["controller"]["representative_note"]),
             *self._complaint(),
         ]
         row = book.pairs(sheet, 4, rows) + 1
-        if diagnosis.log is not None and diagnosis.log_alone:
+        if diagnosis.without_sheet:
             put(sheet, row, 0, wording("en")("findings.alone"))
-            RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
+            if diagnosis.log is not None:
+                RoadSheets(book, diagnosis, diagnosis.log).write_findings(sheet, row + 1)
             return
         row = self._totals(sheet, row) + 1
         row = self._flagged(sheet, row) + 1
@@ -115,8 +117,11 @@ class Sheets:
         put(sheet, row, 0, "verdict of the unit", book.bold)
         if diagnosis.judged:  # half a pair is never called ok
             fine = Verdict.OK if diagnosis.measured else Verdict.NOT_MEASURED
-            of_log = "".join(f",{1 + RANKED.index(rule.verdict)}" for rule in diagnosis.log_rules)  # as issued
-            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks}{of_log})", fine)
+            shown = (*diagnosis.gauge_rules, *diagnosis.log_rules)
+            issued = "".join(
+                f",{1 + RANKED.index(verdict)}" for verdict in dict.fromkeys(each.verdict for each in shown)
+            )
+            verdict = verdict_of_rank(f"MAX({self.live.rules.ranks}{issued})", fine)
             formula(sheet, row, 1, verdict, signed(diagnosis.verdict), book.bold)
         else:
             put(sheet, row, 1, signed(diagnosis.verdict), book.bold)
@@ -126,9 +131,10 @@ class Sheets:
 
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
-        decided_by, log = diagnosis.decided_by, diagnosis.log
-        if log is not None and (diagnosis.log_alone or decided_by in log.rules):
-            return f"{signed(diagnosis.verdict)}: {deciding_sentence(log, decided_by, wording('en'))}"
+        decided_by = diagnosis.decided_by
+        measured = measured_sentence(diagnosis, wording("en"))
+        if measured is not None:
+            return f"{signed(diagnosis.verdict)}: {measured}"
         worst, band = diagnosis.worst, diagnosis.band(diagnosis.worst)
         total = f"At “{worst.condition.label}” {self._taken(worst)}" + (f" ({band})." if band else ".")
         if diagnosis.verdict == Verdict.NOT_MEASURED:

@@ -25,7 +25,7 @@ def test_a_road_test_alone_is_judged_by_its_main_pressure(run: Run, sample_log: 
     status, out, _ = run("diagnose", "--road-test", sample_log, "--fail-on", "watch")
     said = " ".join(out.split())
     assert status == 0
-    assert "The road test alone: no measuring sheet was given and no land was measured." in said
+    assert "No measuring sheet was given and no land was measured." in said
     assert "unit: ● ok, by the main pressure of the log alone" in said
     assert "green" not in said
     assert "Order of repair" not in said

@@ -308,6 +308,40 @@ def test_a_pause_of_the_logger_counts_as_one_step(model: LeakageModel, assumed: 
     )
 
 
+def test_a_log_gives_the_lowest_pressure_of_every_circuit_while_it_is_applied_and_the_engine_runs(
+    three_circuits: Controller, hipol: Fluid, full: dict[str, object], log_of: LogOf
+) -> None:
+    assumed = three_circuits.operating_points[0]
+    worn = tuple(replace(state, radial_clearance=40e-6) for state in clearances(None, three_circuits))
+    model = LeakageModel(three_circuits, worn, hipol, WORKSHOP)
+    main = np.linspace(900e3, 400e3, len(TIME))
+    gear, speed = np.repeat([1.0, 2.0], len(TIME) // 2), np.full(len(TIME), 20.0)
+    main[-1], speed[-1] = 0.0, 0.0  # the engine stands at last
+    log = log_of(TIME, **{**full, "main_pressure": main, "gear": gear, "engine_speed": speed})
+    road = evaluate_road_test(model, log, assumed)
+    held = road.circuit_ranges["clutch_c1"]
+    assert held.samples == len(TIME) // 2
+    assert (held.sample, held.time) == (len(TIME) // 2 - 1, TIME[len(TIME) // 2 - 1])
+    assert held.lowest == road.circuits["clutch_c1"][held.sample] < road.circuits["clutch_c1"][0] < main[0]
+    assert held.mean == pytest.approx(np.mean(road.circuits["clutch_c1"][: len(TIME) // 2]), rel=1e-12, abs=0.0)
+    assert road.circuit_ranges["clutch_c2"].sample == len(TIME) - 2
+    assert (road.circuits["clutch_c2"][gear == 1.0] == 0.0).all()
+    assert road.circuit_ranges["epc"].samples == len(TIME) - 1
+    np.testing.assert_allclose(sum(road.sections.values()), road.leakage, rtol=1e-12)
+    assert sum(share for share in road.section_shares.values() if share) == pytest.approx(1.0, rel=1e-12, abs=0.0)
+    only_first = log_of(TIME, **{**full, "gear": 1.0})
+    assert "clutch_c2" not in evaluate_road_test(model, only_first, assumed).circuit_ranges
+
+
+def test_set_pressures_over_a_log_are_those_of_the_assumed_point(
+    three_circuits: Controller, hipol: Fluid, full: dict[str, object], log_of: LogOf
+) -> None:
+    model = LeakageModel(three_circuits, clearances(None, three_circuits), hipol, WORKSHOP)
+    for point, kilopascals in zip(three_circuits.operating_points, (200.0, 450.0), strict=True):
+        road = evaluate_road_test(model, log_of(TIME, **full), point)
+        assert road.circuits["epc"] / 1e3 == pytest.approx(np.full(len(TIME), kilopascals), rel=1e-9, abs=0.0)
+
+
 def test_a_log_of_one_sample(model: LeakageModel, assumed: OperatingPoint, log_of: LogOf) -> None:
     log = log_of([7.0], main_pressure=800e3, converter_pressure=400e3, atf_temperature=80.0, gear=2.0, engine_speed=25)
     model = replace(model, profile=WORKSHOP.with_options(entry_loss="on"))  # auto leaves it out where it is small

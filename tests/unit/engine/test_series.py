@@ -12,9 +12,10 @@ from hypothesis.extra.numpy import arrays
 
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.catalogue.fluid import Fluid
+from atleak.engine.gap_polynomials import ENTRY_LOSS_LEFT_OUT
 from atleak.engine.leakage import GapLaw, LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
-from atleak.engine.series import ENTRY_LOSS_LEFT_OUT, leakage_series
+from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
 from atleak.equations import referees
 from atleak.readings import LandClearance, Station, clearances

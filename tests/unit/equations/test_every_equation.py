@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import circuit_referees, clearance, fluid, gap, orifice, pressure, pump, referees
+from atleak.equations import clearance, fluid, gap, orifice, pressure, pump, referees
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -49,7 +49,7 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (orifice.orifice_slope, (25e3, 6.1e-9, 3587.0)),
     (orifice.laminar_leak, (2e5, 8e-7, 4e5, 5.6e-3, 8.5e-3)),
     (orifice.orifice_leak, (2e5, 5e-6, 4e5, 797.0, 783.0)),
-    (circuit_referees.fed_pressure_turbulent, (4.14e5, 6.1e-9, 1.3e-11)),
+    (orifice.fed_pressure_turbulent, (4.14e5, 6.1e-9, 1.3e-11)),
     (pressure.annulus_area, (0.010, 0.005)),
     (referees.pressure_force, (8e5, 5e-5)),
     (pressure.spring_force, (2000.0, 0.01)),
@@ -75,7 +75,7 @@ OTHERS = {
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
-ROOMS = [circuit_referees, clearance, fluid, gap, orifice, pressure, pump, referees]
+ROOMS = [clearance, fluid, gap, orifice, pressure, pump, referees]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 
@@ -185,7 +185,7 @@ def test_equations_import_only_numpy_and_mathematics() -> None:
 # --- the product calls its own equations
 
 PACKAGE = Path(atleak.equations.__file__).parent
-REFEREES = {"circuit_referees", "referees", "uncertainty_referees"}
+REFEREES = {"referees", "uncertainty_referees"}
 
 
 def public_names() -> set[str]:

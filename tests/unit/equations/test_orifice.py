@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from atleak.equations import circuit_referees, gap, orifice
+from atleak.equations import gap, orifice
 from atleak.errors import DomainError
 
 diameters = st.floats(0.2e-3, 10e-3)
@@ -139,13 +139,13 @@ def test_a_fed_circuit_holds_the_pressure_of_the_worked_table(
     assert p / 1e3 == pytest.approx(kilopascals, abs=1e-4)
     assert leakage(p, clearance) * 60e3 == pytest.approx(dm3_min, abs=1e-6)
     conductance = leakage(1.0, clearance)
-    closed = circuit_referees.fed_pressure_turbulent(SOURCE, COEFFICIENT, conductance)
+    closed = orifice.fed_pressure_turbulent(SOURCE, COEFFICIENT, conductance)
     assert closed / 1e3 == pytest.approx(turbulent, abs=1e-4)
 
 
 @given(st.floats(1e3, 2e6), coefficients, st.floats(0.0, 1e-8))
 def test_the_closed_form_balances_feed_and_leakage(source: float, k: float, g: float) -> None:
-    p = circuit_referees.fed_pressure_turbulent(source, k, g)
+    p = orifice.fed_pressure_turbulent(source, k, g)
     assert 0.0 <= p <= source
     # Of k √(p_src − p) and g p the difference is small against either, but for the digits that p_src − p loses.
     assert g * p == pytest.approx(k * math.sqrt(source - p), rel=1e-6, abs=k * math.sqrt(source) * 1e-7)
@@ -154,7 +154,7 @@ def test_the_closed_form_balances_feed_and_leakage(source: float, k: float, g: f
 @pytest.mark.parametrize("clearance_um", [13.0, 20.0, 35.0, 50.0])
 def test_the_closed_form_is_the_limit_of_a_thin_fluid(clearance_um: float) -> None:
     clearance = clearance_um * 1e-6
-    closed = circuit_referees.fed_pressure_turbulent(SOURCE, COEFFICIENT, leakage(1.0, clearance))
+    closed = orifice.fed_pressure_turbulent(SOURCE, COEFFICIENT, leakage(1.0, clearance))
     assert held(clearance, COEFFICIENT, 1e-3) == pytest.approx(closed, abs=1e-3)
 
 
@@ -176,7 +176,7 @@ def test_the_closed_form_is_the_limit_of_a_thin_fluid(clearance_um: float) -> No
         (orifice.laminar_leak, (1e5, 1e-6, 4e5, 5e-3, 0.0), "dynamic viscosity must be positive"),
         (orifice.orifice_leak, (1e5, 1e-6, 0.0, 800.0, 800.0), "pressure drop of the measurement must be positive"),
         (orifice.orifice_leak, (1e5, 1e-6, 4e5, 800.0, 0.0), "density must be positive"),
-        (circuit_referees.fed_pressure_turbulent, (4e5, 0.0, 1e-11), "turbulent coefficient must be positive"),
+        (orifice.fed_pressure_turbulent, (4e5, 0.0, 1e-11), "turbulent coefficient must be positive"),
     ],
 )
 def test_values_without_meaning_are_refused_by_name(compute, arguments: tuple, names: str) -> None:

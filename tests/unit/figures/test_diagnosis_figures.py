@@ -69,6 +69,12 @@ def test_total_share_stands_over_the_bands_of_the_limit_set(sample: Diagnosis) -
         assert edges == pytest.approx([0.0, *limits], rel=1e-9, abs=0.0)
 
 
+def test_a_unit_that_nobody_measured_stands_over_no_band(unmeasured: Diagnosis) -> None:
+    figure = figures.total_share(unmeasured)
+    assert not figure.layout.shapes
+    assert figure.data[0].name == "as new: nothing was measured"
+
+
 def test_total_share_stands_beside_that_of_the_same_unit_new(sample: Diagnosis) -> None:
     new = trace(figures.total_share(sample), "the same unit new")
     assert list(new.x) == pytest.approx([at.share * PERCENT for at in sample.new_projections], rel=1e-9, abs=0.0)

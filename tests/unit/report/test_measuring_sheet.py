@@ -11,8 +11,10 @@ from openpyxl.cell import MergedCell
 from atleak.catalogue.controller import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
+from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable
 from atleak.readings import Reading, clearances
 from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
+from atleak.report.pressure_sheet import PRESSURES
 
 HEADER = 7  # row of the headings as a spreadsheet counts
 COMPONENT, NAME, PART, PLANE, DIRECTION, REPEAT, X1, X2, DIAMETER, NOMINAL, CLEARANCE, ORIGIN, DEVIATION = range(1, 14)
@@ -87,7 +89,7 @@ def test_the_published_diameters_of_spool_6_are_not_called_representative():
 def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     book = opened(template)
     sheet = book[SHEET]
-    assert book.sheetnames == [SHEET, INSTRUCTIONS]
+    assert book.sheetnames == [SHEET, PRESSURES, INSTRUCTIONS]
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
     assert sheet.page_setup.orientation == "landscape"
@@ -200,3 +202,39 @@ def test_nothing_that_a_user_wrote_becomes_a_formula_or_a_link(tmp_path):
     texts = {cell.value for row in sheet.iter_rows() for cell in row if cell.data_type == "s"}
     assert {"=1+1", "http://example.invalid/", "@SUM(A1)", "=2+2", "+3", "-4"} <= texts
     assert "=cmd|calc && co" in sheet.oddFooter.left.text
+
+
+# --- the tab of pressures
+
+
+def test_the_tab_of_pressures_has_a_row_for_every_range_and_what_the_file_permits(permitting):
+    permissible = (
+        '\n[[permissible_pressure]]\ngear = 1\nstate = "idle"\nlow_kpa = 412.0\nhigh_kpa = 539.0\nsource = "own"\n'
+    )
+    sheet = opened(write_template(load_controller(permitting(permissible))))[PRESSURES]
+    rows = [[cell.value for cell in row] for row in sheet.iter_rows(min_row=7)]
+    assert [row[0] for row in rows] == ["P", "R", "N", "D", "3", "2", "1"]
+    assert {row[1] for row in rows} == {"line"}
+    assert {row[0]: row[5] for row in rows}["D"] == "412 to 539"
+    assert {row[0]: row[6] for row in rows}["D"] == "from 412"
+    assert not rows[0][5]
+
+
+def test_readings_on_the_tab_of_pressures_read_back_and_an_empty_tab_is_no_table(controller):
+    cells = [Cell("D", Engine.SLOW_IDLE), Cell("R", Engine.STALL)]
+    given = tuple(GaugeReading(cell, 412_345.6 + number) for number, cell in enumerate(cells))
+    table = PressureTable("", "", None, (), given)
+    back = read_readings(write_readings(controller, (), pressures=table), controller).pressures
+    assert [each.cell for each in back.readings] == [Cell("R", Engine.STALL), Cell("D", Engine.SLOW_IDLE)]
+    assert sorted(each.pressure for each in back.readings) == pytest.approx([412_345.6, 412_346.6], abs=1e-6)
+    with pytest.raises(ReadingsError, match="no readings are filled in"):
+        read_readings(write_template(controller), controller)
+
+
+def test_the_field_of_the_fluids_temperature_on_the_tab_holds_for_all_readings(controller):
+    table = PressureTable("", "", None, (), (GaugeReading(Cell("D", Engine.SLOW_IDLE), 412e3),))
+    book = opened(write_readings(controller, (), pressures=table))
+    book[PRESSURES]["C4"] = "82,5"
+    target = io.BytesIO()
+    book.save(target)
+    assert read_readings(target.getvalue(), controller).pressures.readings[0].temperature == 82.5

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from atleak.errors import Place, ReadingsError
-from atleak.intake.readings.sheet import Sheet
+from atleak.intake.sheets.sheet import Sheet
 
 WANTED = "a measuring sheet as .xlsx workbook or .csv text"
 
@@ -60,7 +60,7 @@ def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float]) -> list
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
         raise ReadingsError("the file is empty", place=place, expected=WANTED)
     if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
-        from atleak.intake.readings.workbook import read_workbook  # calamine only where it is needed
+        from atleak.intake.sheets.workbook import read_workbook  # calamine only where it is needed
 
         return read_workbook(data, file)
     for magic, kind in _FOREIGN:

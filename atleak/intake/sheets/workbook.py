@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from atleak.errors import ReadingsError
 from atleak.intake.native.process import WORKBOOK, read_apart
 from atleak.intake.native.workbooks import Range, measuring_sheets, stray_cells
-from atleak.intake.readings.sheet import Sheet
+from atleak.intake.sheets.sheet import Sheet
 from atleak.intake.workbook_marks import Marks
 
 

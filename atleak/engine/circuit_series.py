@@ -1,0 +1,159 @@
+"""Compute the pressures of circuits at every sample of a log, and what leaks through all that they take part in.
+
+Main pressure is the measured one: what the pump holds is not asked. The network of one gear is that of
+`atleak.engine.leakage`, with an array where a single condition has a number, and it is solved by the same solver. What
+makes it quick is that gaps between the same two pressures are one branch: their polynomials in temperature are
+added up once (`atleak.engine.gap_polynomials`). The samples of a gear are worked through in parts that fit the
+processor's cache.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from atleak.catalogue.controller import Gap, OperatingPoint
+from atleak.catalogue.section_pressures import SECTIONS
+from atleak.engine import circuits, restrictions
+from atleak.engine.balance import Balance
+from atleak.engine.gap_polynomials import DEGREES, follows_polynomial, polynomial, powers, without_entry_loss
+from atleak.engine.leakage import GapGeometry, LeakageModel
+
+_PART = 8192  # samples worked on at a time
+
+
+@dataclass(frozen=True)
+class CircuitFlows:
+    """Pressures and flows at some samples; arrays of shape (samples,)."""
+
+    balance: Balance
+    drawn: Mapping[str, Any]  # [m³/s] from the pump, by the section or circuit that it leaves
+    reversed_drops: Mapping[str, np.ndarray]  # by section: where the drop of a gap is negative and leaks nothing
+
+
+@dataclass(frozen=True)
+class _Joined:
+    """Gaps between the same two pressures: the sum of their polynomials."""
+
+    gap: Gap  # the first of them, which stands for all
+    counts: bool  # as drawn from the pump
+    polynomial: np.ndarray  # of μ times the conductance, shape (5,)
+
+
+@dataclass(frozen=True)
+class CircuitLog:
+    """All of a unit that does not follow from the pressures of the sections alone, ready for any sample of a log."""
+
+    model: LeakageModel
+    assumed: OperatingPoint  # whose set pressures hold, where they do not go by gear
+    in_sums: tuple[GapGeometry, ...]  # gaps that follow their polynomials all through the log
+    alone: tuple[GapGeometry, ...]  # the others
+
+    @classmethod
+    def of(
+        cls, model: LeakageModel, assumed: OperatingPoint, highest: float, temperature: np.ndarray
+    ) -> CircuitLog | None:
+        """Prepare a log; None for a unit that has nothing of the kind.
+
+        Parameters
+        ----------
+        highest
+            pressure of any section in the log [Pa].
+        temperature
+            lowest and highest of the log [°C].
+        """
+        controller = model.controller
+        gaps = [geometry for geometry in model.geometries if not geometry.follows_sections]
+        if not (gaps or controller.circuits or controller.leaks):
+            return None
+        inside = np.clip(temperature, *model.fluid.span(model.profile.viscosity))
+        lossless = without_entry_loss(model, gaps, np.full(len(gaps), highest), temperature) if gaps else []
+        joined = np.array(lossless, bool)
+        if gaps:
+            joined &= follows_polynomial(gaps, model.law, *inside)
+        in_sums, alone = (
+            tuple(gap for gap, chosen in zip(gaps, joined, strict=True) if chosen is np.bool_(kind))
+            for kind in (True, False)
+        )
+        return cls(model, assumed, in_sums, alone)
+
+    def joined(self, gear: int) -> list[_Joined]:
+        """Return the gaps of a gear that follow their polynomials, added up."""
+        sums: dict[Any, _Joined] = {}
+        for geometry in self.in_sums:
+            gap = geometry.gap
+            if gear in gap.gears:
+                own = np.array(polynomial(geometry, self.model.law))
+                key = gap.high, gap.low, gap.into_sump, geometry.drawn_from_pump
+                before = sums.get(key, _Joined(gap, geometry.drawn_from_pump, np.zeros(DEGREES)))
+                sums[key] = replace(before, polynomial=before.polynomial + own)
+        return list(sums.values())
+
+    def parts(
+        self, gear: int, samples: np.ndarray, main_pressure: np.ndarray, converter: np.ndarray, temperature: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, CircuitFlows]]:
+        """Solve some samples of one gear, in parts: yield which samples and what flows there.
+
+        Parameters
+        ----------
+        samples
+            numbers of the samples, of which every channel is a number and within the fluid's data.
+        main_pressure, converter, temperature
+            of the whole log [Pa, Pa, °C], shape (samples,).
+        """
+        joined = self.joined(gear)
+        for start in range(0, len(samples), _PART):
+            part = samples[start : start + _PART]
+            yield part, self._flows(gear, joined, main_pressure[part], converter[part], temperature[part])
+
+    def _flows(
+        self, gear: int, joined: list[_Joined], main: np.ndarray, converter: np.ndarray, temperature: np.ndarray
+    ) -> CircuitFlows:
+        model = self.model
+        dynamic = model.dynamic_viscosity(temperature)
+        density = model.fluid.density(temperature, model.profile.viscosity)
+        kinematic = dynamic / density
+        rises = np.ones((DEGREES, len(temperature)))
+        powers(temperature, rises)
+        gaps = [(each.gap, restrictions.Gap(each.polynomial @ rises / dynamic), each.counts) for each in joined]
+        for geometry in self.alone:
+            if gear in geometry.gap.gears:
+                mean = geometry.effective_clearance(temperature)
+                clearance = model.law.flow_clearance(mean, *geometry.form_moments)
+                factors = model.law.diameter(geometry.spool_diameter, mean), clearance, kinematic, density
+                restriction = model.law.restriction(*factors, geometry.contact_length)
+                gaps.append((geometry.gap, restriction, geometry.drawn_from_pump))
+        point, solves = replace(self.assumed, gear=gear), model.profile.circuits == "on"
+        network = circuits.network(model.controller, point, gaps, kinematic, density, solves=solves)
+        sections = model.controller.section_pressures(main, converter)
+        balance = network.balance({name: np.maximum(pressure, 0.0) for name, pressure in sections.items()})
+        drawn: dict[str, Any] = dict.fromkeys(self.names, 0.0)
+        for branch in network.branches:
+            if branch.counts:
+                section = branch.high.section or ""
+                drawn[section] = drawn[section] + network.flow(branch, balance.pressures)
+        for name, relief in balance.relief.items():
+            drawn[name] = drawn[name] + relief
+        return CircuitFlows(balance, drawn, _reversed(network, balance))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Return the sections and circuits."""
+        return (*SECTIONS, *(circuit.id for circuit in self.model.controller.circuits))
+
+
+def _reversed(network: circuits.Network, balance: Balance) -> dict[str, np.ndarray]:
+    """Return by section where a gap's drop is negative, so that it leaks nothing; vented circuits have none."""
+    found: dict[str, np.ndarray] = {}
+    for branch in network.lands:
+        section = branch.high.section or ""
+        if section in network.vented or restrictions.leaks_both_ways(branch, network.solved):
+            continue
+        drop = branch.drop(balance.pressures)
+        if np.min(drop) < 0.0:
+            found[section] = found.get(section, False) | (drop < 0.0)
+    return found

@@ -1,0 +1,92 @@
+"""Describe what fluid is forced through between two pressures: gaps, leaks and feed orifices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
+
+from atleak.catalogue.section_pressures import Pressure
+from atleak.equations import gap as gap_equations
+from atleak.equations import orifice as orifice_equations
+
+
+class Restriction(Protocol):
+    """Something that fluid is forced through: its flow rises with the pressure drop and is odd in it."""
+
+    def flow(self, drop: Any) -> Any:
+        """Return the flow [m³/s] at a pressure drop [Pa]."""
+
+    def slope(self, drop: Any) -> Any:
+        """Return how steeply the flow rises [m³/(s Pa)]."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """An annular gap, or another laminar leak: `restricted_flow`."""
+
+    conductance: Any  # [m³/(s Pa)]
+    bend: Any = 0.0  # [1/Pa] of the entry loss
+
+    def flow(self, drop: Any) -> Any:
+        return gap_equations.restricted_flow(drop, self.conductance, self.bend)
+
+    def slope(self, drop: Any) -> Any:
+        return gap_equations.restricted_slope(drop, self.conductance, self.bend)
+
+
+@dataclass(frozen=True)
+class Orifice:
+    """A feed, or a leak through a hole: `orifice_flow`."""
+
+    coefficient: Any  # [m³/(s √Pa)]
+    transition: Any  # [Pa]
+
+    def flow(self, drop: Any) -> Any:
+        return orifice_equations.orifice_flow(drop, self.coefficient, self.transition)
+
+    def slope(self, drop: Any) -> Any:
+        return orifice_equations.orifice_slope(drop, self.coefficient, self.transition)
+
+
+AnyRestriction = TypeVar("AnyRestriction", bound=Restriction, covariant=True)
+
+
+@dataclass(frozen=True)
+class Branch(Generic[AnyRestriction]):
+    """A restriction between two pressures."""
+
+    high: Pressure
+    low: Pressure
+    restriction: AnyRestriction
+    into: str | None  # the section or circuit that the flow ends in; None: the sump
+    counts: bool  # as drawn from the pump
+
+    @property
+    def into_sump(self) -> bool:
+        """Return whether the flow ends in the sump."""
+        return self.into is None
+
+    def drop(self, pressures: Mapping[str, Any]) -> Any:
+        """Return the pressure drop [Pa], with its sign."""
+        return self.high.at(pressures) - self.low.at(pressures)
+
+
+class _Ends(Protocol):
+    @property
+    def high(self) -> Pressure: ...
+
+    @property
+    def low(self) -> Pressure: ...
+
+    @property
+    def into_sump(self) -> bool: ...
+
+
+def leaks_both_ways(ends: _Ends, solved: frozenset[str]) -> bool:
+    """Return whether a gap leaks backwards too: between two sections of which one at least is a solved circuit.
+
+    A drain leaks nothing back, nor does what ends in the sump or is a share of a pressure.
+    """
+    between_sections = ends.high.is_section and ends.low.is_section and not ends.into_sump
+    return between_sections and bool({ends.high.section, ends.low.section} & solved)

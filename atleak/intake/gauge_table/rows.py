@@ -1,0 +1,315 @@
+"""Rows of pressure tables → gauge readings, each with its place; what cannot be read is a problem."""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from atleak.catalogue.circuit_tables import SelectorRange
+from atleak.errors import Message, Place, PressureTableError, nearest_name, one_of
+from atleak.intake.gauge_table.tables import GaugeTable, table_rows
+from atleak.intake.gauge_table.words import Said, Words, engine_words, is_blank, text_of
+from atleak.intake.sheets.sheet import Cell as SheetCell
+from atleak.intake.units import Unit, find_unit, unit, unit_names
+from atleak.pressure_table import LINE, Cell, GaugeReading
+from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, WrittenNumber, read_number
+
+HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this project
+_NUMBER_AND_UNIT = re.compile(r"([\d\s.,+\-−'’]*\d[.,]?)\s*([^\d.,\s+\-−'’].*)", re.DOTALL)
+_ASIDE_SHOWN = 6
+_NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names nothing known
+    "range": ("no range in this row", "no such range of this unit"),
+    "engine": ("nothing says what the engine does in this row", "no such state of the engine"),
+    "tap": ("no tap in this row", "no such tap of this unit"),
+}
+
+
+@dataclass
+class Rows:
+    """What the rows of all tables give."""
+
+    readings: list[GaugeReading] = field(default_factory=list)
+    problems: list[PressureTableError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+    units: dict[str, None] = field(default_factory=dict)
+    _raw: list[tuple[GaugeReading, float | None]] = field(default_factory=list)  # with what counts its repeats
+
+    def refuse(
+        self, problem: str, place: Place, value: object = None, known: Sequence[str] = (), expected: str = ""
+    ) -> None:
+        """Note a problem; ``known`` are the names that would have been valid."""
+        nearest = nearest_name(str(value), known) if known and value is not None else None
+        wanted = expected or one_of(known)
+        self.problems.append(PressureTableError(problem, place=place, value=value, expected=wanted, nearest=nearest))
+
+    def take(self, reading: GaugeReading, order: float | None) -> None:
+        """Take a reading; ``order`` is the number or time that tells it from others of the same cell."""
+        self._raw.append((reading, order))
+
+    def count_repeats(self) -> None:
+        """Number the readings of each cell; one that is given twice, and that nothing counts, is a problem."""
+        by_cell: dict[Cell, list[tuple[GaugeReading, float | None]]] = {}
+        for reading, order in self._raw:
+            by_cell.setdefault(reading.cell, []).append((reading, order))
+        for cell, given in by_cell.items():
+            seen: dict[float | None, GaugeReading] = {}
+            for reading, order in given:
+                first = seen.get(order) or (seen and order is None and given[0][0])
+                if first:
+                    self.refuse(
+                        f"{cell.range}, {cell.engine.label}, {cell.tap} stands in {_where(first.place)} already",
+                        reading.place,
+                        expected="each once, or a column 'repeat' or 'time' that counts its readings",
+                    )
+                seen[order] = reading
+            ordered = sorted(given, key=lambda pair: pair[1] or 0.0)
+            self.readings += [
+                GaugeReading(**{**vars(reading), "repeat": number})
+                for number, (reading, _) in enumerate(ordered, start=1)
+            ]
+
+
+def read_rows(tables: Sequence[GaugeTable], words: Words, ranges: Sequence[SelectorRange]) -> Rows:
+    """Return the readings of several tables of one file, and what of them cannot be read."""
+    rows = Rows()
+    for table in tables:
+        _Reader(table, words, ranges, rows).read()
+    rows.count_repeats()
+    return rows
+
+
+class _Reader:
+    """Reads the rows of one table."""
+
+    def __init__(self, table: GaugeTable, words: Words, ranges: Sequence[SelectorRange], rows: Rows) -> None:
+        self.table, self.sheet, self.words, self.ranges, self.rows = table, table.sheet, words, ranges, rows
+        self.columns = {
+            kind: table.column(kind)
+            for kind in ("range", "engine", "tap", "temperature", "engine_speed", "repeat", "unit")
+        }
+
+    def read(self) -> None:
+        """Read every row that holds a reading."""
+        before = len(self.rows._raw)
+        for row in table_rows(self.table):
+            filled = [column for column in self.table.values if self._is_reading(row, column)]
+            if filled:
+                self._row(row, filled)
+        self._unknown_columns()
+        if len(self.rows._raw) > before:
+            self._say_what_was_taken()
+
+    def _is_reading(self, row: int, column: int) -> bool:
+        """Return whether a reading stands in a cell: what is crossed out is none, and a message says so."""
+        if is_blank(self.sheet.cell(row, column)) and (row, column) not in self.sheet.faults:
+            return False
+        if self.sheet.is_struck(row, column):
+            text = f"{text_of(self.sheet.cell(row, column))} is crossed out: not read"
+            self.rows.messages.append(Message("info", "struck_left_aside", text, self._place(row, column)))
+            return False
+        return True
+
+    def _row(self, row: int, filled: Sequence[int]) -> None:
+        named = self._named(row)
+        if named is None:
+            return
+        temperature = (
+            self._number(row, "temperature", TEMPERATURE)
+            if self.columns["temperature"] is not None
+            else self._head_temperature()
+        )
+        speed = self._number(row, "engine_speed", ENGINE_SPEED)
+        order = self._order(row)
+        for column in filled:
+            said = named.over(self.table.said(column))
+            if said.range is None or said.range not in self.ranges or said.engine is None:
+                heading = self.table.headings[column].text
+                self._once("no such range of this unit", self._place(self.table.row, column), heading, self.ranges)
+                continue
+            cell = Cell(said.range, said.engine, said.tap or LINE)
+            pressure = self._pressure(row, column, cell)
+            if pressure is None:
+                continue
+            stated = speed if speed is not None else said.engine_speed
+            place = self._place(row, column)
+            repeat = order if order is not None else (None if said.repeat is None else float(said.repeat))
+            self.rows.take(GaugeReading(cell, pressure, 1, temperature, stated, place), repeat)
+
+    def _named(self, row: int) -> Said | None:
+        """Return what the cells of a row say of its readings; None where one of them is not understood."""
+        named, understood = Said(), True
+        known: tuple[tuple[str, Sequence[str]], ...] = (
+            ("range", self.ranges),
+            ("engine", engine_words()),
+            ("tap", self.words.tap_ids),
+        )
+        for kind, names in known:
+            column = self.columns[kind]
+            if column is None:
+                continue
+            cell = self.sheet.filled(row, column)
+            said = self.words.said_by(cell, kind)
+            if said is None or (said.range is not None and said.range not in self.ranges):
+                empty, unknown = _NOT_UNDERSTOOD[kind]
+                what, value = (empty, None) if is_blank(cell) else (unknown, text_of(cell))
+                self.rows.refuse(what, self._place(row, column), value, names)
+                understood = False
+            else:
+                named = said.over(named)
+        return named if understood else None
+
+    def _pressure(self, row: int, column: int, of: Cell) -> float | None:
+        """Return a cell's pressure [Pa]; None where it is a problem."""
+        place, cell, label = self._place(row, column), self.sheet.cell(row, column), f"{of.range}, {of.engine.label}"
+        fault = self.sheet.faults.get((row, column))
+        if fault is not None:
+            self.rows.refuse(f"{label}: a formula without a usable result", place, fault, expected="a pressure")
+            return None
+        if isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
+            expected = "a pressure: format the cell as number or text and type it again"
+            self.rows.refuse(f"{label}: not a number", place, str(cell), expected=expected)
+            return None
+        text, written = _split(cell)
+        if written and find_unit(written, "pressure") is None:
+            expected = f"a number, and behind it nothing or {one_of(unit_names('pressure'))}"
+            self.rows.refuse(f"{label}: not a pressure", place, str(cell), expected=expected)
+            return None
+        known = find_unit(written, "pressure") if written else self._unit(row, column)
+        if known is None:
+            return None
+        asked = AskedNumber("pressure", known.name, round(450e3 / known.factor, 3), (0.0, HIGHEST / known.factor))
+        number = _written(cell, text, asked)
+        if number.value is None:
+            self.rows.refuse(f"{label}: not a pressure", place, str(cell), expected=number.doubt.removesuffix("."))
+            return None
+        self.rows.units[known.name] = None
+        return float(known.to_si(number.value))
+
+    def _unit(self, row: int, column: int) -> Unit | None:
+        """Return the unit of a reading: in its row, in its heading, or above the table; None where it is a problem."""
+        heading, of_row, head = self.table.headings[column], self.columns["unit"], self.table.head.unit
+        stated = "" if of_row is None else str(self.sheet.filled(row, of_row))
+        if of_row is not None and not is_blank(stated):
+            name, place = stated, self._place(row, of_row)
+        elif heading.unit is not None:
+            return heading.unit
+        elif head is not None and heading.wrong_unit is None:
+            name, place = head[0], self._place(*head[1:])
+        else:
+            name, place = heading.wrong_unit or "", self._place(self.table.row, column)
+        known = find_unit(name, "pressure") if name else None
+        if known is None:
+            problem = "unknown unit of pressure" if name else "no unit of the pressures"
+            expected = f"{one_of(unit_names('pressure'))}, in the heading as in 'slow idle [kPa]'"
+            self._once(problem, place, name or heading.text or None, expected=expected)
+        return known
+
+    def _once(
+        self, problem: str, place: Place, value: str | None, known: Sequence[str] = (), expected: str = ""
+    ) -> None:
+        """Note a problem of a heading or unit, once for each place."""
+        if not any(each.place == place for each in self.rows.problems):
+            self.rows.refuse(problem, place, value, known, expected)
+
+    def _number(self, row: int, kind: str, asked: AskedNumber) -> float | None:
+        """Return the number of a row in SI, °C for a temperature; None where there is none or it is a problem."""
+        column = self.columns[kind]
+        if column is None or is_blank(self.sheet.filled(row, column)):
+            return None
+        return self._in_si(
+            self.sheet.filled(row, column), asked, self.table.headings[column].unit, self._place(row, column)
+        )
+
+    def _head_temperature(self) -> float | None:
+        head = self.table.head.temperature
+        return None if head is None else self._in_si(head[0], TEMPERATURE, None, self._place(*head[1:]))
+
+    def _in_si(self, cell: SheetCell, asked: AskedNumber, stated: Unit | None, place: Place) -> float | None:
+        """Return a temperature [°C] or speed [1/s]; its unit stands behind it, in the heading, or is the usual one."""
+        kind = "temperature" if asked is TEMPERATURE else "rotational_speed"
+        usual = unit(asked.unit, kind)
+        text, written = _split(cell)
+        known = find_unit(written, kind) if written else (stated or usual)
+        if known is not None:
+            low, high = (known.from_si(usual.to_si(end)) for end in asked.limits)
+            number = _written(cell, text, AskedNumber(asked.name, known.name, asked.example, (low, high)))
+            if number.value is not None:
+                return float(known.to_si(number.value))
+        low, high = asked.limits
+        expected = f"{low:g} to {high:g} {asked.unit}"
+        self.rows.refuse(f"not one {asked.name}", place, str(cell), expected=expected)
+        return None
+
+    def _order(self, row: int) -> float | None:
+        column = self.columns["repeat"]
+        cell = None if column is None else self.sheet.filled(row, column)
+        if column is None or is_blank(cell):
+            return None
+        if isinstance(cell, dt.time):
+            return cell.hour * 3600.0 + cell.minute * 60.0 + cell.second
+        number = read_number(str(cell), AskedNumber("repeat", "", 2.0))
+        clock = re.fullmatch(r"(\d{1,2}):(\d{2})(?::(\d{2}))?", str(cell).strip())
+        if clock:
+            return int(clock[1]) * 3600.0 + int(clock[2]) * 60.0 + int(clock[3] or 0)
+        if number.value is None:
+            self.rows.refuse("not a repeat", self._place(row, column), str(cell), expected="1, 2, 3 … or a time")
+        return number.value
+
+    def _unknown_columns(self) -> None:
+        """Refuse a column of numbers whose heading says nothing known; name what is left aside."""
+        aside = []
+        known = {*self.ranges, *engine_words(), *self.words.tap_ids}
+        for column in range(self.sheet.width):
+            heading = self.table.headings.get(column)
+            if heading is not None and heading.kind not in (None, "aside"):
+                continue
+            held = [row for row in table_rows(self.table) if isinstance(self.sheet.cell(row, column), int | float)]
+            if heading is None or not held:
+                continue
+            if heading.kind == "aside":
+                aside.append(heading.text)
+            else:
+                expected = f"{one_of(sorted(known, key=len))}; or 'note' over what is no reading"
+                place = self._place(self.table.row, column)
+                self.rows.refuse("no such column of a pressure table", place, heading.text, expected=expected)
+        if aside:
+            text = f"columns left aside, which hold no readings: {', '.join(map(repr, aside[:_ASIDE_SHOWN]))}"
+            self.rows.messages.append(Message("info", "column_aside", text, self._place(self.table.row)))
+
+    def _say_what_was_taken(self) -> None:
+        taps = [self.table.said(column).tap for column in self.table.values]
+        if self.columns["tap"] is None and None in taps:
+            text = "the table names no tap: its readings are taken as main pressure, at the line's tap"
+            self.rows.messages.append(Message("info", "tap_assumed", text, self._place(self.table.row)))
+
+    def _place(self, row: int, column: int | None = None) -> Place:
+        heading: Any = self.table.headings.get(column) if column is not None else None
+        return self.sheet.place(row, column, heading.text if heading is not None else "")
+
+
+def _split(cell: SheetCell) -> tuple[str, str]:
+    """Return a cell's number as text, and what stands behind it.
+
+    >>> _split("4,5 bar"), _split(450.0), _split("60psi")
+    (('4,5', 'bar'), ('450.0', ''), ('60', 'psi'))
+    """
+    match = _NUMBER_AND_UNIT.fullmatch(str(cell).strip())
+    return (match[1], match[2].strip()) if match and isinstance(cell, str) else (str(cell).strip(), "")
+
+
+def _written(cell: SheetCell, text: str, asked: AskedNumber) -> WrittenNumber:
+    """Return the number of a cell: a number is itself, text is read as people write numbers."""
+    if not isinstance(cell, int | float):
+        return read_number(text, asked)
+    low, high = asked.limits
+    if low <= cell <= high:
+        return WrittenNumber(float(cell))
+    return WrittenNumber(None, f"{low:g} to {high:g} {asked.unit}")
+
+
+def _where(place: Place) -> str:
+    parts = (f"sheet {place.sheet!r}" if place.sheet else "", f"row {place.row}", f"column {place.column}")
+    return ", ".join(part for part in parts if part)

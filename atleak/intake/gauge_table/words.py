@@ -1,0 +1,254 @@
+"""What the words of a pressure table say: ranges of the lever, what the engine does, taps, and headings."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from typing import Any, Literal, cast
+
+from atleak.catalogue.circuit_tables import SelectorRange
+from atleak.catalogue.controller import Controller
+from atleak.intake.plain_words import words
+from atleak.intake.sheets.sheet import Cell as SheetCell
+from atleak.intake.units import Unit, find_unit
+from atleak.pressure_table import LINE, Engine
+from atleak.written_numbers import decimal_number
+
+ColumnKind = Literal["range", "engine", "tap", "temperature", "engine_speed", "repeat", "unit", "aside", "value"]
+Tokens = tuple[str, ...]
+
+_BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
+_SQUARE = re.compile(r"\[([^\]]*)\]")
+_SPEED = re.compile(r"(\d[\d.,' ]*)\s*(?:rpm|1/min|min-1|r/min|u/min|obr\.?/min)", re.IGNORECASE)
+_SEPARATORS = re.compile(r"[\s,;:_/|]+")
+_NOTHING = frozenset(("", "-", "–", "—", "−", "/", "x", "?", "…", "..."))
+_UNIT_KINDS = ("pressure", "temperature", "rotational_speed")
+
+
+@cache
+def _vocabulary() -> Mapping[str, Mapping[str, list[str]]]:
+    return tomllib.loads(resources.files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8"))
+
+
+@cache
+def _phrases(table: str) -> Mapping[Tokens, str]:
+    """Return the phrases of a table of the vocabulary, each with the name under which it stands."""
+    return {tuple(phrase.split()): name for name, listed in _vocabulary()[table].items() for phrase in listed}
+
+
+def text_of(cell: SheetCell) -> str:
+    """Return a cell as the label it is: 3.0 is "3"."""
+    return str(int(cell)) if isinstance(cell, float) and cell.is_integer() else str(cell).strip()
+
+
+def is_blank(cell: SheetCell) -> bool:
+    """Return whether a cell says that nothing was measured: it is empty, a dash, or says so in words."""
+    if not isinstance(cell, str):
+        return cell is None
+    return cell.strip() in _NOTHING or tuple(words(cell).split()) in _phrases("not_measured")
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a text says of a cell of the table, None for what it does not say."""
+
+    range: SelectorRange | None = None
+    engine: Engine | None = None
+    tap: str | None = None
+    engine_speed: float | None = None  # [1/s]
+    repeat: int | None = None
+
+    @property
+    def anything(self) -> bool:
+        """Return whether it places a reading in range, engine or tap."""
+        return (self.range, self.engine, self.tap) != (None, None, None)
+
+    def over(self, other: Said) -> Said:
+        """Return what this says, and what only the other one does."""
+        return Said(
+            *(mine if mine is not None else theirs for mine, theirs in zip(_values(self), _values(other), strict=True))
+        )
+
+
+def _values(said: Said) -> tuple[Any, ...]:
+    return said.range, said.engine, said.tap, said.engine_speed, said.repeat
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What the heading of a column means; ``kind`` is None where it means nothing known."""
+
+    text: str
+    kind: ColumnKind | None = None
+    said: Said = Said()
+    unit: Unit | None = None
+    wrong_unit: str | None = None  # in square brackets, and none that is known
+
+
+@dataclass(frozen=True)
+class Words:
+    """The words of a controller's tables: everybody's, and its circuits by id and name."""
+
+    taps: Mapping[Tokens, str] = field(default_factory=dict)
+    tap_ids: tuple[str, ...] = (LINE,)
+    _headings: dict[str, Heading] = field(default_factory=dict, compare=False, repr=False)  # by text
+    _sayings: dict[tuple[str, Sequence[str], bool], Said | None] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+
+    @classmethod
+    def of(cls, controller: Controller) -> Words:
+        """Return the words for a controller."""
+        taps: dict[Tokens, str] = dict.fromkeys(_phrases("line"), LINE)
+        for circuit in controller.circuits:
+            taps |= {tuple(words(name).split()): circuit.id for name in (circuit.name, circuit.id)}
+        return cls(taps, (LINE, *(circuit.id for circuit in controller.circuits)))
+
+    def said_by(self, cell: SheetCell, kind: str) -> Said | None:
+        """Return the range, the state of the engine or the tap that a cell names; None where it names none.
+
+        >>> [Words().said_by(cell, "range").range for cell in ("Reverse", 3.0, "D range")]
+        ['R', '3', 'D']
+        >>> Words().said_by("fast idle, 1200 rpm", "engine").engine_speed
+        20.0
+        """
+        said = self._said(text_of(cell), (kind,))
+        return said if said is not None and getattr(said, kind) is not None else None
+
+    def title(self, text: str) -> Said:
+        """Return what a line above a table says of all its readings; nothing where it says something else too."""
+        return self._said(_BRACKETS.sub(" ", text), ("engine", "tap", "range"), heading=True) or Said()
+
+    def heading(self, cell: SheetCell) -> Heading:
+        """Return what a heading means.
+
+        >>> heading = Words({("line",): "line"}).heading("Line, slow idle [kPa]")
+        >>> heading.kind, heading.said.tap, heading.said.engine.value, heading.unit.name
+        ('value', 'line', 'slow_idle', 'kPa')
+        """
+        text = text_of(cell)
+        if _is_number(text):
+            return Heading(text)
+        if text not in self._headings:
+            self._headings[text] = self._heading(text)
+        return self._headings[text]
+
+    def _heading(self, text: str) -> Heading:
+        rest, unit, kind, wrong = _without_unit(text)
+        tokens = tuple(words(_SPEED.sub(" ", rest)).split())
+        whole = _phrases("column").get(tokens)
+        if whole is not None:
+            return Heading(text, cast("ColumnKind", whole), unit=unit)
+        if not tokens and kind == "pressure":
+            return Heading(text, "value", unit=unit)
+        said = self._said(rest, ("range", "engine", "tap"), heading=True)
+        if said is not None and kind in (None, "pressure"):
+            return Heading(text, "value", said, unit, wrong)
+        if any((token,) in _phrases("column") and _phrases("column")[token,] == "aside" for token in tokens):
+            return Heading(text, "aside", unit=unit)
+        return Heading(text, unit=unit)
+
+    def _said(self, text: str, about: Sequence[str], *, heading: bool = False) -> Said | None:
+        """Return what a text says about some of range, engine and tap; None where it says anything else, or twice.
+
+        In a heading the words for pressure may stand beside it, and a number behind them counts a repeat.
+        """
+        if _is_number(text):
+            return None
+        key = text, about, heading
+        if key not in self._sayings:
+            self._sayings[key] = self._read(text, about, heading)
+        return self._sayings[key]
+
+    def _read(self, text: str, about: Sequence[str], heading: bool) -> Said | None:
+        speed = _SPEED.search(text)
+        tokens = tuple(words(_SPEED.sub(" ", text)).split())
+        tables = {"range": _phrases("ranges"), "engine": _phrases("engine"), "tap": self.taps}
+        known = {phrase: (name, value) for name in about for phrase, value in tables[name].items()}
+        known = {**dict.fromkeys(_phrases("filler"), ("filler", "")), **known}
+        if heading:
+            known = {**dict.fromkeys(_phrases("pressure"), ("pressure", "")), **known}
+        said: dict[str, str] = {}
+        before = ""
+        for name, value in _read(tokens, known):
+            if name == "range" and before == "pressure" and value.isdigit():
+                name = "repeat"
+            if name is None or said.get(name, value) != value:
+                return None
+            said[name] = value
+            before = name
+        if not {*about, "pressure"} & set(said) and not (heading and said):
+            return None
+        number = decimal_number(speed[1]) if speed else None
+        return Said(
+            range=cast("SelectorRange | None", said.get("range")),
+            engine=Engine(said["engine"]) if "engine" in said else None,
+            tap=said.get("tap"),
+            engine_speed=None if number is None else number / 60.0,
+            repeat=int(said["repeat"]) if "repeat" in said else None,
+        )
+
+
+def _is_number(text: str) -> bool:
+    """Return whether a text is a number, as most cells are, and no digit that may name a range."""
+    return len(text.strip()) > 1 and not any(map(str.isalpha, text))
+
+
+def _read(tokens: Tokens, known: Mapping[Tokens, tuple[str, str]]) -> Iterator[tuple[str | None, str]]:
+    """Yield what the longest known phrases say, one after the other; (None, word) for a word that is none."""
+    longest = max(map(len, known), default=1)
+    at = 0
+    while at < len(tokens):
+        for length in range(min(longest, len(tokens) - at), 0, -1):
+            phrase = tokens[at : at + length]
+            if phrase in known:
+                yield known[phrase]
+                at += length
+                break
+        else:
+            yield None, tokens[at]
+            at += 1
+
+
+def _without_unit(text: str) -> tuple[str, Unit | None, str | None, str | None]:
+    """Return a heading without its unit, the unit, its kind, and what stands in square brackets and is no unit."""
+    for match in _BRACKETS.finditer(text):
+        for kind in _UNIT_KINDS:
+            unit = find_unit(match[1], kind)
+            if unit is not None:
+                return text[: match.start()] + " " + text[match.end() :], unit, kind, None
+    square = _SQUARE.search(text)
+    if square is not None:
+        return text[: square.start()] + " " + text[square.end() :], None, None, square[1]
+    *parts, last = _SEPARATORS.split(text.strip())
+    unit = find_unit(last, "pressure")
+    if unit is not None:
+        return " ".join(parts), unit, "pressure", None
+    return text, None, None, None
+
+
+def column_words(kind: str) -> Iterable[str]:
+    """Return words under which a column of that kind is understood, the usual ones first."""
+    return _vocabulary()["column"][kind]
+
+
+def engine_words() -> list[str]:
+    """Return the usual words for what the engine does."""
+    return [engine.label for engine in Engine]
+
+
+def label_and_value(text: str, kind: str) -> str | None:
+    """Return what stands behind a label of that kind in the same cell, ``""`` where only the label does, else None.
+
+    >>> label_and_value("Unit: bar", "unit"), label_and_value("ATF temperature", "temperature")
+    ('bar', '')
+    """
+    label, colon, rest = text.partition(":")
+    tokens = tuple(words(_BRACKETS.sub(" ", label)).split())
+    if _phrases("column").get(tokens) != kind:
+        return None
+    return rest.strip() if colon else ""

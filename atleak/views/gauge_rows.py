@@ -1,0 +1,139 @@
+"""Rows and the JSON record of gauge readings: what was shown, what is permissible, what is expected, the verdict."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.catalogue.circuits import StandingPressure
+from atleak.catalogue.controller import Controller
+from atleak.diagnosis import Diagnosis
+from atleak.gauges.check import CheckedReading, PressureCheck
+from atleak.gauges.patterns import BELOW_LINE, Pattern
+from atleak.pressure_table import LINE, Cell, tap_name
+from atleak.views.condition_record import finite, scaled, unit_rule_record
+from atleak.wording import Wording, wording
+from atleak.workshop_units import KPA, RPM
+
+
+def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the gauge readings as ``atleak diagnose --json`` writes them; None without any."""
+    check = diagnosis.pressures
+    if check is None:
+        return None
+    deciding = check.deciding
+    return {
+        "file": check.table.file,
+        "sha256": check.table.sha256,
+        "sheet": check.table.sheet,
+        "verdict": check.verdict,
+        "decision": deciding.decision if deciding else None,
+        "decided_by": deciding.rule.where if deciding and deciding.rule.verdict.flagged else None,
+        "taps": list(check.table.taps),
+        "readings": [_reading(diagnosis, each) for each in check.readings],
+        "patterns": [_pattern(each, diagnosis.controller) for each in check.patterns],
+    }
+
+
+def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
+    reading, permissible, deciding = checked.reading, checked.permissible, checked.deciding
+    line = reading.cell.tap == LINE
+    return {
+        **_cell(checked.cell),
+        "label": checked.label,
+        "repeat": reading.repeat,
+        "gear": checked.gear,
+        "pressure_kpa": reading.pressure * KPA,
+        "temperature_c": reading.temperature,
+        "engine_rpm": scaled(reading.engine_speed, RPM),
+        "permissible_low_kpa": scaled(permissible.low if permissible else None, KPA),
+        "permissible_high_kpa": scaled(permissible.high if permissible else None, KPA),
+        "permissible_source": permissible.source if permissible else None,
+        "stands": checked.stands,
+        "over_permissible_kpa": scaled(checked.over, KPA),
+        "expected_kpa": scaled(checked.expected, KPA),
+        "line_kpa": None if line else scaled(checked.line, KPA),
+        "below_line_kpa": None if line else scaled(checked.below_line, KPA),
+        "verdict": checked.verdict,
+        "decision": deciding.decision if deciding else None,
+        "probability_over_limit": finite(deciding.probability_over_limit) if deciding else None,
+        "rules": [unit_rule_record(diagnosis, each.rule) for each in checked.decisions],
+        "place": {name: value for name, value in vars(reading.place).items() if value is not None},
+    }
+
+
+def _pattern(pattern: Pattern, controller: Controller) -> dict[str, Any]:
+    say = wording("en")
+    return {
+        "kind": pattern.kind,
+        "text": pattern_text(pattern, controller, say),
+        "source": say.get("pattern_sources", pattern.source),
+        "cells": [_cell(cell) for cell in pattern.cells],
+    }
+
+
+def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
+    """Return a pattern as a sentence in a language, with where to look first."""
+    worst, amount = pattern.worst, pattern.amount or 0.0
+    circuits = ", ".join(tap_name(controller, name) for name in pattern.circuits)
+    key = f"{pattern.kind}_named" if pattern.kind == "one_range_low" and circuits else pattern.kind
+    return say(
+        f"patterns.{key}",
+        ranges=", ".join(pattern.ranges),
+        others=", ".join(pattern.others),
+        circuits=circuits,
+        count=len(pattern.cells),
+        worst="" if worst is None else f"{worst.range}, {say.get('engine_states', worst.engine)}",
+        percent=say.percent(amount, 0),
+        kpa=say.number(amount * KPA, 0),
+        limit=say.number(BELOW_LINE * KPA, 0),
+    )
+
+
+def _cell(cell: Cell) -> dict[str, Any]:
+    return {"range": cell.range, "state": cell.engine, "tap": cell.tap}
+
+
+def permissible_text(permissible: StandingPressure | None, say: Wording | None = None) -> str | None:
+    """Return what is permissible in kPa, in a language; None where nothing is stated.
+
+    >>> permissible_text(StandingPressure(frozenset(), frozenset(), "idle", 412e3, None, ""))
+    'from 412'
+    """
+    if permissible is None:
+        return None
+    say = say or wording("en")
+    low, high = ("" if end is None else _kpa(end, say) for end in (permissible.low, permissible.high))
+    key = "low_and_high" if low and high else "low" if low else "high"
+    return say(f"permissible.{key}", low=low, high=high)
+
+
+def _kpa(pressure: float, say: Wording) -> str:
+    kpa = round(pressure * KPA, 1)
+    return say.number(kpa, 0 if kpa.is_integer() else 1)
+
+
+def tap_text(controller: Controller, tap: str, say: Wording) -> str:
+    """Return the name of a tap in a language; that of a circuit stands as its file says."""
+    return say("permissible.line") if tap == LINE else tap_name(controller, tap)
+
+
+def gauge_rows(check: PressureCheck) -> list[dict[str, Any]]:
+    """Return a row for every reading under headings for people, without its verdict; empty columns are left out."""
+    circuits = any(each.cell.tap != LINE for each in check.readings)
+    repeated = any(each.reading.repeat > 1 for each in check.readings)
+    rows = [
+        {
+            "Range": each.cell.range,
+            "State": each.cell.engine.label,
+            "Tap": each.tap_name if circuits else None,
+            "No.": each.reading.repeat if repeated else None,
+            "Gauge [kPa]": each.reading.pressure * KPA,
+            "Permitted [kPa]": permissible_text(each.permissible),
+            "Expected [kPa]": scaled(each.expected, KPA),
+            "Below line [kPa]": scaled(each.below_line, KPA),
+            "Decision": each.deciding.decision.replace("_", " ") if each.deciding else None,
+        }
+        for each in check.readings
+    ]
+    filled = [name for name in rows[0] if any(row[name] is not None for row in rows)] if rows else []
+    return [{name: row[name] for name in filled} for row in rows]

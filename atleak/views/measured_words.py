@@ -1,0 +1,59 @@
+"""Say in a reader's language what gauges or a log decided, or say where they are all there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from atleak.diagnosis import Diagnosis
+from atleak.gauges.check import CheckedReading, PressureCheck
+from atleak.rules import Rule
+from atleak.views.gauge_rows import tap_text
+from atleak.views.road_words import deciding_sentence as of_log
+from atleak.wording import Wording
+from atleak.workshop_units import KPA
+
+
+def measured_sentence(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Return what gauges or the log say where they decided or are all there is; None where clearances did."""
+    decided_by, log = diagnosis.decided_by, diagnosis.log
+    if isinstance(decided_by, Rule):
+        if decided_by in diagnosis.gauge_rules:
+            return _of_gauge(diagnosis, decided_by, say)
+        if log is not None and decided_by in log.rules:
+            return of_log(log, decided_by, say)
+    if decided_by is not None or not diagnosis.without_sheet:
+        return None
+    return " ".join(_within(diagnosis, say))
+
+
+def _within(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
+    if diagnosis.pressures is not None:
+        yield gauges_within(diagnosis.pressures, say)
+    if diagnosis.log is not None:
+        yield of_log(diagnosis.log, None, say)
+
+
+def gauges_within(check: PressureCheck, say: Wording) -> str:
+    """Say how many gauge readings can be judged, where none of them has reached a limit."""
+    judged = sum(each.verdict is not None for each in check.readings)
+    return say(f"gauges.{'within' if judged else 'unjudged'}", judged=judged, count=len(check.readings))
+
+
+def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
+    readings = diagnosis.pressures.readings if diagnosis.pressures else ()
+    each = next(each for each in readings if any(decided.rule == rule for decided in each.decisions))
+    below = each.below_line if rule.circuit is not None else (_low(each) - each.reading.pressure)
+    return say(
+        f"gauges.{'below' if rule.circuit is None else 'circuit'}",
+        tap=tap_text(diagnosis.controller, each.cell.tap, say),
+        cell=f"{each.cell.range}, {say.get('engine_states', each.cell.engine)}",
+        pressure=say.number(each.reading.pressure * KPA, 0),
+        limit=say.number(_low(each) * KPA, 0),
+        kpa=say.number((below or 0.0) * KPA, 0),
+        percent=say.percent(rule.value),
+        verdict=say.signed(rule.verdict),
+    )
+
+
+def _low(each: CheckedReading) -> float:
+    return (each.permissible.low if each.permissible else None) or 0.0

@@ -1,0 +1,115 @@
+"""The page on gauge readings: what is typed, what it gives, and what is refused."""
+
+from __future__ import annotations
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from .conftest import choice, go, texts, uploader
+
+PAGE = "8_Pressures"
+
+
+def field(app: AppTest, label: str):
+    return next(widget for widget in app.main.text_input if widget.label == label)
+
+
+def tap(app: AppTest, label: str):
+    return next(widget for widget in app.main.selectbox if widget.label == label)
+
+
+@pytest.fixture
+def page(app: AppTest) -> AppTest:
+    go(app, PAGE)
+    return app
+
+
+def shown(app: AppTest) -> list[dict]:
+    return app.main.dataframe[0].value.to_dict("records")
+
+
+def test_a_decimal_comma_is_read_and_survives_leaving_the_page(page: AppTest) -> None:
+    field(page, "D, slow idle [kPa]").set_value("380,5").run()
+    assert not page.exception
+    (row,) = shown(page)
+    assert (row["Range"], row["State"], row["Gauge [kPa]"]) == ("D", "slow idle", pytest.approx(380.5, abs=1e-9))
+    assert row["Verdict"] == "▲ watch"
+    assert "main pressure below the permissible" in texts(page).replace("\\", "")
+    go(page, "2_Readings")
+    go(page, PAGE)
+    assert field(page, "D, slow idle [kPa]").value == "380,5"
+    assert len(shown(page)) == 1
+
+
+def test_what_is_typed_is_a_job_of_its_own_and_the_sample_goes(page: AppTest) -> None:
+    field(page, "R, stall [kPa]").set_value("1500").run()
+    case = page.session_state["atleak"].good
+    assert case.readings is None
+    assert case.road_test is None
+    assert b"R;stall;line;1500" in case.pressures.content
+    go(page, "1_Diagnosis")
+    assert not page.exception
+
+
+def test_a_unit_and_further_cells_are_kept_with_what_was_typed_before(page: AppTest) -> None:
+    tap(page, "Unit").select("bar").run()
+    field(page, "D, slow idle [bar]").set_value("4,5").run()
+    field(page, "ATF temperature [°C]").set_value("85").run()
+    field(page, "D, fast idle [bar]").set_value("5").run()
+    assert not page.exception
+    assert [row["Gauge [kPa]"] for row in shown(page)] == pytest.approx([450.0, 500.0], abs=1e-9)
+    readings = page.session_state["atleak"].good.pressures.content.decode()
+    assert readings.count(";85;") == 2
+    field(page, "Fast idle [rpm]").set_value("2000").run()
+    assert "Expected [kPa]" in shown(page)[0]
+
+
+def test_a_cell_that_is_no_pressure_is_named_and_the_others_stay(page: AppTest) -> None:
+    field(page, "D, slow idle [kPa]").set_value("450").run()
+    field(page, "R, slow idle [kPa]").set_value("4oo").run()
+    assert not page.exception
+    said = texts(page).replace("\\", "")
+    assert "4oo" in said
+    assert "row 3" in said
+    assert field(page, "R, slow idle [kPa]").value == "4oo"
+    assert len(shown(page)) == 1
+    go(page, "2_Readings")
+    go(page, PAGE)
+    assert field(page, "R, slow idle [kPa]").value == "4oo"
+    field(page, "R, slow idle [kPa]").set_value("400").run()
+    assert len(shown(page)) == 2
+    assert "4oo" not in texts(page)
+
+
+def test_the_last_reading_taken_away_leaves_no_table(page: AppTest) -> None:
+    field(page, "D, slow idle [kPa]").set_value("450").run()
+    field(page, "D, slow idle [kPa]").set_value("abc").run()
+    field(page, "D, slow idle [kPa]").set_value("").run()
+    assert not page.exception
+    assert page.session_state["atleak"].good.pressures is None
+    assert "abc" not in texts(page)
+    assert "No gauge readings in the job" in texts(page)
+
+
+def test_an_uploaded_table_is_shown_with_its_file_and_not_typed_over(page: AppTest) -> None:
+    table = "range;slow idle [kPa];fast idle [kPa]\n" + "".join(f"{name};330;520\n" for name in ("D", "3", "2", "1"))
+    uploader(page, "Gauge readings").upload("gauges.csv", table.encode(), "text/csv").run()
+    assert not page.exception
+    assert len(shown(page)) == 8
+    assert "Read from **gauges.csv**" in texts(page).replace("\\", "")
+    assert not [widget for widget in page.main.text_input if widget.label.startswith("D,")]
+    assert "look at the pump first" in texts(page)
+    assert "8 readings" in texts(page)
+
+
+def test_circuits_have_fields_of_their_own(page: AppTest) -> None:
+    choice(page, "Valve body").select("five_speed_2005").run()
+    field(page, "D, slow idle [kPa]").set_value("900").run()
+    tap(page, "Gauge at").select("forward_clutch").run()
+    field(page, "D, slow idle [kPa]").set_value("700").run()
+    assert not page.exception
+    line, circuit = shown(page)
+    assert (line["Tap"], circuit["Tap"]) == ("line", "forward clutch")
+    assert circuit["Below line [kPa]"] == pytest.approx(200.0, abs=1e-9)
+    tap(page, "Gauge at").select("line").run()
+    assert field(page, "D, slow idle [kPa]").value == "900"

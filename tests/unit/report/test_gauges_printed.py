@@ -1,0 +1,75 @@
+"""Gauge readings in the PDF and the workbook, read back."""
+
+from __future__ import annotations
+
+import io
+import re
+
+import openpyxl
+import pandas as pd
+import pypdfium2
+import pytest
+
+from atleak.diagnosis import Diagnosis
+from atleak.job.case import Case, SourceFile
+from atleak.report.pdf import write_pdf
+from atleak.report.xlsx import write_workbook
+from atleak.report.xlsx.gauges_sheet import SHEET
+from atleak.wording import languages, wording
+
+TABLE = """range;tap;slow idle [kPa];fast idle 1500 rpm [kPa]
+R;line;900;1000
+D;line;700;800
+2;line;690;790
+P;line;800;
+D;forward_clutch;480;
+"""
+
+
+@pytest.fixture(scope="module")
+def gauged() -> Diagnosis:
+    return Case(controller="five_speed_2005", pressures=SourceFile("gauges.csv", TABLE.encode())).diagnose()
+
+
+def text_of(content: bytes) -> str:
+    with pypdfium2.PdfDocument(content) as document:
+        pages = [page.get_textpage().get_text_range() for page in document]
+    return re.sub(r"\\s+", " ", " ".join(pages))
+
+
+@pytest.mark.parametrize("language", languages())
+def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnosis, language: str) -> None:
+    say = wording(language)
+    printed = write_pdf(gauged, language=language, sections=["gauges"])
+    text = " ".join(text_of(printed).split())
+    assert b"<pdfaid:part>2<" in printed
+    assert say("sections.gauges") in text
+    for reading in ("900", "690", "480"):
+        assert reading in text
+    for word in (say.level("watch"), say.get("engine_states", "fast_idle").split()[0], "gauges.csv"):
+        assert word in text
+    assert say("texts.not_judged").split()[0] in text
+    for kind in ("low_at_slow_idle", "below_line"):
+        start = say.texts["patterns"][kind].split("{")[0].strip() or "forward clutch"
+        assert start[:30] in text
+
+
+def test_the_workbook_has_a_sheet_of_them_with_numbers(gauged: Diagnosis) -> None:
+    content = write_workbook(gauged)
+    frame = pd.read_excel(io.BytesIO(content), sheet_name=SHEET, engine="calamine", dtype={"Range": str})
+    readings = frame[frame["State"].notna()]
+    assert readings["Range"].tolist() == ["P", "R", "R", "D", "D", "2", "2", "D"]
+    assert readings["Gauge [kPa]"].astype(float).tolist() == [800.0, 900.0, 1000.0, 700.0, 800.0, 690.0, 790.0, 480.0]
+    assert readings["Verdict"].iloc[0] == "not judged"
+    assert readings["Below line [kPa]"].iloc[-1] == pytest.approx(220.0, abs=1e-9)
+    sheet = openpyxl.load_workbook(io.BytesIO(content))[SHEET]
+    notes = " ".join(str(row[1].value) for row in sheet.iter_rows() if row[0].value == "pattern")
+    assert "look at the pump first" in notes
+    assert "Ford" in notes
+
+
+def test_a_job_without_gauges_has_neither_sheet_nor_section() -> None:
+    diagnosis = Case(controller="minimal_example").diagnose()
+    assert SHEET not in openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis))).sheetnames
+    text = text_of(write_pdf(diagnosis, sections=["gauges", "signatures"]))
+    assert wording("en")("sections.gauges") not in text
