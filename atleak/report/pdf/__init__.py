@@ -26,6 +26,7 @@ from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.pictures import write_pictures
+from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import FONTS, Bar, glyphs, road_chart, shares_chart
 from atleak.system.marks import KEYWORD
@@ -33,6 +34,7 @@ from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import controller_svg, shortened
+from atleak.views.flow_svg import flow_svg
 from atleak.views.road_series import RoadSeries, road_series
 from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
@@ -144,6 +146,9 @@ def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[s
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
         charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
+    if "pressures" in chosen and diagnosis.profile.circuits == "on":
+        pressures = Pressures(names)
+        charts["flows"] = flow_svg(pressures.flows, pressures.flows_in_words(), say)
     if series is not None:
         marks = [
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)

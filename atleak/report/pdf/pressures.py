@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cached_property
 from typing import Any
 
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.views.pressures import HeldPressure, PressuresAt, pressures_at
+from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
+from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.workshop_units import KPA
 
+_DRAWN = 10  # lands drawn by themselves where the flow goes
 _LANDS = 4  # named as causes of one circuit's loss
 _SHOWS = 0.5  # [kPa] that a whole number shows
 
@@ -20,8 +23,27 @@ class Pressures:
     def __init__(self, names: PrintedNames) -> None:
         self.names, self.diagnosis, self.say = names, names.diagnosis, names.say
 
-    def blocks(self) -> Iterable[Block]:
-        """Return the line and the pump at every condition, then the circuits of each."""
+    @cached_property
+    def flows(self) -> FlowDiagram:
+        """Return where the pump's flow goes, at the condition at which a pressure or the reserve is judged worst."""
+        return flow_diagram(self.diagnosis, lowest_first(self.diagnosis)[0], lands=_DRAWN, say=self.say)
+
+    def flows_in_words(self) -> str:
+        """Return all flows of the drawing in words, as a screen reader says them."""
+        say, places = self.say, self.flows.places
+        flows = (
+            say(
+                "flows.flow",
+                source=places[each.source].name,
+                target=places[each.target].name,
+                flow=flow_words(each.flow, say),
+            )
+            for each in self.flows.flows
+        )
+        return say("flows.alt", flows=f"{joined(flows, '; ')}.")
+
+    def blocks(self, charts: dict[str, str]) -> Iterable[Block]:
+        """Return the line and the pump at every condition, where the flow goes, then the circuits of each condition."""
         say = self.say
         conditions = [pressures_at(self.diagnosis, each) for each in self.diagnosis.presented]
         solved = self.diagnosis.profile.circuits == "on"
@@ -29,6 +51,10 @@ class Pressures:
             yield self._line(conditions)
         yield self._pump(conditions)
         yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
+        if "flows" in charts:
+            condition = self.names.condition(self.flows.projection.condition)
+            caption = say("charts.caption_flows", condition=condition)
+            yield {"kind": "image", "file": charts["flows"], "alt": self.flows_in_words(), "caption": caption}
         if solved and self.diagnosis.controller.circuits:
             for at in conditions:
                 yield from self._circuits(at)
