@@ -67,14 +67,13 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     if measured is not None:
         head = f"**{signed(diagnosis.verdict)}** because of main pressure: {plain(measured)} {head}"
     elif isinstance(diagnosis.decided_by, Rule):
-        because = because_of(diagnosis, diagnosis.decided_by, wording("en"))
-        because = because or f"because of the {diagnosis.decided_by.label}."
+        because = because_of(diagnosis, diagnosis.decided_by, say) or f"because of the {diagnosis.decided_by.label}."
         head = f"**{signed(diagnosis.verdict)}** {plain(because)} {head}"
     elif diagnosis.decided_by is not None:
         head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
         pressure = worst_pressure(diagnosis)
         if pressure is not None:
-            because = because_of(diagnosis, pressure, wording("en")) or ""
+            because = because_of(diagnosis, pressure, say) or ""
             head += f" Pressure: **{signed(pressure.verdict)}** {plain(because)}"
     if open_ones:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."

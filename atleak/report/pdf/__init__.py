@@ -34,7 +34,6 @@ from atleak.verdicts import VERDICTS, Verdict
 from atleak.version import __version__
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.drawing import controller_svg, shortened
-from atleak.views.flow_svg import flow_svg
 from atleak.views.road_series import RoadSeries, road_series
 from atleak.wording import Wording, wording
 from atleak.workshop_units import DM3_MIN, PERCENT
@@ -147,8 +146,7 @@ def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[s
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
         charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
     if "pressures" in chosen and diagnosis.profile.circuits == "on":
-        pressures = Pressures(names)
-        charts["flows"] = flow_svg(pressures.flows, pressures.flows_in_words(), say)
+        charts |= Pressures(names).drawings()
     if series is not None:
         marks = [
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)
