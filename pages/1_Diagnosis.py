@@ -3,8 +3,9 @@
 import streamlit as st
 
 from atleak.figures import diagnosis_figures as figures
+from atleak.repair import plan_repairs
 from atleak.views.diagnosis_record import diagnosis_record
-from pages.shared import conditions, files, panel, road, show, words
+from pages.shared import conditions, files, panel, pressures, road, show, words
 
 case, diagnosis = panel.shown()
 record = diagnosis_record(diagnosis)
@@ -33,11 +34,15 @@ st.subheader("Total share of the pump's flow")
 show.chart(figures.total_share(diagnosis), "share")
 conditions.totals(diagnosis, record)
 
+st.subheader("Pressures")
+plan = plan_repairs(diagnosis)
+pressures.section(diagnosis, plan)
+
 st.subheader("Land by condition")
 conditions.matrix(diagnosis)
 
 st.subheader("Order of repair")
-conditions.repairs(diagnosis)
+conditions.repairs(diagnosis, plan)
 
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)

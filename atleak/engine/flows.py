@@ -167,8 +167,10 @@ def _fed(network: Network, balance: Balance) -> Iterator[tuple[Place, Place, flo
         taken = float(balance.feeds.get(circuit.id, 0.0))
         feeds = [feed for feed in network.feeds if feed.into == circuit.id]
         could = [float(feed.restriction.flow(feed.drop(balance.pressures))) for feed in feeds]
-        for feed, flow in zip(feeds, could, strict=True):
-            part = flow / sum(could) if sum(could) > 0.0 else 1.0 / len(feeds)
-            yield Place(Kind.SECTION, feed.high.section or LINE), place, taken * part
+        back = [min(flow, 0.0) if circuit.id in network.solved else 0.0 for flow in could]  # nothing throttles that
+        most = sum(max(flow, 0.0) for flow in could)
+        for feed, flow, backward in zip(feeds, could, back, strict=True):
+            part = max(flow, 0.0) / most if most > 0.0 else 1.0 / len(feeds)
+            yield Place(Kind.SECTION, feed.high.section or LINE), place, (taken - sum(back)) * part + backward
         if not feeds:  # supplied by the line without any resistance
             yield _LINE, place, taken

@@ -106,8 +106,8 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
 def total_share(diagnosis: Diagnosis) -> go.Figure:
     """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
 
-    An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the measurement, where readings are there; the
-    hover says how likely each band is.
+    An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the
+    measurement, where readings are there; the hover says how likely each band is.
     """
     unit, reported = diagnosis.uncertainty, diagnosis.reported
     totals = [unit.total(point.condition.name) if unit else None for point in reported]

@@ -16,17 +16,22 @@ import numpy as np
 from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from atleak.look import PAPER, look_of
 from atleak.verdicts import Band, Verdict
+from atleak.views.pressures import HeldPressure, PressuresAt
+from atleak.views.pump_speed import PumpOverSpeed
 from atleak.views.road_series import RoadSeries
 from atleak.wording import Wording
+from atleak.workshop_units import DM3_MIN, KPA, RPM
 
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
 
 FONTS = Path(__file__).parent / "fonts"
+_DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of curves that differ by temperature
 _LOCK = threading.Lock()  # matplotlib's settings belong to the whole process
 _SETTINGS: dict[RcKeyType, Any] = {
     "svg.hashsalt": "atleak",
@@ -163,6 +168,148 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
         axes.grid(axis="x", color=PAPER.rule, lw=0.5)
         axes.set_axisbelow(True)
         return _svg(figure)
+
+
+def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
+    """Draw the pump's supply over engine speed against what is taken from it at each temperature.
+
+    The crossing at the condition's own temperature carries its engine speed and its 95 % interval; upright lines are
+    the engine speeds that are marked.
+    """
+    with _drawing():
+        figure = Figure(figsize=(7.0, 2.9), layout="constrained")
+        axes = figure.subplots()
+        axes.plot(data.speeds * RPM, data.supply * DM3_MIN, color=PAPER.pump, lw=1.6, label=say("charts.supply"))
+        for number, demand in enumerate(data.demands):
+            own = demand.of_condition
+            axes.axhline(
+                demand.flow * DM3_MIN,
+                color=PAPER.leakage if own else PAPER.soft,
+                lw=1.4 if own else 0.8,
+                ls="-" if own else (0, _DASHES[number % len(_DASHES)]),
+                label=say("charts.taken_at", temperature=say.plain(demand.temperature)),
+            )
+            axes.plot(
+                [demand.crossing * RPM], [demand.flow * DM3_MIN], "o", ms=6 if own else 3, color=PAPER.ink, zorder=5
+            )
+        demand = data.demand
+        if data.interval is not None:
+            ends = [end * RPM for end in data.interval]
+            axes.plot(ends, [demand.flow * DM3_MIN] * 2, color=PAPER.ink, lw=1.1, marker="|", ms=7, zorder=4)
+        axes.annotate(
+            f"{say.number(demand.crossing * RPM, 0)} 1/min",
+            (demand.crossing * RPM, demand.flow * DM3_MIN),
+            xytext=(-4, 5),
+            textcoords="offset points",
+            ha="right",
+            fontweight="bold",
+        )
+        for label, speed in data.marked:
+            axes.axvline(speed * RPM, color=PAPER.ink, lw=0.8, ls=(0, (6, 2)))
+            axes.annotate(
+                _drawable(f"{label}: {say.number(speed * RPM, 0)} 1/min"),
+                (speed * RPM, 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(-3, -2),
+                textcoords="offset points",
+                rotation=90,
+                ha="right",
+                va="top",
+                fontsize=6.5,
+                parse_math=False,
+            )
+        axes.set_xlim(0.0, float(data.speeds[-1]) * RPM)
+        axes.set_ylim(0.0, 1.05 * float(data.supply[-1]) * DM3_MIN or 1.0)
+        axes.set_xlabel(say("charts.speed"))
+        axes.set_ylabel(say("charts.flow"))
+        _plain(axes, say)
+        axes.grid(color=PAPER.rule, lw=0.5)
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=5, frameon=False, fontsize=7)
+        return _svg(figure)
+
+
+def pressures_chart(at: PressuresAt, say: Wording) -> str:
+    """Draw what the line and every applied circuit hold: new as a frame, now in the shade of its verdict, and repaired.
+
+    A bar's line is the 95 % interval of what holds now; short upright marks are what is set or required, triangles
+    what is permissible, and signs where a loss reaches a level.
+    """
+    held = at.applied
+    repaired = any(each.repaired is not None for each in held)
+    with _drawing():
+        figure = Figure(figsize=(7.0, 0.9 + (0.5 if repaired else 0.38) * len(held)), layout="constrained")
+        axes = figure.subplots()
+        for place, each in zip(range(len(held))[::-1], held, strict=True):
+            look = None if each.verdict is None else look_of(each.verdict)
+            axes.barh(place + 0.26, each.new * KPA, height=0.24, color="white", edgecolor=PAPER.ink, lw=0.7)
+            axes.barh(
+                place,
+                each.now * KPA,
+                height=0.24,
+                color=PAPER.metal if look is None else look.fill,
+                edgecolor=PAPER.ink if look is None else look.line,
+                lw=0.8,
+                hatch="" if look is None else look.hatch,
+            )
+            if each.repaired is not None:
+                axes.barh(place - 0.26, each.repaired * KPA, height=0.24, color=PAPER.rule, edgecolor=PAPER.ink, lw=0.5)
+            end = each.now
+            if each.interval is not None:
+                ends = [end * KPA for end in each.interval]
+                axes.plot(ends, [place, place], color=PAPER.ink, lw=1.1, marker="|", ms=5)
+                end = max(end, each.interval[1])
+            _marks(axes, each, place)
+            words = f"{say.number(each.now * KPA, 0)}" + ("" if each.verdict is None else f" {say.level(each.verdict)}")
+            axes.annotate(
+                words,
+                (max(end, each.new, *_permissible(each)) * KPA, place),
+                xytext=(10, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=7,
+            )
+            name = say("held.line") if each.circuit is None else each.circuit.name
+            axes.annotate(
+                _drawable(name),
+                (0.0, place),
+                xytext=(-5, 0),
+                textcoords="offset points",
+                ha="right",
+                va="center",
+                fontsize=7.5,
+                parse_math=False,
+            )
+        axes.set_yticks([])
+        axes.set_ylim(-0.6, len(held) - 0.4)
+        largest = max(max(each.now, each.new, *(each.interval or ()), *_permissible(each)) for each in held)
+        axes.set_xlim(0.0, 1.18 * largest * KPA or 1.0)
+        axes.set_xlabel(say("charts.pressure"))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value, 5)))
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(axis="x", color=PAPER.rule, lw=0.5)
+        axes.set_axisbelow(True)
+        return _svg(figure)
+
+
+def _permissible(held: HeldPressure) -> list[float]:
+    """Return between which pressures the line must be [Pa]; none, one or two of them."""
+    stated = (held.permissible.low, held.permissible.high) if held.permissible else ()
+    return [pressure for pressure in stated if pressure is not None]
+
+
+def _marks(axes: Axes, held: HeldPressure, place: float) -> None:
+    """Mark the limits that apply to one pressure."""
+    if held.set_pressure is not None:
+        axes.plot([held.set_pressure * KPA] * 2, [place - 0.42, place + 0.42], color=PAPER.ink, lw=1.6, zorder=4)
+    if held.permissible is not None:
+        for pressure, marker in ((held.permissible.low, ">"), (held.permissible.high, "<")):
+            if pressure is not None:
+                axes.plot([pressure * KPA], [place], marker, ms=6, color=PAPER.ink, zorder=5)
+    for level, pressure in held.limits if held.circuit else ():
+        if pressure > 0.0:
+            look = look_of(level)
+            outline = Outline([(x, -y) for x, y in (*look.shape.points, look.shape.points[0])], closed=True)
+            axes.plot([pressure * KPA], [place], marker=outline, ms=7, mfc=look.fill, mec=look.line, zorder=5)
 
 
 def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], top: float, say: Wording) -> None:

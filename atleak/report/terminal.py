@@ -26,12 +26,23 @@ from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
+from atleak.views.pressures import pressures_at
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.views.sentences import counted_in_speed, fluid_in_state, measuring_temperature, tighter_than_new, when_new
+from atleak.views.sentences import (
+    because_of,
+    circuit_sentence,
+    counted_in_speed,
+    fluid_in_state,
+    measuring_temperature,
+    pressure_sentence,
+    reserve_sentence,
+    tighter_than_new,
+    when_new,
+)
 from atleak.wording import signed, wording
-from atleak.workshop_units import DM3_MIN, MM2_S, PERCENT, RPM, UM
+from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -86,7 +97,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
     """Print what follows from the clearances: totals, flagged lands, order of repair."""
     for number, projection in enumerate(diagnosis.presented, start=1):
-        for line in _total(diagnosis, projection, number):
+        for line in (*_total(diagnosis, projection, number), *_pressures(diagnosis, projection)):
             console.print(Text(line))
     counted = counted_in_speed(diagnosis, wording("en"))
     console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
@@ -186,7 +197,7 @@ def _log(diagnosis: Diagnosis, log: RoadFindings) -> Iterator[str]:
     if diagnosis.road is not None:
         new = "" if diagnosis.judged else f"{say('findings.unmeasured')} "
         yield f"  {new}{_road(diagnosis.road, diagnosis.uncertainty)}"
-    checks = check_sentences(log, diagnosis.limits, say)
+    checks = check_sentences(diagnosis, say)
     if checks:
         yield say("findings.check_next")
         yield from (f"  {number}. {check}" for number, check in enumerate(checks, start=1))
@@ -219,7 +230,8 @@ def _verdict(diagnosis: Diagnosis) -> str:
         alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
         return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence
     if isinstance(decided_by, Rule):
-        return f"{sentence}, decided by the {decided_by.label}"
+        because = because_of(diagnosis, decided_by, wording("en"))
+        return f"{sentence} {because}" if because else f"{sentence}, decided by the {decided_by.label}"
     component, land = decided_by.key
     return f"{sentence}, decided by {component}/{land} {diagnosis.controller.components[component]}"
 
@@ -254,6 +266,22 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     yield f"{number}. {projection.condition.label}: {share}, {band}{worst}{new}"
     flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"
     yield f"   {flows}; {positions(diagnosis, projection)}; covered from {projection.minimum_speed * RPM:.0f} rpm"
+
+
+def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
+    """Return the lines of one condition about its pressures: line, reserve, then the circuits, the worst by itself."""
+    say, at = wording("en"), pressures_at(diagnosis, projection)
+    yield f"   {pressure_sentence(at, say)}"
+    level = "" if at.reserve_verdict is None else f" {signed(at.reserve_verdict)}"
+    yield f"   {reserve_sentence(at, say)}{level}"
+    others: dict[Verdict | None, list[str]] = {}
+    for circuit in at.circuits:
+        if circuit.verdict is not None and circuit.verdict.flagged:
+            yield f"   {circuit_sentence(diagnosis, circuit, say)}"
+        elif not circuit.vented and circuit.circuit is not None:
+            others.setdefault(circuit.verdict, []).append(f"{circuit.circuit.name} {circuit.now * KPA:.0f} kPa")
+    for verdict, circuits in others.items():
+        yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
 
 
 def _grown(growth: float) -> str:

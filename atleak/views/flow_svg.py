@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from atleak.look import PAPER, look_of
+from atleak.look import PAPER, SCREEN, look_of
 from atleak.verdicts import Verdict
 from atleak.views.drawing import shortened, sign_svg, svg_head, svg_text
 from atleak.views.flow_diagram import DrawnFlow, DrawnPlace, FlowDiagram, flow_words
@@ -24,7 +24,7 @@ _LETTER = 6.1  # mean width of one of them
 _SIZE = 11.0  # of letters
 _EDGE = 8.0
 _SWEEPS = 4  # over the columns, until ribbons cross little
-_UNJUDGED = PAPER.pump
+_UNJUDGED = SCREEN.pump
 
 
 @dataclass

@@ -154,6 +154,16 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
     )
 
 
+def worst_pressure(diagnosis: Diagnosis) -> Rule | None:
+    """Return the worst rule of a reserve or pressure past a limit; None where none is, or nothing was measured."""
+    past = [rule for rule in diagnosis.pressure_rules if rule.verdict.flagged and rule.condition is not None]
+    return max(past, key=_badness, default=None) if diagnosis.judged else None
+
+
+def _badness(rule: Rule) -> tuple[float, float]:
+    return rule.verdict.rank, rule.severity
+
+
 def lowest_first(diagnosis: Diagnosis) -> tuple[Projection, ...]:
     """Return the conditions with that first at which a pressure or the reserve is judged worst.
 
@@ -161,8 +171,7 @@ def lowest_first(diagnosis: Diagnosis) -> tuple[Projection, ...]:
     """
 
     def badness(projection: Projection) -> tuple[float, float]:
-        rules = diagnosis.pressure_rules_at(projection)
-        return max(((rule.verdict.rank, rule.severity) for rule in rules), default=(-1.0, 0.0))
+        return max(map(_badness, diagnosis.pressure_rules_at(projection)), default=(-1.0, 0.0))
 
     return tuple(sorted(diagnosis.presented, key=badness, reverse=True))
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection, project
+from atleak.views.repair_words import Named, label_of
 
 FEWEST = 4  # temperatures that are drawn, where there are two to draw between: choice of this project
 _POINTS = 61  # of the speeds
@@ -49,11 +50,16 @@ class PumpOverSpeed:
         return next(each for each in self.demands if each.of_condition)
 
 
-def pump_over_speed(diagnosis: Diagnosis, projection: Projection) -> PumpOverSpeed:
+def pump_over_speed(diagnosis: Diagnosis, projection: Projection, named: Named = label_of) -> PumpOverSpeed:
     """Compute the pump's supply over engine speed, and what is taken from it at the temperatures of all conditions.
 
     Gear, required pressure and consumers are those of the condition; leakage and slip follow the temperature. Slip is
     counted with what is taken, so that supply over demand at any speed is the reserve there.
+
+    Parameters
+    ----------
+    named
+        names a condition whose engine speed is marked.
 
     Raises
     ------
@@ -67,9 +73,9 @@ def pump_over_speed(diagnosis: Diagnosis, projection: Projection) -> PumpOverSpe
         at = projection if own else project(model, replace(condition, temperature=temperature))
         demands.append(Demand(temperature, at.leakage, at.slip, at.consumers, at.minimum_speed, own))
     idle = diagnosis.hot_idle
-    marked = [(condition.label, condition.engine_speed)]
+    marked = [(named(condition), condition.engine_speed)]
     if idle is not None and idle.condition.engine_speed != condition.engine_speed:
-        marked.append((idle.condition.label, idle.condition.engine_speed))
+        marked.append((named(idle.condition), idle.condition.engine_speed))
     last = max(each.crossing for each in demands if np.isfinite(each.crossing)) if demands else 0.0
     speeds = np.linspace(0.0, _BEYOND * max(last, *(speed for _, speed in marked)), _POINTS)
     total = diagnosis.uncertainty.total(condition.name) if diagnosis.uncertainty else None

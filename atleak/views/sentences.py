@@ -154,7 +154,9 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = la
         return None
     at = pressures_at(diagnosis, diagnosis.at(rule.condition))
     values = {"condition": named(rule.condition)}
-    held = next((each for each in at.applied if each.rule is rule), at.line)
+    held = next((each for each in at.applied if each.rule == rule), at.line if rule == at.reserve_rule else None)
+    if held is None:
+        return None
     if rule.kind is RuleKind.RESERVE:
         limit = say.number(rule.limit, 2)
         because = say("held.by_reserve", reserve=say.number(rule.value, 2), limit=limit, **values)

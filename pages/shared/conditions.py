@@ -12,7 +12,7 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.look import look_of
-from atleak.repair import RepairPlan, Total, plan_repairs
+from atleak.repair import RepairPlan, Total
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
@@ -122,9 +122,8 @@ def _beyond(level: Verdict | None) -> str:
     return f"{look_of(level or Verdict.CRITICAL).sign} no flow"
 
 
-def repairs(diagnosis: Diagnosis) -> None:
+def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show the order of repair with what each step brings, and where the plan ends."""
-    plan = plan_repairs(diagnosis)
     if plan.steps:
         rows = [
             {

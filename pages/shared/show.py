@@ -50,12 +50,27 @@ HELP = {
     "After [%]": "total share after the step, at the condition that it helps most",
     "Then": "the band of the total after the step, at that condition",
     "Helps most at": "the condition at which the step saves most, measured by the limit of that condition",
+    "Held [kPa]": "the pressure that the pump, or the circuit's feeds, keep up against all that leaks",
+    "Low [kPa]": "95 % interval of the pressure held",
+    "High [kPa]": "95 % interval of the pressure held",
+    "New [kPa]": "what the same unit holds with every land new",
+    "Lost [kPa]": "new minus held; negative where it holds more than when new",
+    "After repair [kPa]": "with the whole order of repair carried out",
+    "Set [kPa]": "what the circuit's regulator is set to; of main pressure, what is required",
+    "Reserve": "pump supply / (leakage + slip + consumers) at the required pressure",
+    "Lands that cost it": "what it would gain with that land alone new",
+    "Reserve within": "95 % interval of the reserve",
+    "Permissible [kPa]": "main pressure that the valve body's file permits in this gear and state",
+    "Covered from [rpm]": "lowest engine speed at which the pump covers leakage, slip and consumers",
     "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (95 % interval)",
 }
 WIDTHS = {
     "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,
     "u [µm]": 56, "Over it [%]": 76, "from": 60, "to": 60, "Before [%]": 80, "After [%]": 72, "Then": 92,
-    "Helps most at": 150, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
+    "Operating point": 190, "Required [kPa]": 92, "Held [kPa]": 76, "Low [kPa]": 76, "High [kPa]": 76, "New [kPa]": 76,
+    "Permissible [kPa]": 112, "Reserve": 70, "Reserve within": 104, "Reserve is": 84, "Covered from [rpm]": 130,
+    "Circuit": 170, "Lost [kPa]": 72, "Set [kPa]": 70, "After repair [kPa]": 116, "Decision": 110,
+    "Lands that cost it": 300, "Helps most at": 150, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
 }  # fmt: skip
 HAIR_SPACE = "\u200a"
 
@@ -105,15 +120,20 @@ def _with_place(message: Message) -> str:
 
 
 def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
-    """Show rows with a ``Verdict`` column as sign, word and colour; sorting the column puts the worst first.
+    """Show rows with a ``Verdict`` column as sign, word and colour, a dash where nothing is judged.
+
+    Sorting that column puts the worst first.
 
     A table's text column is sorted by collation, in which a space comes before any sign: the worse a verdict, the
     more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
-    names = [Verdict(name) for name in frame["Verdict"]]
-    frame["Verdict"] = [HAIR_SPACE * verdict.rank + signed(verdict) for verdict in names]
-    style = frame.style.apply(lambda column: [colours(name) for name in names], subset=["Verdict"]).format(
+    words = [name for name in frame if name not in ("Verdict", *digits) and frame[name].dtype == object]
+    frame[words] = frame[words].fillna("–")
+    names = [None if name is None else Verdict(name) for name in frame["Verdict"].astype(object)]
+    frame["Verdict"] = ["–" if each is None else HAIR_SPACE * each.rank + signed(each) for each in names]
+    shades = ["" if each is None else colours(each) for each in names]
+    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format(
         {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
     )
     config = {

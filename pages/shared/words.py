@@ -13,7 +13,8 @@ from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
 from atleak.views.measured_words import measured_sentence
-from atleak.views.sentences import covered_from, replace_at
+from atleak.views.pressures import worst_pressure
+from atleak.views.sentences import because_of, covered_from, replace_at
 from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared.show import plain
@@ -66,9 +67,14 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     if measured is not None:
         head = f"**{signed(diagnosis.verdict)}** because of main pressure: {plain(measured)} {head}"
     elif isinstance(diagnosis.decided_by, Rule):
-        head = f"**{signed(diagnosis.verdict)}** because of the {plain(diagnosis.decided_by.label)}. {head}"
+        because = because_of(diagnosis, diagnosis.decided_by, say) or f"because of the {diagnosis.decided_by.label}."
+        head = f"**{signed(diagnosis.verdict)}** {plain(because)} {head}"
     elif diagnosis.decided_by is not None:
         head += f" Decided by **{plain(land_name(diagnosis, diagnosis.decided_by.key))}**."
+        pressure = worst_pressure(diagnosis)
+        if pressure is not None:
+            because = because_of(diagnosis, pressure, say) or ""
+            head += f" Pressure: **{signed(pressure.verdict)}** {plain(because)}"
     if open_ones:
         head += f" {open_ones} measured on the spool or the sleeve only cannot be called ok."
     several = len(diagnosis.projections) > 1
