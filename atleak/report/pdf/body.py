@@ -142,7 +142,7 @@ class Body:
         yield from self.conditions.matrix()
 
     def _pressures(self, charts: dict[str, str]) -> Iterable[Block]:
-        yield from self.pressures.blocks()
+        yield from self.pressures.blocks(charts)
 
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
