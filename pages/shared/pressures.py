@@ -53,10 +53,12 @@ def section(diagnosis: Diagnosis, plan: RepairPlan) -> None:
 def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show one condition in full; another one is chosen without computing the rest of the page again."""
     say = wording("en")
-    conditions = lowest_first(diagnosis)
-    labels = [each.condition.label for each in conditions]
+    conditions = {each.condition.name: each for each in lowest_first(diagnosis)}
     chosen = st.selectbox(
-        "Pressures in full at", range(len(labels)), format_func=labels.__getitem__, key="pressures-at"
+        "Pressures in full at",
+        list(conditions),
+        format_func=lambda name: conditions[name].condition.label,
+        key=f"pressures-at-{diagnosis.controller.id}",  # another valve body has other conditions
     )
     projection = conditions[chosen]
     at = pressures_at(diagnosis, projection, plan)

@@ -46,7 +46,8 @@ SECTIONS = (
     "provenance",
     "signatures",
 )
-OF_LANDS = ("picture", "flagged", "matrix", "repair_order", "all", "shares", "again")  # that say what was measured
+# those that say what was measured of lands, and what follows from it
+OF_LANDS = ("picture", "flagged", "matrix", "pressures", "repair_order", "all", "shares", "again")
 BARS = 16  # largest number of bars in the chart of shares
 
 
