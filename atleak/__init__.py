@@ -24,8 +24,10 @@ if TYPE_CHECKING:  # for type checkers; `_MODULES` says the same to the interpre
     from atleak.engine.profile import Profile as Profile
     from atleak.engine.profile import find_profile as find_profile
     from atleak.errors import AtleakError as AtleakError
+    from atleak.intake.gauge_table import read_pressure_table as read_pressure_table
     from atleak.intake.readings import read_readings as read_readings
     from atleak.intake.road_test import read_road_test as read_road_test
+    from atleak.pressure_table import PressureTable as PressureTable
     from atleak.readings import Readings as Readings
     from atleak.readings import clearances as clearances
     from atleak.repair import plan_repairs as plan_repairs
@@ -40,6 +42,7 @@ _MODULES = {
     "LeakageModel": "engine.leakage",
     "Limits": "catalogue.limits",
     "PROFILES": "engine.profile",
+    "PressureTable": "pressure_table",
     "Profile": "engine.profile",
     "Readings": "readings",
     "RoadTest": "road_test",
@@ -51,6 +54,7 @@ _MODULES = {
     "load_fluid": "catalogue.fluid",
     "load_limits": "catalogue.limits",
     "plan_repairs": "repair",
+    "read_pressure_table": "intake.gauge_table",
     "read_readings": "intake.readings",
     "read_road_test": "intake.road_test",
 }

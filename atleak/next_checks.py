@@ -27,7 +27,9 @@ class NextCheck:
     values: Mapping[str, str] = field(default_factory=dict)
 
 
-def next_checks(findings: RoadFindings, commanded_limit: float | None) -> tuple[NextCheck, ...]:
+def next_checks(
+    findings: RoadFindings, commanded_limit: float | None, *, gauged: bool = False
+) -> tuple[NextCheck, ...]:
     """Return what to check next, the most telling first.
 
     Parameters
@@ -36,6 +38,8 @@ def next_checks(findings: RoadFindings, commanded_limit: float | None) -> tuple[
         what the log says by itself.
     commanded_limit
         from which difference on [Pa] actual and commanded pressure disagree; None where no limit is set.
+    gauged
+        whether main pressure was gauged on the standing vehicle: then nothing asks for that again.
     """
     permitted = findings.permitted
     low = permitted is not None and permitted.below > 0.0
@@ -43,7 +47,7 @@ def next_checks(findings: RoadFindings, commanded_limit: float | None) -> tuple[
         *(_where_low(permitted) if permitted is not None and low else ()),
         *_against_command(findings, commanded_limit, low=low),
         *(_too_high(permitted) if permitted is not None else ()),
-        *_not_judged(findings),
+        *_not_judged(findings, gauged=gauged),
         *_tests(findings),
         *_temperature(findings),
     ]
@@ -95,11 +99,12 @@ def _too_high(permitted: RoadPressure) -> Iterator[NextCheck]:
         yield NextCheck("above_permitted", "project")
 
 
-def _not_judged(findings: RoadFindings) -> Iterator[NextCheck]:
+def _not_judged(findings: RoadFindings, *, gauged: bool) -> Iterator[NextCheck]:
     """Say what to gauge or to log, where main pressure could not be judged."""
     why = findings.not_judged
-    if why is not None:
-        yield NextCheck(f"{why}_next", "practice" if why in ("no_main_pressure", "not_measured") else "project")
+    to_gauge = why in ("no_main_pressure", "not_measured")
+    if why is not None and not (to_gauge and gauged):
+        yield NextCheck(f"{why}_next", "practice" if to_gauge else "project")
 
 
 def _tests(findings: RoadFindings) -> Iterator[NextCheck]:

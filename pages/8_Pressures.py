@@ -23,7 +23,8 @@ show.gauge_banner(check)
 show.gauges(check)
 st.caption(
     "Permitted: by the valve body's file, for the range or its gear. Expected: what pump and circuits hold by the "
-    "clearances as measured, or when new. Below line: a circuit against what the line's gauge beside it should give it."
+    "clearances as measured, or when new. Below line: a circuit against what the line's gauge beside it should give. "
+    "A dash in place of a verdict: the file says nothing that the reading must reach."
 )
 if check.patterns:
     st.subheader("What the table hints at")

@@ -115,6 +115,7 @@ def add_parser(commands: Any) -> None:
         help="end with status 1 where a land, a total or a pressure is at or past this level",
     )
     add_force(parser)
+    parser.set_defaults(refuse=parser.error)
 
 
 def _profile(text: str) -> str:
@@ -140,7 +141,7 @@ def run(options: argparse.Namespace) -> int:
 
     if options.readings is None and options.road_test is None and options.pressures is None:
         problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
-        raise InputError(problem, expected="READINGS, --road-test LOG or --pressures FILE")
+        options.refuse(f"{problem}; expected READINGS, --road-test LOG or --pressures FILE")
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"

@@ -133,7 +133,8 @@ def _following(
     def set_pressure(balance: Balance) -> Any:
         return np.minimum(line.with_pressures(point, balance.pressures), highest)
 
-    main, before, slope = highest, None, np.inf
+    before: tuple[Any, Any] | None = None
+    main, slope = highest, np.asarray(np.inf)
     plain = lower = set_pressure(balance)
     for _ in range(_STEPS):
         settled = np.abs(main - lower) <= _EXACT * np.maximum(main, 1.0)

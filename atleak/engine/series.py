@@ -259,8 +259,11 @@ class _Log:
     @property
     def ends(self) -> _Log:
         """Return the lowest and highest of every channel but the gear."""
-        channels = (self.main_pressure, self.converter_pressure, self.temperature)
-        return _Log(*(np.array([np.fmin.reduce(each), np.fmax.reduce(each)]) for each in channels), self.gear)
+
+        def of(channel: np.ndarray) -> np.ndarray:
+            return np.array([np.fmin.reduce(channel), np.fmax.reduce(channel)])
+
+        return _Log(of(self.main_pressure), of(self.converter_pressure), of(self.temperature), self.gear)
 
     def sections(self, model: LeakageModel) -> np.ndarray:
         """Return the pressure of every section [Pa], shape (sections, samples): the ends of each for `ends`.

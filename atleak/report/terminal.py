@@ -197,7 +197,7 @@ def _log(diagnosis: Diagnosis, log: RoadFindings) -> Iterator[str]:
     if diagnosis.road is not None:
         new = "" if diagnosis.judged else f"{say('findings.unmeasured')} "
         yield f"  {new}{_road(diagnosis.road, diagnosis.uncertainty)}"
-    checks = check_sentences(log, diagnosis.limits, say)
+    checks = check_sentences(diagnosis, say)
     if checks:
         yield say("findings.check_next")
         yield from (f"  {number}. {check}" for number, check in enumerate(checks, start=1))

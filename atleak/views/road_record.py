@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.engine.extremes import Extremes
@@ -44,7 +44,7 @@ def road_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
         "permissible_pressure_not_judged": log.not_judged,
         "commanded_pressure": _commanded(log),
         "events": [event_record(event) for event in log.events],
-        "check_next": _checks(log, diagnosis.limits),
+        "check_next": _checks(diagnosis),
         **_leakage(road, uncertainty, measured=diagnosis.judged > 0),
         "messages": [message_record(message) for message in (*test.messages, *messages)],
     }
@@ -178,7 +178,7 @@ def event_record(event: Event) -> dict[str, Any]:
     }
 
 
-def _checks(log: RoadFindings, limits: Limits) -> list[dict[str, Any]]:
+def _checks(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     say = wording("en")
     return [
         {
@@ -187,5 +187,5 @@ def _checks(log: RoadFindings, limits: Limits) -> list[dict[str, Any]]:
             "source": check.source,
             "source_text": say(f"check_sources.{check.source}"),
         }
-        for check in checks_of(log, limits)
+        for check in checks_of(diagnosis)
     ]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.limits import RuleKind
+from atleak.diagnosis import Diagnosis
 from atleak.engine.road_pressure import Departure
 from atleak.events import AccelerationTest, Event
 from atleak.next_checks import NextCheck, next_checks
@@ -139,15 +140,18 @@ def log_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
         yield say("findings.counted", events=named)
 
 
-def checks_of(log: RoadFindings, limits: Limits) -> tuple[NextCheck, ...]:
-    """Return what to check next by these limits."""
-    steps = limits.commanded_pressure
-    return next_checks(log, None if steps is None else min(limit for _, limit in steps.levels))
+def checks_of(diagnosis: Diagnosis) -> tuple[NextCheck, ...]:
+    """Return what to check next after the road test; nothing without one."""
+    if diagnosis.log is None:
+        return ()
+    steps = diagnosis.limits.commanded_pressure
+    limit = None if steps is None else min(limit for _, limit in steps.levels)
+    return next_checks(diagnosis.log, limit, gauged=diagnosis.pressures is not None)
 
 
-def check_sentences(log: RoadFindings, limits: Limits, say: Wording) -> list[str]:
+def check_sentences(diagnosis: Diagnosis, say: Wording) -> list[str]:
     """Return what to check next in words, each with where it comes from."""
-    return [f"{check_text(check, say)} ({say(f'check_sources.{check.source}')})" for check in checks_of(log, limits)]
+    return [f"{check_text(check, say)} ({say(f'check_sources.{check.source}')})" for check in checks_of(diagnosis)]
 
 
 def check_text(check: NextCheck, say: Wording) -> str:

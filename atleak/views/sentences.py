@@ -185,3 +185,12 @@ def _interval(interval: tuple[float, float] | None, factor: float, digits: int, 
         return ""
     low, high = (say.number(end * factor, digits) for end in interval)
     return "" if low == high else say(f"held.{words}", low=low, high=high)
+
+
+def shares_add_up(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -> str:
+    """Say that the shares of the lands add up to the total, or what is to be added to them at each condition."""
+    shown = diagnosis.presented
+    if not any(each.other_leakage for each in shown):
+        return say("texts.shares_add_up")
+    others = (f"{say.percent(each.share_of(each.other_leakage))} ({named(each.condition)})" for each in shown)
+    return say("texts.shares_and_others", others=", ".join(others))

@@ -52,10 +52,12 @@ def section(diagnosis: Diagnosis, plan: RepairPlan) -> None:
 def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show one condition in full; another one is chosen without computing the rest of the page again."""
     say = wording("en")
-    conditions = lowest_first(diagnosis)
-    labels = [each.condition.label for each in conditions]
+    conditions = {each.condition.name: each for each in lowest_first(diagnosis)}
     chosen = st.selectbox(
-        "Pressures in full at", range(len(labels)), format_func=labels.__getitem__, key="pressures-at"
+        "Pressures in full at",
+        list(conditions),
+        format_func=lambda name: conditions[name].condition.label,
+        key=f"pressures-at-{diagnosis.controller.id}",  # another valve body has other conditions
     )
     projection = conditions[chosen]
     at = pressures_at(diagnosis, projection, plan)
@@ -70,8 +72,8 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")
     st.caption(
         "The rising line is what the pump supplies; each level line is what leakage, slip and consumers take with "
-        f"fluid of that temperature, at the pressure required at {plain(projection.condition.label)}. From where they cross "
-        "that pressure holds; at any speed the pump's line over the level one is the reserve."
+        f"fluid of that temperature, at the pressure required at {plain(projection.condition.label)}. From where they "
+        "cross that pressure holds; at any speed the pump's line over the level one is the reserve."
     )
     st.markdown("**Where the flow goes**")
     leaks_only = st.toggle("The leaks alone, drawn larger", key="leaks-alone")
@@ -82,8 +84,11 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         "Flows in dm³/min at the pressures that hold; a ribbon is as wide as its flow, shade and sign are verdicts."
     )
     with st.expander("The same as a table"):
-        rows = flow_rows(diagram)
-        show.table([{**row, "Verdict": signed(row["Verdict"]) if row["Verdict"] else None} for row in rows])
+        show.table([{**row, "Verdict": _signed(row["Verdict"])} for row in flow_rows(diagram)])
+
+
+def _signed(verdict: Any) -> str | None:
+    return signed(verdict) if verdict else None
 
 
 def _condition_row(at: PressuresAt) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def findings(diagnosis: Diagnosis, *, said_above: bool = False) -> None:
         with st.expander("Main pressure in each gear and state"):
             show.table(place_rows(log.permitted), number=show.rounded)
             st.caption("Pressure and limit where, for a second on end, it came nearest to the limit or fell below it.")
-    checks = check_sentences(log, diagnosis.limits, say)
+    checks = check_sentences(diagnosis, say)
     if checks:
         st.markdown(f"**{plain(say('findings.check_next'))}**")
         st.markdown("\n".join(f"{number}. {plain(check)}" for number, check in enumerate(checks, start=1)))

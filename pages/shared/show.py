@@ -128,11 +128,9 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
-    words = [
-        name for name in frame.columns.tolist() if name not in ("Verdict", *digits) and frame[name].dtype == object
-    ]
+    words = [str(name) for name in frame if name not in ("Verdict", *digits) and frame[name].dtype == object]
     frame[words] = frame[words].fillna("–")
-    names = [None if name is None else Verdict(name) for name in frame["Verdict"].astype(object)]
+    names = [None if row["Verdict"] is None else Verdict(row["Verdict"]) for row in rows]
     frame["Verdict"] = ["–" if each is None else HAIR_SPACE * each.rank + signed(each) for each in names]
     shades = ["" if each is None else colours(each) for each in names]
     style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format(
@@ -146,13 +144,9 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
 
 
 def gauges(check: PressureCheck) -> None:
-    """Show gauge readings with their verdicts in colour; one that nothing judges stays plain and says so."""
-    readings, frame = check.readings, pd.DataFrame(gauge_rows(check))
-    frame.insert(0, "Verdict", ["not judged" if each.verdict is None else signed(each.verdict) for each in readings])
-    shades = ["" if each.verdict is None else colours(each.verdict) for each in readings]
-    numbers: list[Hashable] = [name for name in frame.columns if pd.api.types.is_float_dtype(frame[name])]
-    style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format("{:z.1f}", subset=numbers, na_rep="–")
-    st.dataframe(style, hide_index=True, width="stretch", height="content", placeholder="–")
+    """Show gauge readings with their verdicts; one that nothing judges has none."""
+    rows = [{"Verdict": each.verdict, **row} for each, row in zip(check.readings, gauge_rows(check), strict=True)]
+    verdict_table(rows, {name: 1 for name in rows[0] if name.endswith("[kPa]") and name != "Permitted [kPa]"})
 
 
 def gauge_banner(check: PressureCheck) -> None:

@@ -257,3 +257,28 @@ def test_a_temperature_is_taken_as_it_was_written(page: Page, text: str, shown: 
     expect(page.get_by_text(re.compile(rf"gear 2, {re.escape(shown)}")).first).to_be_visible()
     wait_until_idle(page)
     assert fold.get_by_test_id("stAlert").count() == 0
+
+
+def gauge(page: Page, cell: str) -> Locator:
+    return page.get_by_role("textbox", name=f"{cell} [kPa]", exact=True)
+
+
+def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page) -> None:
+    to(page, "Pressures")
+    values = {
+        f"{selected}, {engine}": text
+        for selected, texts in {"P": ("400", "", ""), "R": ("650,5", "720", ""), "N": ("405,25", "", "")}.items()
+        for engine, text in zip(("slow idle", "fast idle", "stall"), texts, strict=True)
+    }
+    gauge(page, "P, slow idle").click()
+    for value in values.values():
+        page.keyboard.type(value, delay=60)
+        page.keyboard.press("Tab")
+    gauge(page, "D, slow idle").click()
+    page.keyboard.type("300,5", delay=60)
+    page.wait_for_timeout(500)  # the hand goes from the keyboard to the mouse
+    to(page, "Diagnosis")
+    expect(page.get_by_text("300 kPa where 412 kPa are the least")).to_be_visible()
+    to(page, "Pressures")
+    assert {cell: gauge(page, cell).input_value() for cell in values} == values
+    assert gauge(page, "D, slow idle").input_value() == "300,5"

@@ -104,6 +104,12 @@ def test_what_was_not_judged_says_what_to_gauge_or_to_log(why: NotJudged) -> Non
     assert codes(findings(why)) == [f"{why}_next"]
 
 
+def test_nobody_is_asked_to_gauge_what_was_gauged() -> None:
+    for why in ("no_main_pressure", "not_measured"):
+        assert next_checks(findings(why), LIMIT, gauged=True) == ()
+    assert len(next_checks(findings("no_gear"), LIMIT, gauged=True)) == 1
+
+
 def test_a_cold_log_and_one_without_temperature_are_told() -> None:
     fine = pressure((1, "idle", False))
     assert codes(findings(fine, temperatures=(20.0, 49.0))) == ["warm_up"]

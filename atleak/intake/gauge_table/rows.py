@@ -13,9 +13,17 @@ from atleak.errors import Message, Place, PressureTableError, nearest_name, one_
 from atleak.intake.gauge_table.tables import GaugeTable, table_rows
 from atleak.intake.gauge_table.words import Said, Words, engine_words, is_blank, text_of
 from atleak.intake.sheets.sheet import Cell as SheetCell
+from atleak.intake.sheets.sheet import column_letter
 from atleak.intake.units import Unit, find_unit, unit, unit_names
 from atleak.pressure_table import LINE, Cell, GaugeReading
-from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, WrittenNumber, read_number
+from atleak.written_numbers import (
+    ENGINE_SPEED,
+    TEMPERATURE,
+    AskedNumber,
+    WrittenNumber,
+    possible_values,
+    read_number,
+)
 
 HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this project
 _NUMBER_AND_UNIT = re.compile(r"([\d\s.,+\-−'’]*\d[.,]?)\s*([^\d.,\s+\-−'’].*)", re.DOTALL)
@@ -35,7 +43,7 @@ class Rows:
     problems: list[PressureTableError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     units: dict[str, None] = field(default_factory=dict)
-    _raw: list[tuple[GaugeReading, float | None]] = field(default_factory=list)  # with what counts its repeats
+    taken: list[tuple[GaugeReading, float | None]] = field(default_factory=list)  # with what counts its repeats
 
     def refuse(
         self, problem: str, place: Place, value: object = None, known: Sequence[str] = (), expected: str = ""
@@ -47,12 +55,12 @@ class Rows:
 
     def take(self, reading: GaugeReading, order: float | None) -> None:
         """Take a reading; ``order`` is the number or time that tells it from others of the same cell."""
-        self._raw.append((reading, order))
+        self.taken.append((reading, order))
 
     def count_repeats(self) -> None:
         """Number the readings of each cell; one that is given twice, and that nothing counts, is a problem."""
         by_cell: dict[Cell, list[tuple[GaugeReading, float | None]]] = {}
-        for reading, order in self._raw:
+        for reading, order in self.taken:
             by_cell.setdefault(reading.cell, []).append((reading, order))
         for cell, given in by_cell.items():
             seen: dict[float | None, GaugeReading] = {}
@@ -93,13 +101,13 @@ class _Reader:
 
     def read(self) -> None:
         """Read every row that holds a reading."""
-        before = len(self.rows._raw)
+        before = len(self.rows.taken)
         for row in table_rows(self.table):
             filled = [column for column in self.table.values if self._is_reading(row, column)]
             if filled:
                 self._row(row, filled)
-        self._unknown_columns()
-        if len(self.rows._raw) > before:
+        if len(self.rows.taken) > before:
+            self._unknown_columns()
             self._say_what_was_taken()
 
     def _is_reading(self, row: int, column: int) -> bool:
@@ -266,11 +274,10 @@ class _Reader:
             heading = self.table.headings.get(column)
             if heading is not None and heading.kind not in (None, "aside"):
                 continue
-            held = [row for row in table_rows(self.table) if isinstance(self.sheet.cell(row, column), int | float)]
-            if heading is None or not held:
+            if not any(_is_number(self.sheet.cell(row, column)) for row in table_rows(self.table)):
                 continue
-            if heading.kind == "aside":
-                aside.append(heading.text)
+            if heading is None or heading.kind == "aside":
+                aside.append(column_letter(column) if heading is None else heading.text)
             else:
                 expected = f"{one_of(sorted(known, key=len))}; or 'note' over what is no reading"
                 place = self._place(self.table.row, column)
@@ -288,6 +295,10 @@ class _Reader:
     def _place(self, row: int, column: int | None = None) -> Place:
         heading: Any = self.table.headings.get(column) if column is not None else None
         return self.sheet.place(row, column, heading.text if heading is not None else "")
+
+
+def _is_number(cell: SheetCell) -> bool:
+    return isinstance(cell, int | float) or bool(possible_values(str(cell)))
 
 
 def _split(cell: SheetCell) -> tuple[str, str]:

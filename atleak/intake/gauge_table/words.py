@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
@@ -229,11 +229,6 @@ def _without_unit(text: str) -> tuple[str, Unit | None, str | None, str | None]:
     if unit is not None:
         return " ".join(parts), unit, "pressure", None
     return text, None, None, None
-
-
-def column_words(kind: str) -> Iterable[str]:
-    """Return words under which a column of that kind is understood, the usual ones first."""
-    return _vocabulary()["column"][kind]
 
 
 def engine_words() -> list[str]:

@@ -26,6 +26,7 @@ from atleak.report.pdf.body import BARS, Body, chosen_sections
 from atleak.report.pdf.boxes import BOX_FONT, box_font
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.pictures import write_pictures
+from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.printed_charts import FONTS, Bar, glyphs, road_chart, shares_chart
 from atleak.system.marks import KEYWORD
@@ -144,6 +145,8 @@ def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[s
     if "shares" in chosen and at.leakage > 0.0 and at.pump_capacity > 0.0:
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
         charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
+    if "pressures" in chosen and diagnosis.profile.circuits == "on":
+        charts |= Pressures(names).drawings()
     if series is not None:
         marks = [
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)

@@ -46,7 +46,8 @@ SECTIONS = (
     "provenance",
     "signatures",
 )
-OF_LANDS = ("picture", "flagged", "matrix", "repair_order", "all", "shares", "again")  # that say what was measured
+# those that say what was measured of lands, and what follows from it
+OF_LANDS = ("picture", "flagged", "matrix", "pressures", "repair_order", "all", "shares", "again")
 BARS = 16  # largest number of bars in the chart of shares
 
 
@@ -141,7 +142,7 @@ class Body:
         yield from self.conditions.matrix()
 
     def _pressures(self, charts: dict[str, str]) -> Iterable[Block]:
-        yield from self.pressures.blocks()
+        yield from self.pressures.blocks(charts)
 
     def _again(self, charts: dict[str, str]) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""

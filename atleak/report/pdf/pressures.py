@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from typing import Any
 
+from atleak.repair import plan_repairs
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.views.pressures import HeldPressure, PressuresAt, pressures_at
-from atleak.workshop_units import KPA
+from atleak.report.printed_charts import pressures_chart, pump_chart
+from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
+from atleak.views.flow_svg import flow_svg
+from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
+from atleak.views.pump_speed import PumpOverSpeed, pump_over_speed
+from atleak.views.sentences import circuit_sentence
+from atleak.workshop_units import KPA, RPM
 
+_DRAWN = 6  # lands drawn by themselves where the flow goes
 _LANDS = 4  # named as causes of one circuit's loss
 _SHOWS = 0.5  # [kPa] that a whole number shows
 
@@ -20,19 +28,86 @@ class Pressures:
     def __init__(self, names: PrintedNames) -> None:
         self.names, self.diagnosis, self.say = names, names.diagnosis, names.say
 
-    def blocks(self) -> Iterable[Block]:
-        """Return the line and the pump at every condition, then the circuits of each."""
+    @cached_property
+    def conditions(self) -> list[PressuresAt]:
+        """Return reserve and pressures at every condition, also as the planned repairs leave them."""
+        plan = plan_repairs(self.diagnosis)
+        return [pressures_at(self.diagnosis, each, plan) for each in self.diagnosis.presented]
+
+    @cached_property
+    def lowest(self) -> PressuresAt:
+        """Return those at the condition at which a pressure or the reserve is judged worst."""
+        first = lowest_first(self.diagnosis)[0]
+        return next(each for each in self.conditions if each.projection is first)
+
+    @cached_property
+    def _speeds(self) -> PumpOverSpeed:
+        return pump_over_speed(self.diagnosis, self.lowest.projection)
+
+    @cached_property
+    def _flows(self) -> FlowDiagram:
+        return flow_diagram(self.diagnosis, self.lowest.projection, leaks_only=True, lands=_DRAWN, say=self.say)
+
+    # --- drawings
+
+    def drawings(self) -> dict[str, str]:
+        """Return every drawing of the section as SVG, by name."""
+        say, drawn = self.say, {"pump": pump_chart(self._speeds, self.say)}
+        if self.diagnosis.controller.circuits:
+            drawn["pressures"] = pressures_chart(self.lowest, say)
+            drawn["flows"] = flow_svg(self._flows, self._flows_in_words(), say)
+        return drawn
+
+    def _drawing(self, charts: dict[str, str], name: str, words: str) -> Block:
+        """Return a drawing with its caption and, for a screen reader, its words; an empty block without it."""
+        if name not in charts:
+            return {}
+        caption = self.say(f"charts.caption_{name}", condition=self._condition(self.lowest))
+        return {"kind": "image", "file": charts[name], "alt": f"{caption} {words}", "caption": caption}
+
+    def _crossings_in_words(self) -> str:
         say = self.say
-        conditions = [pressures_at(self.diagnosis, each) for each in self.diagnosis.presented]
+        crossings = []
+        for each in self._speeds.demands:
+            taken = say("charts.taken_at", temperature=say.plain(each.temperature))
+            speed = say.number(each.crossing * RPM, 0)
+            crossings.append(f"{taken}: {self.names.flow_with_unit(each.flow)}, {speed} 1/min")
+        return f"{joined(crossings, '; ')}."
+
+    def _pressures_in_words(self) -> str:
+        held = (circuit_sentence(self.diagnosis, each, self.say) for each in self.lowest.applied)
+        return f"{joined(held, '. ')}."
+
+    def _flows_in_words(self) -> str:
+        say, places = self.say, self._flows.places
+        flows = (
+            say(
+                "flows.flow",
+                source=places[each.source].name,
+                target=places[each.target].name,
+                flow=flow_words(each.flow, say),
+            )
+            for each in self._flows.flows
+        )
+        return say("flows.alt", flows=f"{joined(flows, '; ')}.")
+
+    # --- the section
+
+    def blocks(self, charts: dict[str, str]) -> Iterable[Block]:
+        """Return the line and the pump at every condition, where the flow goes, then the circuits of each condition."""
+        say, conditions = self.say, self.conditions
         solved = self.diagnosis.profile.circuits == "on"
         if solved:
             yield self._line(conditions)
         yield self._pump(conditions)
         yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
+        yield self._drawing(charts, "pump", self._crossings_in_words())
         if solved and self.diagnosis.controller.circuits:
             for at in conditions:
                 yield from self._circuits(at)
             yield text(say("texts.circuits"), small=True)
+            yield self._drawing(charts, "pressures", self._pressures_in_words())
+            yield self._drawing(charts, "flows", self._flows_in_words())
 
     def _condition(self, at: PressuresAt) -> str:
         return self.names.condition(at.projection.condition)
@@ -50,9 +125,16 @@ class Pressures:
             return "–"
         return {"sign": each.verdict, "text": self.say.level(each.verdict)}
 
+    def _repaired(self, pressure: Callable[[Any], float | None], items: Iterable[Any]) -> list[PrintedColumn]:
+        """Return the column with what is held after the planned repairs, where any are planned."""
+        if all(pressure(each) is None for each in items):
+            return []
+        name = self.names.column("held_repaired")
+        return [PrintedColumn(name, lambda each: self._kpa(pressure(each)), "kPa", side="r")]
+
     # --- the line and the pump
 
-    def _line(self, conditions: Iterable[PressuresAt]) -> Block:
+    def _line(self, conditions: Sequence[PressuresAt]) -> Block:
         column = self.names.column
         return table(
             [
@@ -60,6 +142,7 @@ class Pressures:
                 PrintedColumn(column("required"), self._required, "kPa", side="r"),
                 PrintedColumn(column("held"), lambda at: self._held(at.line), "kPa", side="r"),
                 PrintedColumn(column("held_new"), lambda at: self._kpa(at.line.new), "kPa", side="r"),
+                *self._repaired(lambda at: at.line.repaired, conditions),
                 PrintedColumn(column("permissible"), self._permissible, "kPa", side="r"),
                 PrintedColumn(column("verdict"), lambda at: self._verdict(at.line)),
                 PrintedColumn(column("decision"), lambda at: self._decision(at.line.decided)),
@@ -80,7 +163,7 @@ class Pressures:
             return self.say("texts.at_least_kpa", low=self._kpa(low))
         return "–" if high is None else self.say("texts.at_most_kpa", high=self._kpa(high))
 
-    def _pump(self, conditions: Iterable[PressuresAt]) -> Block:
+    def _pump(self, conditions: Sequence[PressuresAt]) -> Block:
         column, flow, say = self.names.column, self.names.flow, self.say
 
         def reserve(at: PressuresAt) -> str:
@@ -98,6 +181,9 @@ class Pressures:
             PrintedColumn(column("reserve"), reserve, side="r"),
             PrintedColumn(column("reserve_new"), lambda at: say.number(at.reserve_new, 2), side="r"),
         ]
+        if any(at.reserve_repaired is not None for at in conditions):
+            name = column("reserve_repaired")
+            columns.append(PrintedColumn(name, lambda at: say.number(at.reserve_repaired, 2), side="r"))
         if any(at.reserve_rule is not None for at in conditions):
             columns.append(PrintedColumn(column("band"), self._reserve_band))
             columns.append(PrintedColumn(column("decision"), lambda at: self._decision(at.reserve_decided)))
@@ -120,6 +206,7 @@ class Pressures:
                 PrintedColumn(column("circuit"), lambda each: self.names.section(each.id), width=3),
                 PrintedColumn(column("held"), self._held, "kPa", side="r"),
                 PrintedColumn(column("held_new"), lambda each: self._kpa(each.new), "kPa", side="r"),
+                *self._repaired(lambda each: each.repaired, applied),
                 PrintedColumn(column("set_pressure"), lambda each: self._kpa(each.set_pressure), "kPa", side="r"),
                 PrintedColumn(column("lost"), lambda each: self._kpa(each.loss), "kPa", side="r"),
                 PrintedColumn(column("verdict"), self._verdict),

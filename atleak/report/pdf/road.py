@@ -46,7 +46,7 @@ class RoadTestSection:
         yield from (text(each) for each in pressure_sentences(log, say))
         yield self._places(log)
         yield from (text(each) for each in (*test_sentences(log, say), *log_sentences(log, say)))
-        checks = check_sentences(log, self.diagnosis.limits, say)
+        checks = check_sentences(self.diagnosis, say)
         if checks:
             yield text(say("findings.check_next"))
             yield {"kind": "list", "items": checks}

@@ -22,8 +22,8 @@ from atleak.workshop_units import DM3_MIN, KPA
 
 _SHEET = "Circuits"
 _HEADINGS = {
-    "condition": ("condition", 26),
-    "circuit": ("circuit", 14),
+    "condition": ("condition", 34),
+    "circuit": ("circuit", 22),
     "name": ("name", 30),
     "held": ("pressure held, as issued [kPa]", 13),
     "low": ("low, as issued [kPa]", 12),
@@ -31,8 +31,8 @@ _HEADINGS = {
     "new": ("pressure held when new, as issued [kPa]", 13),
     "set": ("set pressure, as issued [kPa]", 13),
     "loss": ("lost against new [kPa]", 12),
-    "verdict": ("verdict", 15),
-    "decision": ("decision as issued", 16),
+    "verdict": ("verdict", 20),
+    "decision": ("decision as issued", 18),
     "feed": ("through its feeds, as issued [dm³/min]", 13),
     "relief": ("relieved to the sump, as issued [dm³/min]", 13),
     "required": ("pressure at the required main pressure, as issued [kPa]", 15),
@@ -42,7 +42,8 @@ _HEADINGS = {
 _COLUMN = {key: number for number, key in enumerate(_HEADINGS)}
 _NOTE = (
     "Pressures are solved, not followed by the sheet: a changed reading changes gaps and flows at the pressures that "
-    "stand here. Gaps leak at the required main pressure, circuits hold what the main pressure held allows."
+    "stand here. Gaps leak at the required main pressure, circuits hold what the main pressure held allows. "
+    "The verdict goes by the loss against new pairs as wide as these may have been, given their readings: see Rules."
 )
 _LINE_NAME, _VENTED = "main pressure (the line)", "vented in this gear"
 

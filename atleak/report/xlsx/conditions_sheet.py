@@ -72,7 +72,7 @@ class ConditionsSheet:
         """Write every quantity of every condition; the gaps use each by its name."""
         fluid = self.diagnosis.fluid
         book.headings(sheet, 0, ["quantity", "unit", *(at.projection.condition.label for at in self.conditions)])
-        sheet.set_column(0, 0, 44)
+        sheet.set_column(0, 0, 62)
         sheet.set_column(1, 1, 12)
         sheet.set_column(2, 2 + len(self.conditions), 26)
         for column, at in enumerate(self.conditions, start=2):

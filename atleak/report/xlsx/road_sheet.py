@@ -53,7 +53,7 @@ class RoadSheets:
         say, log = wording("en"), self.log
         for sentence in (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say)):
             row = put_text(sheet, row, 0, sentence) + 1
-        checks = check_sentences(log, self.diagnosis.limits, say)
+        checks = check_sentences(self.diagnosis, say)
         if checks:
             put(sheet, row, 0, say("findings.check_next"), self.book.bold)
             for number, check in enumerate(checks, start=1):

@@ -21,7 +21,7 @@ SmallSheet = Callable[..., Path]
 Process = Callable[..., subprocess.CompletedProcess[bytes]]
 
 
-@pytest.mark.parametrize("arguments", [[], ["foo"], ["diagnose"], ["template"]])
+@pytest.mark.parametrize("arguments", [[], ["foo"], ["template"], ["diagnose", "--rpm", "x"]])
 def test_faults_of_usage_end_with_2(run: Run, arguments: list[str]) -> None:
     status, out, err = run(*arguments)
     assert (status, out) == (2, "")

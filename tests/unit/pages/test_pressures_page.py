@@ -33,7 +33,7 @@ def test_a_decimal_comma_is_read_and_survives_leaving_the_page(page: AppTest) ->
     assert not page.exception
     (row,) = shown(page)
     assert (row["Range"], row["State"], row["Gauge [kPa]"]) == ("D", "slow idle", pytest.approx(380.5, abs=1e-9))
-    assert row["Verdict"] == "▲ watch"
+    assert row["Verdict"].strip() == "▲ watch"
     assert "main pressure below the permissible" in texts(page).replace("\\", "")
     go(page, "2_Readings")
     go(page, PAGE)

@@ -18,7 +18,9 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.report.pdf import write_pdf
+from atleak.job.record import Job
+from atleak.paper import find_paper
+from atleak.report.pdf import report_data, write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.rules import Rule
 from atleak.verdicts import Band, Verdict
@@ -247,7 +249,9 @@ def test_libreoffice_gives_what_atleak_gives(unit: Unit, clearances: LAND, recal
 def test_the_total_is_made_of_gaps_rings_and_what_circuits_relieve(unit: Unit) -> None:
     found = unit(TOO_MUCH)
     projection, rows = found.projection, values(write_workbook(found))
-    assert projection.relieved * 6e4 == pytest.approx(rows["relieved to the sump by circuits, as issued"][0], rel=1e-12)
+    assert projection.relieved * 6e4 == pytest.approx(
+        rows["relieved to the sump by circuits, as issued"][0], rel=1e-12, abs=0.0
+    )
     assert rows["leak: rings"][0] == pytest.approx(projection.leaks[0].flow * 6e4, rel=1e-12, abs=0.0)
     assert rows["leak: check ball"][0] == 0.0  # not in first gear
     drawn = sum(gap.leakage for gap in projection.gaps if gap.drawn_from_pump)
@@ -274,7 +278,7 @@ def test_flows_follow_a_changed_pressure_of_a_circuit(unit: Unit, calculator: An
     flow = f"{heads['leakage q [mm³/s], spools concentric']}{row}"
     before, pressure = sheets.value("Gaps", flow), sheets.value(place, address)
     sheets.set(place, address.replace("$", ""), pressure * 2.0)
-    assert sheets.value("Gaps", flow) == pytest.approx(2.0 * before, rel=0.05)  # but for the entry loss
+    assert sheets.value("Gaps", flow) == pytest.approx(2.0 * before, rel=0.05, abs=0.0)  # but for the entry loss
     assert "not followed by the sheet" in str(list(sheets.book["Circuits"].values)[-1][0])
 
 
@@ -341,7 +345,7 @@ def test_every_circuit_stands_with_its_pressures_verdict_and_causes(unit: Unit, 
     causes = found.losses_at(at)["clutch_1"]
     said = "; ".join(f"{component}/{land} {loss / 1e3:.1f} kPa" for (component, land), loss in causes.items())
     assert row["what a land costs it (with that land new), as issued"] == (
-        said or pytest.approx(float("nan"), nan_ok=True)
+        said or pytest.approx(float("nan"), abs=0.0, nan_ok=True)
     )
 
 
@@ -353,7 +357,7 @@ def test_without_circuits_the_line_and_the_reserve_stand_among_the_conditions(wo
         [at.main_pressure_held / 1e3 for at in shown], abs=1e-9
     )
     reserve = "reserve of the pump: supply / (leakage + slip + consumers)"
-    assert rows[reserve] == pytest.approx([at.reserve for at in shown], rel=1e-9)
+    assert rows[reserve] == pytest.approx([at.reserve for at in shown], rel=1e-9, abs=0.0)
     assert rows["consumers (the valve body's file states none)"] == [0.0] * len(shown)
 
 
@@ -531,3 +535,33 @@ def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
     issued = sheets.book["Summary"]["B3"].value
     assert issued.startswith(f"{signed(found.verdict)} because of ")
     assert [number for number in numbers if f"{number:g}" not in issued] == []
+
+
+# --- drawings
+
+
+def printed(found: Diagnosis, language: str = "en") -> dict[str, Any]:
+    """What the template is given of the section on pressures."""
+    return report_data(found, Job(), wording(language), find_paper("a4"), ("pressures",), {})
+
+
+@pytest.mark.parametrize("language", languages())
+def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None:
+    found, say = unit(TOO_MUCH), wording(language)
+    (section,) = printed(found, language)["sections"]
+    drawn = {block["file"]: block["alt"] for block in section["blocks"] if block["kind"] == "image"}
+    assert set(drawn) == {"pump", "pressures", "flows"}
+    at = found.projection  # at which the line falls
+    assert f"{say.number(at.minimum_speed * 60.0, 0)} 1/min" in drawn["pump"]
+    for state in at.circuits:
+        if not state.vented:
+            assert f"{state.circuit.name} " in drawn["pressures"]
+            assert say.number(state.pressure / 1e3, 0) in drawn["pressures"]
+            assert state.circuit.name in drawn["flows"]
+
+
+def test_without_circuits_only_the_pump_is_drawn_and_nothing_where_pressures_are_given(
+    unit: Unit, worn: Diagnosis
+) -> None:
+    assert set(printed(worn)["charts"]) == {"pump"}
+    assert printed(unit(WORN, profile=PAPER))["charts"] == {}

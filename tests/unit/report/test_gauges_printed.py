@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from pathlib import Path
 
 import openpyxl
 import pandas as pd
@@ -15,6 +16,7 @@ from atleak.job.case import Case, SourceFile
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.gauges_sheet import SHEET
+from atleak.report.xlsx.live_cells import RANKED
 from atleak.wording import languages, wording
 
 TABLE = """range;tap;slow idle [kPa];fast idle 1500 rpm [kPa]
@@ -73,3 +75,33 @@ def test_a_job_without_gauges_has_neither_sheet_nor_section() -> None:
     assert SHEET not in openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis))).sheetnames
     text = text_of(write_pdf(diagnosis, sections=["gauges", "signatures"]))
     assert wording("en")("sections.gauges") not in text
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_job_of_gauges_alone_says_what_they_decided_and_nothing_of_lands(gauged: Diagnosis, language: str) -> None:
+    say, text = wording(language), " ".join(text_of(write_pdf(gauged, language=language)).split())
+    assert say("findings.alone") in text
+    assert say("sections.gauges") in text
+    for section in ("flagged", "matrix", "pressures", "repair_order", "all"):
+        assert say(f"sections.{section}") not in text
+    assert say.level(gauged.verdict).capitalize() in text
+    names = openpyxl.load_workbook(io.BytesIO(write_workbook(gauged))).sheetnames
+    assert names == ["Summary", SHEET, "Messages", "Provenance"]
+
+
+@pytest.mark.parametrize(("drive", "verdict"), [(450.0, "■ replace"), (200.0, "✖ critical")])
+def test_the_workbooks_verdict_counts_what_gauges_showed(sample_readings: Path, drive: float, verdict: str) -> None:
+    gauges = SourceFile("gauges.csv", f"range;slow idle [kPa]\nD;{drive}\n".encode())
+    diagnosis = Case(readings=SourceFile.at(sample_readings), pressures=gauges).diagnose()
+    content = write_workbook(diagnosis)
+    summary = openpyxl.load_workbook(io.BytesIO(content))["Summary"]
+    assert openpyxl.load_workbook(io.BytesIO(content), data_only=True)["Summary"]["B2"].value == verdict
+    assert f",{1 + RANKED.index(diagnosis.pressures.verdict)})" in summary["B2"].value
+    if drive == 200.0:
+        assert "Gauge at the line, D, slow idle: 200 kPa where 412 kPa are the least" in summary["B3"].value
+
+
+def test_gauges_that_are_within_say_so(sample_readings: Path) -> None:
+    gauges = SourceFile("gauges.csv", b"range;slow idle [kPa]\nD;450\nP;400\n")
+    text = " ".join(text_of(write_pdf(Case(pressures=gauges).diagnose(), sections=[])).split())
+    assert "1 of 2 gauge readings can be judged; none has reached a limit." in text

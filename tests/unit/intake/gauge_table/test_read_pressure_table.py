@@ -217,6 +217,20 @@ def test_a_column_of_numbers_under_a_heading_that_means_nothing_is_refused(unit:
     data = workbook(("P", [["range", "stall [kPa]", "clutch C9 [kPa]"], ["D", 1100, 900]]))
     error = refused(data, unit)
     assert (error.value, error.place.column) == ("clutch C9 [kPa]", "C")
+    of_text = refused("range;stall [kPa];clutch C9 [kPa]\nD;1100;900,5\n", unit)
+    assert (of_text.value, of_text.place.row) == ("clutch C9 [kPa]", 1)
+
+
+def test_a_column_of_words_says_nothing_and_one_without_a_heading_is_named(unit: Controller) -> None:
+    table = read("range;stall [kPa];mechanic;\nD;1100;J. B.;17\n", unit)
+    assert kpa(table) == {("D", "stall", LINE): 1100.0}
+    (aside,) = [message.text for message in table.messages if message.code == "column_aside"]
+    assert aside.endswith("'D'")
+
+
+def test_an_empty_table_with_other_numbers_refuses_no_measuring_sheet(four_speed, sample_readings: Path) -> None:
+    rows = [["range", "slow idle [kPa]", "mileage"], ["D", None, 120000]]
+    assert read_readings(with_tab(sample_readings.read_bytes(), rows), four_speed).pressures is None
 
 
 def test_all_problems_are_listed_at_once(unit: Controller) -> None:
