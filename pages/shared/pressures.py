@@ -30,7 +30,7 @@ DIGITS = {
     "Flow [dm³/min]": 4,
 }
 
-_COLUMN = 165  # pixels of the drawing of flows, at which its words can be read
+_COLUMN = 135  # pixels of the drawing of flows, at which its words can be read
 
 
 def section(diagnosis: Diagnosis, plan: RepairPlan) -> None:
