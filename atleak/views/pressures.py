@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
@@ -59,9 +59,10 @@ class HeldPressure:
 
     @property
     def costly(self) -> tuple[tuple[LandKey, float], ...]:
-        """Return the lands that cost it most of what it lost, the costliest first."""
-        least = _WORTH_A_LOOK * self.loss
-        return tuple((key, loss) for key, loss in self.causes.items() if loss > 0.0 and loss >= least)
+        """Return the lands that cost it most of what it lost, or raise it most where it rose, the worst first [Pa]."""
+        least = _WORTH_A_LOOK * abs(self.loss)
+        same = ((key, loss) for key, loss in self.causes.items() if loss * self.loss > 0.0 and abs(loss) >= least)
+        return tuple(sorted(same, key=lambda cause: -abs(cause[1])))
 
 
 _WORTH_A_LOOK = 0.1  # part of a loss, or of a leakage more than new, that one land is behind: choice of this project
@@ -102,13 +103,13 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
     if plan is not None and plan.steps:
         end = next(each for each in plan.ends if each.condition == projection.condition)
     after: Mapping[str, float] = {} if end is None else end.pressures
-    rules = diagnosis.pressure_rules_at(projection)
-    reserve = _rule(rules, RuleKind.RESERVE)
-    permissible = _rule(rules, RuleKind.PERMISSIBLE_PRESSURE)
+    reserve, permissible = (
+        diagnosis.pressure_rule(projection, kind) for kind in (RuleKind.RESERVE, RuleKind.PERMISSIBLE_PRESSURE)
+    )
 
     def circuit(state: CircuitState) -> HeldPressure:
         circuit = state.circuit
-        rule = _rule(rules, RuleKind.CIRCUIT_LOSS, circuit)
+        rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
         return HeldPressure(
             circuit=circuit,
             now=state.pressure,
@@ -182,7 +183,3 @@ def lowest_first(diagnosis: Diagnosis) -> tuple[Projection, ...]:
         return max(map(_badness, diagnosis.pressure_rules_at(projection)), default=(-1.0, 0.0))
 
     return tuple(sorted(diagnosis.presented, key=badness, reverse=True))
-
-
-def _rule(rules: Collection[Rule], kind: RuleKind, circuit: Circuit | None = None) -> Rule | None:
-    return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)

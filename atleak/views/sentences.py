@@ -142,9 +142,8 @@ def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> 
     )
     words = [] if held.verdict is None else [say.signed(held.verdict)]
     if held.verdict is not None and held.verdict.flagged:
-        words += [
-            say("held.costs", land=land_in_words(diagnosis, key), loss=_kpa(loss, say)) for key, loss in held.costly
-        ]
+        kind = "held.costs" if held.loss > 0.0 else "held.raises"
+        words += [say(kind, land=land_in_words(diagnosis, key), loss=_kpa(abs(loss), say)) for key, loss in held.costly]
     return f"{sentence}: {'; '.join(words)}" if words else sentence
 
 

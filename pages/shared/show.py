@@ -58,7 +58,7 @@ HELP = {
     "After repair [kPa]": "with the whole order of repair carried out",
     "Set [kPa]": "what the circuit's regulator is set to; of main pressure, what is required",
     "Reserve": "pump supply / (leakage + slip + consumers) at the required pressure",
-    "Lands that cost it": "what it would gain with that land alone new",
+    "Lands that cost it": "what it would gain with that land alone new; negative where that land raises it",
     "Reserve within": "95 % interval of the reserve",
     "Permissible [kPa]": "main pressure that the valve body's file permits in this gear and state",
     "Covered from [rpm]": "lowest engine speed at which the pump covers leakage, slip and consumers",

@@ -171,6 +171,17 @@ def test_a_circuit_whose_pressure_rises_says_so(worn_clutch: Diagnosis) -> None:
     assert said.startswith("because of the pressure gained by clutch C1 at “hot idle”: 600 instead of 471 kPa")
 
 
+def test_the_lands_that_raise_a_circuit_are_named_where_it_rose(worn_clutch: Diagnosis) -> None:
+    at = pressures_at(worn_clutch, worn_clutch.hot_idle)
+    clutch = next(each for each in at.circuits if each.id == "clutch_c1")
+    causes = {("2", 1): 30e3, ("1", 2): -20e3, ("2", 2): -90e3, ("3", 1): -1e3}
+    risen = replace(clutch, now=clutch.new + 110e3, causes=causes)
+    assert [key for key, _ in risen.costly] == [("2", 2), ("1", 2)]
+    said = plainly(circuit_sentence(worn_clutch, risen, SAY))
+    assert said.endswith("2/2 valve of clutch C1 raises it by 90 kPa; 1/2 pressure regulator raises it by 20 kPa")
+    assert [key for key, _ in replace(risen, now=clutch.new - 40e3).costly] == [("2", 1)]
+
+
 def test_other_rules_are_left_to_others(worn_clutch: Diagnosis) -> None:
     assert because_of(worn_clutch, worn_clutch.total_rules[0], SAY) is None
 
