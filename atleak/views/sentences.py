@@ -97,15 +97,18 @@ def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) ->
     line, point = at.line, at.projection.condition
     falls = at.projection.pressure_falls
     sentence = say(
-        "held.line_falls" if falls else "held.line_holds",
+        f"held.line_{'given' if not at.solved else 'falls' if falls else 'holds'}",
         condition=named(point),
         required=_kpa(point.main_pressure, say),
         held=_kpa(line.now, say),
         new=_kpa(line.new, say),
         interval=_interval(line.interval, KPA, 0, say, "interval"),
     )
-    permitted = permissible_words(line, say)
-    return f"{sentence} {permitted}" if permitted else sentence
+    parts = [sentence]
+    if falls and at.projection.reserve >= 1.0 and at.followed is not None and at.followed.circuit is not None:
+        held, new = _kpa(at.followed.now, say), _kpa(at.followed.new, say)
+        parts.append(say("held.follows", circuit=at.followed.circuit.name, held=held, new=new))
+    return " ".join(filter(None, (*parts, permissible_words(line, say))))
 
 
 def permissible_words(line: HeldPressure, say: Wording) -> str:
