@@ -294,23 +294,26 @@ def read_circuits(tables: Sequence[CircuitTable], reading: Reading) -> tuple[Cir
 
 
 def _refuse_circles(circuits: Sequence[Circuit], path: Path) -> None:
-    """Refuse set pressures that follow one another in a circle."""
+    """Refuse set pressures that follow one another in a circle, and circuits that feed one another in one."""
     follows = {
-        circuit.id: circuit.set_pressure.following.section
+        circuit.id: {circuit.set_pressure.following.section}
         for circuit in circuits
         if circuit.set_pressure is not None and circuit.set_pressure.following is not None
     }
-    for number, circuit in enumerate(circuits, start=1):
-        seen, at = {circuit.id}, follows.get(circuit.id)
-        while at is not None and at not in seen:
-            seen.add(at)
-            at = follows.get(at)
-        if at == circuit.id:
-            where = f"circuits[{number}] ({circuit.id})"
-            problem = "a set pressure that follows itself"
-            raise catalogue_error(
-                path, where, "set_kpa", problem, value=follows[circuit.id], expected="another circuit"
-            )
+    fed = {circuit.id: {feed.source for feed in circuit.feeds} for circuit in circuits}
+    for key, leads, problem in (
+        ("set_kpa", follows, "a set pressure that follows itself"),
+        ("feeds", fed, "circuits that feed one another in a circle"),
+    ):
+        for number, circuit in enumerate(circuits, start=1):
+            before: set[str] = set()
+            next_ones = leads.get(circuit.id, set())
+            while next_ones:
+                before |= next_ones
+                next_ones = {other for one in next_ones for other in leads.get(one, ())} - before
+            if circuit.id in before:
+                where, value = f"circuits[{number}] ({circuit.id})", ", ".join(sorted(leads[circuit.id]))
+                raise catalogue_error(path, where, key, problem, value=value, expected="another circuit")
 
 
 def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...]:

@@ -271,6 +271,35 @@ class _Columns:
         """Return the pressure of a circuit [Pa]."""
         return self.pressures[number]
 
+    def drops(self, count: int) -> tuple[np.ndarray, list[tuple[int, np.ndarray]]]:
+        """Return the pressure drops of the first branches [Pa], and where they would let something back but may not."""
+        structure = self.structure
+        drops = self.pressures[structure.high[:count]]
+        drops -= self.pressures[structure.low[:count]]
+        for number, high, low, constant in structure.shares:
+            upper, lower = structure.ends[number]
+            drops[number] = self.pressures[upper] * high - self.pressures[lower] * low - constant
+        backwards = []
+        for number in structure.one_way:
+            if not drops[number].min(initial=0.0) >= 0.0:
+                backwards.append((number, drops[number] >= 0.0))
+                np.maximum(drops[number], 0.0, out=drops[number])
+        return drops, backwards
+
+    def flows(self, drops: np.ndarray) -> np.ndarray:
+        """Return what the first branches let through [m³/s], as many as have a drop."""
+        gaps, orifices, last = self.structure.gaps, self.orifices, len(drops) - self.structure.gaps
+        flows = np.empty_like(drops)
+        flows[:gaps] = self.gaps.flow(drops[:gaps])
+        flows[gaps:] = Orifice(orifices.coefficient[:last], orifices.transition[:last]).flow(drops[gaps:])
+        return flows
+
+    def slopes(self, drops: np.ndarray) -> np.ndarray:
+        """Return how steeply the flow of every branch rises [m³/(s Pa)]."""
+        gaps, slopes = self.structure.gaps, np.empty_like(drops)
+        slopes[:gaps], slopes[gaps:] = self.gaps.slope(drops[:gaps]), self.orifices.slope(drops[gaps:])
+        return slopes
+
     @cached_property
     def line(self) -> np.ndarray:
         """Return the line's pressure [Pa]."""
@@ -315,14 +344,16 @@ class _Columns:
         This is the closed form of `atleak.equations.orifice.fed_pressure_turbulent`; the leaks count with what they let
         through per pascal at the highest pressure.
         """
-        structure, state = self.structure, _State(self)
+        structure = self.structure
+        drops, _ = self.drops(structure.others)
+        flows = self.flows(drops)
         for number, feeds in enumerate(structure.feeds):
             if not feeds or not structure.network.solves:
                 continue
             coefficient = sum(self.orifices.coefficient[feed - structure.gaps] for feed in feeds)
             source = self.pressures[[structure.ends[feed][0] for feed in feeds]].max(axis=0)
             before = self.pressures[number]
-            leak = np.maximum(state.needs[number].value, 0.0) / np.where(before > 0.0, before, np.inf)
+            leak = np.maximum(_added(structure.sums[number], flows), 0.0) / np.where(before > 0.0, before, np.inf)
             near = orifice_equations.fed_pressure_turbulent(source, coefficient, leak)
             limit = self.limit(number)
             self.pressures[number] = np.minimum(near if limit is None else np.minimum(near, limit.value), self.top)
@@ -340,19 +371,8 @@ class _State:
 
     def __init__(self, columns: _Columns, *, chords: bool = False) -> None:
         structure = columns.structure
-        drops = columns.pressures[structure.high]
-        drops -= columns.pressures[structure.low]
-        for number, high, low, constant in structure.shares:
-            upper, lower = structure.ends[number]
-            drops[number] = columns.pressures[upper] * high - columns.pressures[lower] * low - constant
-        backwards = []
-        for number in structure.one_way:
-            if not drops[number].min(initial=0.0) >= 0.0:
-                backwards.append((number, drops[number] >= 0.0))
-                np.maximum(drops[number], 0.0, out=drops[number])
-        flows, slopes = np.empty_like(drops), np.empty_like(drops)
-        for part, kind in ((slice(structure.gaps), columns.gaps), (slice(structure.gaps, None), columns.orifices)):
-            flows[part], slopes[part] = kind.flow(drops[part]), kind.slope(drops[part])
+        drops, backwards = columns.drops(len(structure.branches))
+        flows, slopes = columns.flows(drops), columns.slopes(drops)
         if chords:
             np.divide(flows, drops, out=slopes, where=drops != 0.0)
         for number, forward in backwards:

@@ -55,13 +55,14 @@ class Network:
 
     @cached_property
     def applied(self) -> tuple[Circuit, ...]:
-        """Return the other circuits, each behind those that feed it or that its set pressure follows."""
+        """Return the others, each behind those that feed it and, if it can be, those that its set pressure follows."""
         left = [each for each in self.controller.circuits if each.id not in self.vented]
         ordered: list[Circuit] = []
         while left:
             waiting = {each.id for each in left}
             free = [each for each in left if not _needs(each) & (waiting - {each.id})]
-            for each in free or left[:1]:  # circuits that feed one another come in the order of the file
+            fed = (each for each in left if not {feed.source for feed in each.feeds} & waiting)
+            for each in free or [next(fed)]:  # no file lets circuits feed one another in a circle
                 ordered.append(each)
                 left.remove(each)
         return tuple(ordered)

@@ -108,7 +108,7 @@ class Projection:
         return sum(gap.leakage for gap in self.gaps_of(key) if gap.drawn_from_pump)
 
     def share_drawn_by(self, key: tuple[str, int]) -> float:
-        """Return that part as a share of the pump's flow; the shares of all lands add up to the total's."""
+        """Return that part as a share of the pump's flow: all lands' and that of `other_leakage` are the total's."""
         return self.share_of(self.drawn_by(key))
 
 

@@ -22,7 +22,7 @@ class LandAtCondition:
     projection: Projection
     leakage: float  # [m³/s] through every gap of the land
     drawn_from_pump: float  # [m³/s] the part of it that counts in the total
-    share: float  # drawn from the pump / pump capacity: the shares of all lands add up to the total's
+    share: float  # drawn from the pump / pump capacity: the shares of all lands, and what leaks beside them, add up
     rule: Rule | None  # of the land's share there; None where nothing was measured or no such limit is set
     verdict: Verdict | None  # of that share alone; None where no such limit is set
     loss: float | None  # [Pa] that it costs the circuit that loses most by it; None where no pressure is solved

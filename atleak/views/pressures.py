@@ -64,7 +64,7 @@ class HeldPressure:
         return tuple((key, loss) for key, loss in self.causes.items() if loss > 0.0 and loss >= least)
 
 
-_WORTH_A_LOOK = 0.1  # part of a circuit's loss that one land alone costs: choice of this project
+_WORTH_A_LOOK = 0.1  # part of a loss, or of a leakage more than new, that one land is behind: choice of this project
 
 
 @dataclass(frozen=True)
@@ -152,6 +152,14 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
         reserve_verdict=diagnosis.circuit_verdict(reserve),
         speed_interval=total.minimum_speed_interval if total else None,
     )
+
+
+def drawing_more(diagnosis: Diagnosis, projection: Projection) -> tuple[LandKey, ...]:
+    """Return the lands that draw most of what the unit draws more than when new, the most first."""
+    new = diagnosis.new_at(projection)
+    more = {land.key: projection.drawn_by(land.key) - new.drawn_by(land.key) for land in diagnosis.lands}
+    least = _WORTH_A_LOOK * (projection.leakage - new.leakage)
+    return tuple(sorted((key for key in more if more[key] > max(least, 0.0)), key=lambda key: -more[key]))
 
 
 def worst_pressure(diagnosis: Diagnosis) -> Rule | None:

@@ -8,7 +8,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.rules import LandKey, Rule
-from atleak.views.pressures import HeldPressure, PressuresAt, pressures_at
+from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -157,7 +157,9 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = la
     held = next((each for each in at.applied if each.rule == rule), at.line if rule == at.reserve_rule else None)
     if held is None:
         return None
+    keys = [key for key, _ in held.costly]
     if rule.kind is RuleKind.RESERVE:
+        keys = list(drawing_more(diagnosis, at.projection))
         limit = say.number(rule.limit, 2)
         because = say("held.by_reserve", reserve=say.number(rule.value, 2), limit=limit, **values)
     elif rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
@@ -166,7 +168,7 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = la
         circuit = rule.circuit.name if rule.circuit else ""
         kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
         because = say(kind, circuit=circuit, held=_kpa(held.now, say), new=_kpa(held.new, say), **values)
-    lands = ", ".join(land_in_words(diagnosis, key) for key, _ in held.costly[:LOOK_FIRST])
+    lands = ", ".join(land_in_words(diagnosis, key) for key in keys[:LOOK_FIRST])
     return f"{because}. {say('held.look_first', lands=lands)}" if lands else f"{because}."
 
 
@@ -183,3 +185,12 @@ def _interval(interval: tuple[float, float] | None, factor: float, digits: int, 
         return ""
     low, high = (say.number(end * factor, digits) for end in interval)
     return "" if low == high else say(f"held.{words}", low=low, high=high)
+
+
+def shares_add_up(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -> str:
+    """Say that the shares of the lands add up to the total, or what is to be added to them at each condition."""
+    shown = diagnosis.presented
+    if not any(each.other_leakage for each in shown):
+        return say("texts.shares_add_up")
+    others = (f"{say.percent(each.share_of(each.other_leakage))} ({named(each.condition)})" for each in shown)
+    return say("texts.shares_and_others", others=", ".join(others))

@@ -18,8 +18,8 @@ from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import covered_from
-from atleak.wording import signed
+from atleak.views.sentences import covered_from, shares_add_up
+from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared import show
 from pages.shared.show import plain
@@ -105,7 +105,7 @@ def matrix(diagnosis: Diagnosis) -> None:
     st.dataframe(style, hide_index=True, width="stretch", column_config=config)
     st.caption(
         "What each land draws as a share of the pump's flow [%]; the sign is the verdict of that share alone, at that "
-        "condition. The shares of all lands add up to the condition's total."
+        f"condition. {plain(shares_add_up(diagnosis, wording('en')))}"
     )
 
 

@@ -86,8 +86,11 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         "Flows in dm³/min at the pressures that hold; a ribbon is as wide as its flow, shade and sign are verdicts."
     )
     with st.expander("The same as a table"):
-        rows = flow_rows(diagram)
-        show.table([{**row, "Verdict": signed(row["Verdict"]) if row["Verdict"] else None} for row in rows])
+        show.table([{**row, "Verdict": _signed(row["Verdict"])} for row in flow_rows(diagram)])
+
+
+def _signed(verdict: Any) -> str | None:
+    return signed(verdict) if verdict else None
 
 
 def _condition_row(at: PressuresAt) -> dict[str, Any]:

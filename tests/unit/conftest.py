@@ -225,3 +225,24 @@ def unmeasured() -> Diagnosis:
 def hostile() -> tuple[str, ...]:
     """Names that somebody might type, or try."""
     return HOSTILE
+
+
+def with_clearances(
+    controller: Controller, build: Callable[..., Readings], clearances: dict[tuple[str, int], float]
+) -> Readings:
+    """Readings of a unit that is as new but for the radial clearances [m] given."""
+    radial = {land.key: clearances.get(land.key, land.new_clearance) for land in controller.lands}
+    diameters = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * radial[land.key]) for land in controller.lands
+    }
+    return build(controller, diameters)
+
+
+@pytest.fixture(scope="session")
+def worn_clutch(
+    three_circuits: Controller, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> Diagnosis:
+    """The small valve body with circuits, both lands of the valve of clutch C1 at 35 µm."""
+    clearances = {("2", 1): 35e-6, ("2", 2): 35e-6}
+    readings = with_clearances(three_circuits, readings_of, clearances)
+    return diagnose(three_circuits, hipol, limits, readings=readings)

@@ -12,7 +12,7 @@ from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import replace_at
+from atleak.views.sentences import replace_at, shares_add_up
 from atleak.workshop_units import PERCENT
 
 ABREAST = 5  # conditions beside one another in a table
@@ -60,18 +60,16 @@ class Conditions:
                 title = names.condition(self.diagnosis.presented[number].condition)
                 columns.append(PrintedColumn(title, self._cell(number), "%", width=2))
             yield table(columns, rows)
-        yield text(" ".join([self.say("texts.matrix"), self._add_up(), *self._elsewhere(rows)]), small=True)
-
-    def _add_up(self) -> str:
-        """Say that the shares of the lands add up to the total, or what is to be added to them."""
-        say, shown = self.say, self.diagnosis.presented
-        if not any(each.other_leakage for each in shown):
-            return say("texts.shares_add_up")
-        others = (
-            f"{say.percent(each.share_of(each.other_leakage))} ({self.names.condition(each.condition)})"
-            for each in shown
+        yield text(
+            " ".join(
+                [
+                    self.say("texts.matrix"),
+                    shares_add_up(self.diagnosis, self.say, names.condition),
+                    *self._elsewhere(rows),
+                ]
+            ),
+            small=True,
         )
-        return say("texts.shares_and_others", others=joined(others))
 
     def _cell(self, number: int) -> Any:
         return lambda row: self._share(row.cells[number])

@@ -242,6 +242,14 @@ def test_nothing_is_given_twice(edited: Edited, twice: str, words: str) -> None:
         load_controller(with_circuits(edited, text=EVERYTHING + twice))
 
 
+def test_circuits_may_not_feed_one_another_in_a_circle(edited: Edited) -> None:
+    first = CLUTCH.replace('from = "p_g"', 'from = "clutch_c2"')
+    other = CLUTCH.replace("clutch_c1", "clutch_c2").replace('from = "p_g"', 'from = "clutch_c1"')
+    with pytest.raises(CatalogueError, match="feed one another in a circle") as caught:
+        load_controller(with_circuits(edited, text=first + other))
+    assert caught.value.place.table == "circuits[1] (clutch_c1)"
+
+
 def test_circuits_may_not_follow_one_another_in_a_circle(edited: Edited) -> None:
     other = CLUTCH.replace("clutch_c1", "clutch_c2").replace("400.0", '{ from = "clutch_c1", ratio = 1.0 }')
     first = CLUTCH.replace("400.0", '{ from = "clutch_c2", ratio = 1.0 }')

@@ -334,6 +334,29 @@ def test_a_set_pressure_follows_a_worn_circuit_down(
         assert (held["epc"] < 150e3 * (1.0 - 1e-9)) == (conductance > 2e-11)
 
 
+def test_a_circuit_may_feed_the_one_that_its_set_pressure_follows(
+    three_circuits: Controller, point: OperatingPoint
+) -> None:
+    """Whichever of the two the file names first, the one that feeds comes first."""
+    held = []
+    for order in (1, -1):
+        builder = referee.Builder(three_circuits, point)
+        following = SetPressure(following=Following("signal", 0.5, 150e3))
+        builder.circuit("clutch", ("p_g", 1e-3), limit=following)
+        builder.circuit("signal", ("clutch", 0.5e-3))
+        builder.branches += [referee.gap("clutch", DRAIN, 1e-12), referee.gap("signal", DRAIN, 2e-11)]
+        builder.circuits = builder.circuits[::order]
+        network = builder.network()
+        assert [each.id for each in network.applied] == ["clutch", "signal"]
+        held.append(network.balance(LINE))
+    pressures = held[0].pressures
+    assert pressures["clutch"] == pytest.approx(0.5 * pressures["signal"] + 150e3, rel=1e-9, abs=0.0)
+    assert held[0].feeds["signal"] == pytest.approx(2e-11 * pressures["signal"], rel=1e-9, abs=0.0)
+    drawn = 1e-12 * pressures["clutch"] + held[0].feeds["signal"]
+    assert held[0].feeds["clutch"] == pytest.approx(drawn, rel=1e-9, abs=0.0)
+    assert held[1].pressures == pytest.approx(held[0].pressures, rel=1e-9, abs=0.0)
+
+
 def test_what_ends_in_the_sump_or_is_a_share_of_a_pressure_leaks_nothing_back(
     three_circuits: Controller, point: OperatingPoint
 ) -> None:

@@ -17,6 +17,8 @@ from atleak.engine.profile import PAPER
 from atleak.engine.projection import Projection, project
 from atleak.readings import Readings
 
+from ..conftest import with_clearances
+
 Build = Callable[..., Readings]
 LINE = Place(Kind.SECTION, "p_g")
 
@@ -30,23 +32,13 @@ def conditions(diagnosis: Diagnosis) -> Iterator[tuple[Projection, Flows]]:
         yield projection, flows_at(diagnosis.model, projection.condition)
 
 
-def worn(controller: Controller, clearance: float, readings_of: Build, lands: slice = slice(None)) -> Readings:
-    """Readings of a unit as new but for some of its lands."""
-    wide = {land.key for land in controller.lands[lands]}
-    gaps = {land: clearance if land.key in wide else land.new_clearance for land in controller.lands}
-    sizes = {
-        land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * clearance) for land, clearance in gaps.items()
-    }
-    return readings_of(controller, sizes)
-
-
 @pytest.fixture(scope="module", params=[*catalogue_files("controllers"), "three_circuits"])
 def unit(
     request: pytest.FixtureRequest, three_circuits: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> Diagnosis:
     """Every shipped unit and one with circuits that feed one another, each with every third land worn."""
     controller = three_circuits if request.param == "three_circuits" else load_controller(request.param)
-    readings = worn(controller, 40e-6, readings_of, slice(None, None, 3))
+    readings = with_clearances(controller, readings_of, {land.key: 40e-6 for land in controller.lands[::3]})
     return diagnose(controller, hipol, limits, readings=readings)
 
 
@@ -107,7 +99,7 @@ def test_consumers_behind_the_line_starve_before_the_line_falls(
 def test_a_demand_that_no_pump_meets_is_named_where_pressures_are_given(
     four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
-    readings = worn(four_speed, 200e-6, readings_of)
+    readings = with_clearances(four_speed, readings_of, {land.key: 200e-6 for land in four_speed.lands})
     diagnosis = diagnose(four_speed, hipol, limits, readings=readings, profile=PAPER)
     projection = diagnosis.hot_idle
     assert projection is not None

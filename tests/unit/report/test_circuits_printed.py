@@ -18,7 +18,9 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.report.pdf import write_pdf
+from atleak.job.record import Job
+from atleak.paper import find_paper
+from atleak.report.pdf import report_data, write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.rules import Rule
 from atleak.verdicts import Band, Verdict
@@ -533,3 +535,33 @@ def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
     issued = sheets.book["Summary"]["B3"].value
     assert issued.startswith(f"{signed(found.verdict)} because of ")
     assert [number for number in numbers if f"{number:g}" not in issued] == []
+
+
+# --- drawings
+
+
+def printed(found: Diagnosis, language: str = "en") -> dict[str, Any]:
+    """What the template is given of the section on pressures."""
+    return report_data(found, Job(), wording(language), find_paper("a4"), ("pressures",), {})
+
+
+@pytest.mark.parametrize("language", languages())
+def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None:
+    found, say = unit(TOO_MUCH), wording(language)
+    (section,) = printed(found, language)["sections"]
+    drawn = {block["file"]: block["alt"] for block in section["blocks"] if block["kind"] == "image"}
+    assert set(drawn) == {"pump", "pressures", "flows"}
+    at = found.projection  # at which the line falls
+    assert f"{say.number(at.minimum_speed * 60.0, 0)} 1/min" in drawn["pump"]
+    for state in at.circuits:
+        if not state.vented:
+            assert f"{state.circuit.name} " in drawn["pressures"]
+            assert say.number(state.pressure / 1e3, 0) in drawn["pressures"]
+            assert state.circuit.name in drawn["flows"]
+
+
+def test_without_circuits_only_the_pump_is_drawn_and_nothing_where_pressures_are_given(
+    unit: Unit, worn: Diagnosis
+) -> None:
+    assert set(printed(worn)["charts"]) == {"pump"}
+    assert printed(unit(WORN, profile=PAPER))["charts"] == {}

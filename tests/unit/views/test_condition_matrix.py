@@ -31,7 +31,7 @@ def row_of(diagnosis: Diagnosis, key: tuple[str, int]) -> MatrixRow:
 
 @pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
 @pytest.mark.parametrize("controller", controllers(), ids=lambda controller: controller.id)
-def test_the_shares_of_all_lands_add_up_to_the_total_at_every_condition(
+def test_shares_of_lands_and_what_leaks_beside_them_add_up_to_the_total_at_every_condition(
     controller: Controller, profile: Profile, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     worn = {
@@ -43,9 +43,12 @@ def test_the_shares_of_all_lands_add_up_to_the_total_at_every_condition(
     for number, condition in enumerate(record["conditions"]):
         cells = [land["conditions"][number] for land in record["lands"]]
         assert {(cell["name"], cell["label"]) for cell in cells} == {(condition["name"], condition["label"])}
-        for part, whole in (("share_percent", "share_percent"), ("drawn_from_pump_dm3_min", "leakage_dm3_min")):
-            total = math.fsum(cell[part] for cell in cells)
-            assert total == pytest.approx(condition[whole], rel=1e-9, abs=0.0)
+        beside = condition["other_leakage_dm3_min"]
+        drawn = math.fsum(cell["drawn_from_pump_dm3_min"] for cell in cells)
+        assert drawn + beside == pytest.approx(condition["leakage_dm3_min"], rel=1e-9, abs=0.0)
+        share = math.fsum(cell["share_percent"] for cell in cells) + 100.0 * beside / condition["pump_capacity_dm3_min"]
+        assert share == pytest.approx(condition["share_percent"], rel=1e-9, abs=0.0)
+        assert bool(beside) == bool(controller.leaks)
 
 
 def test_each_cell_is_judged_by_the_land_s_own_rule_there(sample: Diagnosis) -> None:
