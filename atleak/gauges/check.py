@@ -226,7 +226,7 @@ class _Checker:
         if circuit is None or not at_line:
             return None
         gear = gear_in(reading.cell.range, self.controller.gears)
-        beside = next((each for each in at_line if each.repeat == reading.repeat), at_line[-1])
+        beside = next((each for each in at_line if each.round == reading.round), at_line[-1])
         return _reached(circuit, gear, beside.pressure)
 
     def _expected(self, reading: GaugeReading) -> float | None:
