@@ -27,6 +27,7 @@ from atleak.pressure_table import (
     permitted,
     ranges_of,
     tap_name,
+    taps_of,
 )
 from atleak.rules import Rule
 from atleak.uncertainty import Assumptions, RuleDecision
@@ -149,12 +150,11 @@ def check_pressures(
         k of the guard band of every limit.
     """
     checker = _Checker(table, model, limits, projections, assumptions.main_pressure, guard_factor)
-    order = ranges_of(model.controller)
+    taps, order = taps_of(model.controller), ranges_of(model.controller)
     taken = sorted(
         table.readings,
         key=lambda each: (
-            each.cell.tap != LINE,
-            each.cell.tap,
+            taps.index(each.cell.tap),
             order.index(each.cell.range),
             list(Engine).index(each.cell.engine),
             each.repeat,
