@@ -261,7 +261,7 @@ class _Checker:
             point,
             temperature=point.temperature if reading.temperature is None else reading.temperature,
             engine_speed=point.engine_speed if reading.engine_speed is None else reading.engine_speed,
-            stated_state=point.state,
+            stated_state=point.stated_state if reading.engine_speed is None else point.state,
         )
 
     def standing(self, checked: CheckedReading) -> Standing:
