@@ -42,7 +42,7 @@ class Pressures:
 
     @cached_property
     def _speeds(self) -> PumpOverSpeed:
-        return pump_over_speed(self.diagnosis, self.lowest.projection)
+        return pump_over_speed(self.diagnosis, self.lowest.projection, self.names.condition)
 
     @cached_property
     def _flows(self) -> FlowDiagram:

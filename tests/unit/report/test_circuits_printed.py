@@ -548,9 +548,11 @@ def printed(found: Diagnosis, language: str = "en") -> dict[str, Any]:
 @pytest.mark.parametrize("language", languages())
 def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None:
     found, say = unit(TOO_MUCH), wording(language)
-    (section,) = printed(found, language)["sections"]
+    data = printed(found, language)
+    (section,) = data["sections"]
     drawn = {block["file"]: block["alt"] for block in section["blocks"] if block["kind"] == "image"}
     assert set(drawn) == {"pump", "pressures", "flows"}
+    assert say("conditions.hot_idle") in data["charts"]["pump"]
     at = found.projection  # at which the line falls
     assert f"{say.number(at.minimum_speed * 60.0, 0)} 1/min" in drawn["pump"]
     for state in at.circuits:
