@@ -367,7 +367,7 @@ def test_every_rule_of_a_pressure_has_its_row_and_its_decision(unit: Unit) -> No
     of_unit = rules[rules["component"] == "whole unit"].set_index("rule")
     assert len(of_unit) == len(found.unit_rules)
     for rule in found.unit_rules:
-        row = of_unit.loc[rule.label]
+        row = of_unit.loc[rule.label + ", reached under its limit" * (rule.kind is RuleKind.RESERVE)]
         assert row["value"] == pytest.approx(rule.value * rule.kind.factor, rel=1e-9, abs=1e-9)
         assert row["verdict"] == signed(rule.verdict)
         assert row["decision as issued"] == wording("en").get("decisions", found.decided(rule).decision)
