@@ -128,7 +128,8 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
-    words = [str(name) for name in frame if name not in ("Verdict", *digits) and frame[name].dtype == object]
+    others = [str(name) for name in frame if name not in ("Verdict", *digits)]
+    words = [name for name in others if not pd.api.types.is_numeric_dtype(frame[name])]
     frame[words] = frame[words].fillna("–")
     names = [None if row["Verdict"] is None else Verdict(row["Verdict"]) for row in rows]
     frame["Verdict"] = ["–" if each is None else HAIR_SPACE * each.rank + signed(each) for each in names]
