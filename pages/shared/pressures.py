@@ -67,7 +67,10 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         show.verdict_table(_filled([_held_row(each) for each in at.applied]), DIGITS)
         vented = ", ".join(each.circuit.name for each in at.circuits if each.vented and each.circuit)
         empty = f" Not applied in this gear: {plain(vented)}." if vented else ""
-        st.caption(f"A loss is judged against the same unit new; a rise is judged too.{empty}")
+        st.caption(
+            "A loss, or a rise, is judged against the same unit new with pairs as wide as these may have been then: "
+            f"where only their range is known that is less than new minus held.{empty}"
+        )
     st.markdown("**Pump over engine speed**")
     show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")
     st.caption(
