@@ -128,6 +128,9 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
+    others = [str(name) for name in frame if name not in ("Verdict", *digits)]
+    words = [name for name in others if not pd.api.types.is_numeric_dtype(frame[name])]
+    frame[words] = frame[words].fillna("–")
     names = [None if row["Verdict"] is None else Verdict(row["Verdict"]) for row in rows]
     frame["Verdict"] = ["–" if each is None else HAIR_SPACE * each.rank + signed(each) for each in names]
     shades = ["" if each is None else colours(each) for each in names]
@@ -138,7 +141,7 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
         name: st.column_config.Column(help=HELP.get(name), width=WIDTHS.get(name)) for name in frame.columns.tolist()
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–")
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
 
 
 def gauges(check: PressureCheck) -> None:
