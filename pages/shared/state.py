@@ -76,14 +76,21 @@ def put_file(slot: str, file: SourceFile | None) -> None:
 
 
 def choose(**changes: Any) -> None:
-    """Change choices; another controller than the sample's drops the sample's files, which fit only that."""
+    """Change choices; another controller than the sample's drops the sample's files, which fit only that.
+
+    Files that were refused are tried again with it: a sheet that was made for another valve body is why it is chosen.
+    """
     now = session()
-    if changes.get("controller", now.case.controller) != now.case.controller:
+    other = changes.get("controller", now.case.controller) != now.case.controller
+    if other:
         changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None, "complaint": None}
         now.away.clear()
         if now.case.sample:
             changes |= {**dict.fromkeys(FILES), "sample": False}
     now.case = replace(now.case, **changes)
+    for slot, refusal in list(now.refused.items()) if other else ():
+        if slot in FILES and refusal.file is not None:
+            put_file(slot, refusal.file)
 
 
 def take_sample() -> None:

@@ -113,6 +113,16 @@ def test_a_refused_sheet_is_explained_and_the_last_job_stays(app: AppTest) -> No
     assert "not taken" not in texts(app)
 
 
+def test_a_sheet_for_another_valve_body_is_taken_when_that_one_is_chosen(app: AppTest) -> None:
+    sheet = (ROOT / "sample_data" / "measuring_sheet_five_speed.xlsx").read_bytes()
+    uploader(app, "Measuring sheet").upload("five.xlsx", sheet, XLSX).run()
+    assert "five.xlsx was not taken as measuring sheet" in texts(app)
+    choice(app, "Valve body").set_value("five_speed_2005").run()
+    assert not app.exception
+    assert "was not taken" not in texts(app)
+    assert "**five.xlsx** · 34 of 34 lands measured" in texts(app)
+
+
 def test_an_unfilled_template_is_refused_by_name(app: AppTest, four_speed) -> None:
     uploader(app, "Measuring sheet").upload("blank.xlsx", write_template(four_speed), XLSX).run()
     assert "every diameter is empty" in texts(app)
