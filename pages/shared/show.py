@@ -138,7 +138,7 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
         name: st.column_config.Column(help=HELP.get(name), width=WIDTHS.get(name)) for name in frame.columns.tolist()
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–")
 
 
 def gauges(check: PressureCheck) -> None:
