@@ -170,10 +170,8 @@ def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{
     frame = pd.DataFrame(rows)
     names = frame.columns.tolist()
     numbers: list[Hashable] = [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
-    words = [name for name in names if name not in numbers]
-    frame[words] = frame[words].fillna("–")
     style = frame.style.format(number, subset=numbers, na_rep="–")
-    st.dataframe(style, hide_index=True, width="stretch", **options)
+    st.dataframe(style, hide_index=True, width="stretch", placeholder="–", **options)
 
 
 def colours(verdict: Verdict) -> str:
