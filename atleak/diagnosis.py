@@ -203,11 +203,25 @@ class Diagnosis:
         losses = self.losses_at(projection)
         return max((of_lands.get(land.key, 0.0) for of_lands in losses.values()), default=None)
 
-    def circuit_verdict(self, rule: Rule | None) -> Verdict | None:
-        """Return the verdict of a circuit; None of one that is vented, and nothing unmeasured is ok."""
+    def within(self, rule: Rule) -> Verdict:
+        """Return what a rule says within its limits: nothing unmeasured is ok, nor a circuit of which a land is not."""
+        if rule.condition is None:  # gauges and logs measured it
+            return Verdict.OK
+        lands = () if rule.circuit is None else self.lands_of(rule.circuit, rule.condition.gear)
+        whole = all(land.state.status == "measured" for land in lands)
+        return Verdict.OK if self.judged and whole else Verdict.NOT_MEASURED
+
+    def lands_of(self, circuit: Circuit, gear: int) -> tuple[LandDiagnosis, ...]:
+        """Return the lands that leak from or into a circuit in a gear."""
+        gaps = [gap for gap in self.controller.gaps if gear in gap.gears]
+        keys = {gap.key for gap in gaps if circuit.id in (gap.high.section, gap.low.section)}
+        return tuple(land for land in self.lands if land.key in keys)
+
+    def verdict_on(self, rule: Rule | None) -> Verdict | None:
+        """Return the verdict of a rule of the unit; None without one, as of a circuit that is vented."""
         if rule is None:
             return None
-        return rule.verdict if self.judged or rule.verdict.flagged else Verdict.NOT_MEASURED
+        return rule.verdict if rule.verdict.flagged else self.within(rule)
 
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
@@ -279,10 +293,11 @@ class Diagnosis:
         return decided.decision if decided else None
 
     def decided(self, rule: Rule) -> RuleDecision | None:
-        """Return the decision on one of the unit's rules; None where it depends on readings and there are none."""
+        """Return the decision on one of the unit's rules; None where it depends on readings that are not there."""
         shown = (*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ()))
         measured = next((each for each in shown if each.rule == rule), None)
-        return measured or (self.uncertainty.on(rule) if self.uncertainty else None)
+        computed = self.uncertainty.on(rule) if self.uncertainty else None
+        return measured or (computed if self.verdict_on(rule) != Verdict.NOT_MEASURED else None)
 
     @property
     def gauge_rules(self) -> tuple[Rule, ...]:
