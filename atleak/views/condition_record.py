@@ -118,6 +118,7 @@ def _circuit(
         "pressure_low_kpa": scaled(low, KPA),
         "pressure_high_kpa": scaled(high, KPA),
         "pressure_new_kpa": new * KPA,
+        "pressure_unworn_kpa": scaled(rule.new, KPA) if rule else None,
         "set_kpa": scaled(state.set_pressure, KPA),
         "loss_kpa": (new - state.pressure) * KPA,
         "feed_dm3_min": state.feed * DM3_MIN,

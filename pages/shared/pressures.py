@@ -68,7 +68,10 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         show.verdict_table(_filled([_held_row(each) for each in at.applied]), DIGITS)
         vented = ", ".join(each.circuit.name for each in at.circuits if each.vented and each.circuit)
         empty = f" Not applied in this gear: {plain(vented)}." if vented else ""
-        st.caption(f"A loss is judged against the same unit new; a rise is judged too.{empty}")
+        st.caption(
+            "Lost: against the same unit new. The verdict goes by the loss against pairs as wide as these may have "
+            f"been when new; a rise is judged too.{empty}"
+        )
     st.markdown("**Pump over engine speed**")
     show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")
     st.caption(

@@ -158,6 +158,25 @@ def test_a_circuit_with_lands_that_nobody_measured_can_be_past_a_limit(
     assert rule.verdict.flagged
 
 
+def test_a_loss_is_judged_beside_the_widest_that_new_lands_may_have_been(
+    fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    """The record holds the pressure that the verdict is judged against beside that of the unit new."""
+    of_type = tuple(
+        replace(land, mounting_clearance=(6 * UM, 20 * UM), new_origin=NewOrigin.RANGE)
+        if land.component == CLUTCH
+        else land
+        for land in fed.lands
+    )
+    worn = judged(replace(fed, lands=of_type), {CLUTCH: 25.0}, readings_of, hipol, limits)
+    rule = rule_of(worn, RuleKind.CIRCUIT_LOSS)
+    record = next(each for each in diagnosis_record(worn)["conditions"] if each["name"] == "hot_idle")
+    (circuit,) = record["circuits"]
+    assert circuit["pressure_unworn_kpa"] - circuit["pressure_kpa"] == pytest.approx(rule.value / KPA, abs=1e-9)
+    assert circuit["loss_kpa"] == pytest.approx(circuit["pressure_new_kpa"] - circuit["pressure_kpa"], abs=1e-9)
+    assert circuit["pressure_unworn_kpa"] < circuit["pressure_new_kpa"] - 1.0
+
+
 def test_a_rise_is_judged_too(fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build) -> None:
     """A worn land between the line and a circuit that a hole drains raises what that circuit holds."""
     gears = frozenset(fed.gears)
