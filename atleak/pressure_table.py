@@ -58,6 +58,7 @@ class GaugeReading:
     cell: Cell
     pressure: float  # [Pa]
     repeat: int = 1  # counts the readings of one cell in the order in which they were taken
+    round: float | None = None  # the repeat or time as the table states it: one for all taps that were read together
     temperature: float | None = None  # [°C] of the fluid, where it is stated
     engine_speed: float | None = None  # [1/s] where it is stated
     place: Place = Place()  # noqa: RUF009  frozen, so safe to share

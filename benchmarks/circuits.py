@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -80,7 +81,15 @@ def unit() -> tuple[LeakageModel, LeakageModel]:
         replace(shipped.operating_points[0], name=f"at_{celsius}", temperature=float(celsius), main_pressure=kpa * 1e3)
         for celsius, kpa in ((60, 700.0), (80, 800.0), (100, 500.0), (120, 900.0))
     )
-    controller = replace(shipped, operating_points=points, circuits=circuits, lands=tuple(land_of), gaps=tuple(gaps))
+    controller = replace(
+        shipped,
+        components=MappingProxyType({land.component: f"valve {land.component[1:]}" for land in land_of}),
+        operating_points=points,
+        circuits=circuits,
+        lands=tuple(land_of),
+        gaps=tuple(gaps),
+        complaints=(),
+    )
     fluid, states = load_fluid("hipol_atf_iid"), clearances(None, controller)
     worn = tuple(
         replace(state, radial_clearance=(14e-6, 20e-6, 35e-6)[number % 3]) for number, state in enumerate(states)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.engine.extremes import Extremes, Instant, share_of, sustained_window
 from atleak.engine.leakage import LeakageModel
@@ -28,6 +29,8 @@ class CircuitRange:
     sample: int  # of the lowest
     time: float  # [s] of it
     samples: int  # that count
+    circuit: Circuit
+    main_pressure: float  # [Pa] measured where it is lowest
 
 
 @dataclass(frozen=True)
@@ -175,7 +178,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         leakage=series.total,
         sections=series.sections,
         circuits=series.circuits,
-        circuit_ranges=_circuit_ranges(model.controller, road_test, series, gear),
+        circuit_ranges=_circuit_ranges(model.controller, road_test, series, gear, main),
         pump_capacity=capacity,
         gears=tuple(int(number) for number in np.unique(known_gears)),
         section_shares=_section_shares(series.sections, road_test.time),
@@ -234,7 +237,7 @@ def _extremes(
 
 
 def _circuit_ranges(
-    controller: Controller, road_test: RoadTest, series: LeakageSeries, gear: np.ndarray
+    controller: Controller, road_test: RoadTest, series: LeakageSeries, gear: np.ndarray, main: np.ndarray
 ) -> dict[str, CircuitRange]:
     """Return the lowest and mean pressure of every circuit that the log applies, with the engine running."""
     counting = ~_within(road_test.time, engine_starts(road_test)) if series.circuits else np.array([])
@@ -249,7 +252,8 @@ def _circuit_ranges(
             held = pressure[samples]
             at = int(samples[np.argmin(held)])
             lowest, mean = float(pressure[at]), float(held.mean())
-            ranges[circuit.id] = CircuitRange(lowest, mean, at, float(road_test.time[at]), samples.size)
+            time, line = float(road_test.time[at]), float(main[at])
+            ranges[circuit.id] = CircuitRange(lowest, mean, at, time, samples.size, circuit, line)
     return ranges
 
 

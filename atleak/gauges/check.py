@@ -27,6 +27,7 @@ from atleak.pressure_table import (
     permitted,
     ranges_of,
     tap_name,
+    taps_of,
 )
 from atleak.rules import Rule
 from atleak.uncertainty import Assumptions, RuleDecision
@@ -149,12 +150,11 @@ def check_pressures(
         k of the guard band of every limit.
     """
     checker = _Checker(table, model, limits, projections, assumptions.main_pressure, guard_factor)
-    order = ranges_of(model.controller)
+    taps, order = taps_of(model.controller), ranges_of(model.controller)
     taken = sorted(
         table.readings,
         key=lambda each: (
-            each.cell.tap != LINE,
-            each.cell.tap,
+            taps.index(each.cell.tap),
             order.index(each.cell.range),
             list(Engine).index(each.cell.engine),
             each.repeat,
@@ -226,7 +226,7 @@ class _Checker:
         if circuit is None or not at_line:
             return None
         gear = gear_in(reading.cell.range, self.controller.gears)
-        beside = next((each for each in at_line if each.repeat == reading.repeat), at_line[-1])
+        beside = next((each for each in at_line if each.round == reading.round), at_line[-1])
         return _reached(circuit, gear, beside.pressure)
 
     def _expected(self, reading: GaugeReading) -> float | None:
@@ -261,7 +261,7 @@ class _Checker:
             point,
             temperature=point.temperature if reading.temperature is None else reading.temperature,
             engine_speed=point.engine_speed if reading.engine_speed is None else reading.engine_speed,
-            stated_state=point.state,
+            stated_state=point.stated_state if reading.engine_speed is None else point.state,
         )
 
     def standing(self, checked: CheckedReading) -> Standing:

@@ -21,6 +21,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from atleak.look import PAPER, look_of
 from atleak.verdicts import Band, Verdict
+from atleak.views.drawing import shortened
 from atleak.views.pressures import HeldPressure, PressuresAt
 from atleak.views.pump_speed import PumpOverSpeed
 from atleak.views.road_series import RoadSeries
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 FONTS = Path(__file__).parent / "fonts"
 _DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of curves that differ by temperature
+_LETTERS = 40  # of a name that are drawn
 _LOCK = threading.Lock()  # matplotlib's settings belong to the whole process
 _SETTINGS: dict[RcKeyType, Any] = {
     "svg.hashsalt": "atleak",
@@ -207,7 +209,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
         for label, speed in data.marked:
             axes.axvline(speed * RPM, color=PAPER.ink, lw=0.8, ls=(0, (6, 2)))
             axes.annotate(
-                _drawable(f"{label}: {say.number(speed * RPM, 0)} 1/min"),
+                _drawable(f"{shortened(label, _LETTERS)}: {say.number(speed * RPM, 0)} 1/min"),
                 (speed * RPM, 1.0),
                 xycoords=("data", "axes fraction"),
                 xytext=(-3, -2),
@@ -270,7 +272,7 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
             )
             name = say("held.line") if each.circuit is None else each.circuit.name
             axes.annotate(
-                _drawable(name),
+                _drawable(shortened(name, _LETTERS)),
                 (0.0, place),
                 xytext=(-5, 0),
                 textcoords="offset points",

@@ -46,6 +46,7 @@ from atleak.workshop_units import DM3_MIN, KPA, MM2_S, PERCENT, RPM, UM
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
+GAUGES_ABREAST = 7  # columns of gauge readings that fit beside one another
 MEASURE_FIRST = 6  # lands named for a complaint
 
 
@@ -358,20 +359,23 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
         return
     yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
     rows = gauge_rows(check)
-    table = Table("verdict", *rows[0], show_edge=False)
+    names = [name for name in rows[0] if len(rows[0]) <= GAUGES_ABREAST or name != "Decision"]
+    table = Table("verdict", *names, show_edge=False)
     for column in table.columns:
         column.overflow = "fold"  # on a narrow terminal nothing is cut off
     for reading, row in zip(check.readings, rows, strict=True):
         style = look_of(reading.verdict).style if reading.verdict else ""
-        cells = (
-            "–" if each is None else f"{each:.0f}" if isinstance(each, float) else str(each) for each in row.values()
-        )
+        cells = ("–" if row[name] is None else _rounded(row[name]) for name in names)
         table.add_row(Text(_judged(reading.verdict), style=style), *map(Text, cells))
     yield table
     for pattern in check.patterns:
         say = wording("en")
         source = say.get("pattern_sources", pattern.source)
         yield Text(f"→ {pattern_text(pattern, diagnosis.controller, say)} ({source})")
+
+
+def _rounded(value: str | float) -> str:
+    return f"{value:.0f}" if isinstance(value, float) else str(value)
 
 
 def _judged(verdict: Verdict | None) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.flows import Flow, Kind, Place, flows_at
@@ -113,7 +114,7 @@ def flow_diagram(
     return FlowDiagram(projection, places, tuple(drawn))
 
 
-def flow_rows(diagram: FlowDiagram) -> list[dict[str, str | float | None]]:
+def flow_rows(diagram: FlowDiagram) -> list[dict[str, Any]]:
     """Return the diagram as the rows of a table, the largest flow first."""
     return [
         {

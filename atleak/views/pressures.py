@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
@@ -59,12 +59,18 @@ class HeldPressure:
 
     @property
     def costly(self) -> tuple[tuple[LandKey, float], ...]:
-        """Return the lands that cost it most of what it lost, the costliest first."""
-        least = _WORTH_A_LOOK * self.loss
-        return tuple((key, loss) for key, loss in self.causes.items() if loss > 0.0 and loss >= least)
+        """Return the lands that cost it most of what it lost, or raise it most where it rose, the worst first [Pa]."""
+        same = {key: loss for key, loss in self.causes.items() if loss * self.loss > 0.0}
+        return tuple((key, same[key]) for key in _worth_a_look({key: abs(same[key]) for key in same}, abs(self.loss)))
 
 
 _WORTH_A_LOOK = 0.1  # part of a loss, or of a leakage more than new, that one land is behind: choice of this project
+
+
+def _worth_a_look(parts: Mapping[LandKey, float], whole: float) -> tuple[LandKey, ...]:
+    """Return the lands behind most of a loss, the first of them always, the largest part first."""
+    largest_first = sorted((key for key in parts if parts[key] > 0.0), key=lambda key: -parts[key])
+    return tuple(key for place, key in enumerate(largest_first) if not place or parts[key] >= _WORTH_A_LOOK * whole)
 
 
 @dataclass(frozen=True)
@@ -72,8 +78,10 @@ class PressuresAt:
     """The pump's reserve and every pressure at one condition."""
 
     projection: Projection
+    solved: bool  # else pressures are taken as given
     line: HeldPressure
     circuits: tuple[HeldPressure, ...]  # in the order of the controller's file
+    followed: HeldPressure | None  # the circuit that the line's set pressure follows
     reserve_interval: Interval | None
     reserve_new: float
     reserve_repaired: float | None  # with the planned repairs
@@ -102,13 +110,13 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
     if plan is not None and plan.steps:
         end = next(each for each in plan.ends if each.condition == projection.condition)
     after: Mapping[str, float] = {} if end is None else end.pressures
-    rules = diagnosis.pressure_rules_at(projection)
-    reserve = _rule(rules, RuleKind.RESERVE)
-    permissible = _rule(rules, RuleKind.PERMISSIBLE_PRESSURE)
+    reserve, permissible = (
+        diagnosis.pressure_rule(projection, kind) for kind in (RuleKind.RESERVE, RuleKind.PERMISSIBLE_PRESSURE)
+    )
 
     def circuit(state: CircuitState) -> HeldPressure:
         circuit = state.circuit
-        rule = _rule(rules, RuleKind.CIRCUIT_LOSS, circuit)
+        rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
         return HeldPressure(
             circuit=circuit,
             now=state.pressure,
@@ -140,10 +148,15 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
         verdict=diagnosis.verdict_on(permissible),
         causes=losses.get(LINE, {}),
     )
+    circuits = tuple(circuit(state) for state in projection.circuits)
+    stated = diagnosis.controller.line
+    follows = stated.following.section if stated is not None and stated.following is not None else None
     return PressuresAt(
         projection=projection,
+        solved=diagnosis.profile.circuits == "on",
         line=line,
-        circuits=tuple(circuit(state) for state in projection.circuits),
+        circuits=circuits,
+        followed=next((each for each in circuits if each.id == follows), None),
         reserve_interval=total.reserve_interval if total else None,
         reserve_new=new.reserve,
         reserve_repaired=None if end is None else end.reserve,
@@ -158,8 +171,7 @@ def drawing_more(diagnosis: Diagnosis, projection: Projection) -> tuple[LandKey,
     """Return the lands that draw most of what the unit draws more than when new, the most first."""
     new = diagnosis.new_at(projection)
     more = {land.key: projection.drawn_by(land.key) - new.drawn_by(land.key) for land in diagnosis.lands}
-    least = _WORTH_A_LOOK * (projection.leakage - new.leakage)
-    return tuple(sorted((key for key in more if more[key] > max(least, 0.0)), key=lambda key: -more[key]))
+    return _worth_a_look(more, projection.leakage - new.leakage)
 
 
 def worst_pressure(diagnosis: Diagnosis) -> Rule | None:
@@ -182,7 +194,3 @@ def lowest_first(diagnosis: Diagnosis) -> tuple[Projection, ...]:
         return max(map(_badness, diagnosis.pressure_rules_at(projection)), default=(-1.0, 0.0))
 
     return tuple(sorted(diagnosis.presented, key=badness, reverse=True))
-
-
-def _rule(rules: Collection[Rule], kind: RuleKind, circuit: Circuit | None = None) -> Rule | None:
-    return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)

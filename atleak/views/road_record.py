@@ -53,16 +53,33 @@ def road_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
 def _leakage(road: RoadLeakage | None, uncertainty: UnitUncertainty | None, *, measured: bool) -> dict[str, Any]:
     if road is None:
         nothing = ("leakage_as_new", *_INSTANTS, "start", "sustained_over_s", "lower_bound")
-        return {"sections": dict.fromkeys(SECTIONS), **dict.fromkeys(nothing)}
+        return {"sections": dict.fromkeys(SECTIONS), "circuits": [], **dict.fromkeys(nothing)}
     start = road.start
     return {
         "leakage_as_new": not measured,
         "sections": dict(road.section_shares),
+        "circuits": _circuits(road),
         **_extremes(road.extremes, uncertainty),
         "start": None if start is None else {"samples": start.samples, **_extremes(start, uncertainty)},
         "sustained_over_s": road.extremes.window,
         "lower_bound": road.lower_bound,
     }
+
+
+def _circuits(road: RoadLeakage) -> list[dict[str, Any]]:
+    """Return what every circuit holds at the measured line pressure, while it is applied and the engine turns."""
+    return [
+        {
+            "id": name,
+            "name": each.circuit.name,
+            "lowest_kpa": each.lowest * KPA,
+            "p_g_there_kpa": each.main_pressure * KPA,
+            "at_s": each.time,
+            "mean_kpa": each.mean * KPA,
+            "samples": each.samples,
+        }
+        for name, each in road.circuit_ranges.items()
+    ]
 
 
 def _extremes(extremes: Extremes, uncertainty: UnitUncertainty | None) -> dict[str, Any]:

@@ -97,15 +97,18 @@ def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) ->
     line, point = at.line, at.projection.condition
     falls = at.projection.pressure_falls
     sentence = say(
-        "held.line_falls" if falls else "held.line_holds",
+        f"held.line_{'given' if not at.solved else 'falls' if falls else 'holds'}",
         condition=named(point),
         required=_kpa(point.main_pressure, say),
         held=_kpa(line.now, say),
         new=_kpa(line.new, say),
         interval=_interval(line.interval, KPA, 0, say, "interval"),
     )
-    permitted = permissible_words(line, say)
-    return f"{sentence} {permitted}" if permitted else sentence
+    parts = [sentence]
+    if falls and at.projection.reserve >= 1.0 and at.followed is not None and at.followed.circuit is not None:
+        held, new = _kpa(at.followed.now, say), _kpa(at.followed.new, say)
+        parts.append(say("held.follows", circuit=at.followed.circuit.name, held=held, new=new))
+    return " ".join(filter(None, (*parts, permissible_words(line, say))))
 
 
 def permissible_words(line: HeldPressure, say: Wording) -> str:
@@ -142,9 +145,8 @@ def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> 
     )
     words = [] if held.verdict is None else [say.signed(held.verdict)]
     if held.verdict is not None and held.verdict.flagged:
-        words += [
-            say("held.costs", land=land_in_words(diagnosis, key), loss=_kpa(loss, say)) for key, loss in held.costly
-        ]
+        kind = "held.costs" if held.loss > 0.0 else "held.raises"
+        words += [say(kind, land=land_in_words(diagnosis, key), loss=_kpa(abs(loss), say)) for key, loss in held.costly]
     return f"{sentence}: {'; '.join(words)}" if words else sentence
 
 

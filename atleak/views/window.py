@@ -59,6 +59,20 @@ def place_rows(permitted: RoadPressure) -> list[dict[str, Any]]:
     ]
 
 
+def circuit_rows(road: RoadLeakage) -> list[dict[str, Any]]:
+    """Return one English row for every circuit that the log applies: what it holds, in workshop units."""
+    return [
+        {
+            "circuit": each.circuit.name,
+            "lowest [kPa]": each.lowest * KPA,
+            "at main pressure [kPa]": each.main_pressure * KPA,
+            "at [s]": each.time,
+            "mean [kPa]": each.mean * KPA,
+        }
+        for each in road.circuit_ranges.values()
+    ]
+
+
 def window_rows(test: RoadTest, road: RoadLeakage | None, scales: Scales) -> list[dict[str, Any]]:
     """Return the least, mean and largest value of every channel and of leakage, pump flow and share.
 

@@ -23,15 +23,14 @@ from pages.shared import show
 from pages.shared.show import plain
 
 DIGITS = {
-    **dict.fromkeys(
-        ("Required [kPa]", "Held [kPa]", "Low [kPa]", "High [kPa]", "New [kPa]", "Set [kPa]", "Lost [kPa]"), 0
-    ),
+    **dict.fromkeys(("Required [kPa]", "Held [kPa]", "Low [kPa]", "High [kPa]", "New [kPa]", "Lost [kPa]"), 0),
     "After repair [kPa]": 0,
     "Reserve": 2,
     "Covered from [rpm]": 0,
     "Flow [dm³/min]": 4,
 }
-_FROM_PUMP, _LEAKS = "From the pump", "The leaks alone"
+
+_COLUMN = 135  # pixels of the drawing of flows, at which its words can be read
 
 
 def section(diagnosis: Diagnosis, plan: RepairPlan) -> None:
@@ -69,22 +68,21 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         vented = ", ".join(each.circuit.name for each in at.circuits if each.vented and each.circuit)
         empty = f" Not applied in this gear: {plain(vented)}." if vented else ""
         st.caption(
-            "Lost: against the same unit new. The verdict goes by the loss against pairs as wide as these may have "
-            f"been when new; a rise is judged too.{empty}"
+            "A loss, or a rise, is judged against the same unit new with pairs as wide as these may have been then: "
+            f"where only their range is known that is less than new minus held.{empty}"
         )
     st.markdown("**Pump over engine speed**")
     show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")
     st.caption(
-        f"What leakage, slip and consumers take at {plain(projection.condition.label)}, at its required pressure, "
-        "whatever the fluid's temperature is; where the pump's line crosses it the pressure begins to hold."
+        "The rising line is what the pump supplies; each level line is what leakage, slip and consumers take with "
+        f"fluid of that temperature, at the pressure required at {plain(projection.condition.label)}. From where they "
+        "cross that pressure holds; at any speed the pump's line over the level one is the reserve."
     )
     st.markdown("**Where the flow goes**")
-    shown = st.segmented_control(
-        "Flow", [_FROM_PUMP, _LEAKS], default=_FROM_PUMP, key="flow-shown", label_visibility="collapsed"
-    )
-    diagram = flow_diagram(diagnosis, projection, leaks_only=shown == _LEAKS)
-    title = f"Flow from the pump to the sump, {projection.condition.label}; the same as a table below"
-    show.svg(flow_svg(diagram, title), title, least_width=720)
+    leaks_only = st.toggle("The leaks alone, drawn larger", key="leaks-alone")
+    diagram = flow_diagram(diagnosis, projection, leaks_only=leaks_only)
+    title = f"Where the flow goes, {projection.condition.label}; the same stands as a table below"
+    show.svg(flow_svg(diagram, title), title, least_width=_COLUMN * diagram.columns)
     st.caption(
         "Flows in dm³/min at the pressures that hold; a ribbon is as wide as its flow, shade and sign are verdicts."
     )
@@ -106,14 +104,14 @@ def _condition_row(at: PressuresAt) -> dict[str, Any]:
         "Operating point": point.label,
         "Required [kPa]": point.main_pressure * KPA,
         "Held [kPa]": line.now * KPA,
-        "Low [kPa]": _scaled(low),
-        "High [kPa]": _scaled(high),
-        "New [kPa]": line.new * KPA,
-        "Permissible [kPa]": _permissible(line.permissible),
         "Reserve": reserve if math.isfinite(reserve) else None,
-        "Reserve within": _within(at.reserve_interval),
         "Reserve is": None if at.reserve_verdict is None else signed(at.reserve_verdict),
         "Covered from [rpm]": at.projection.minimum_speed * RPM,
+        "Permissible [kPa]": _permissible(line.permissible),
+        "New [kPa]": line.new * KPA,
+        "Low [kPa]": _scaled(low),
+        "High [kPa]": _scaled(high),
+        "Reserve within": _within(at.reserve_interval),
     }
 
 
@@ -130,21 +128,19 @@ def _permissible(stated: PermissiblePressure | None) -> str | None:
 
 def _held_row(held: HeldPressure) -> dict[str, Any]:
     low, high = held.interval or (None, None)
+    costs = "; ".join(f"{component}/{land}: {loss * KPA:.0f} kPa" for (component, land), loss in held.costly)
     return {
         "Verdict": held.verdict,
         "Circuit": figures.LINE_NAME if held.circuit is None else held.circuit.name,
         "Held [kPa]": held.now * KPA,
-        "Low [kPa]": _scaled(low),
-        "High [kPa]": _scaled(high),
         "New [kPa]": held.new * KPA,
         "Lost [kPa]": held.loss * KPA,
+        "Lands that cost it": costs or None,
         "After repair [kPa]": _scaled(held.repaired),
-        "Set [kPa]": _scaled(held.set_pressure),
+        "Set [kPa]": None if held.set_pressure is None else f"{held.set_pressure * KPA:.0f}",
+        "Low [kPa]": _scaled(low),
+        "High [kPa]": _scaled(high),
         "Decision": _decision(held.decided),
-        "Lands that cost it": "; ".join(
-            f"{component}/{land}: {loss * KPA:.0f} kPa" for (component, land), loss in held.costly
-        )
-        or None,
     }
 
 

@@ -13,7 +13,7 @@ from atleak.views.road_words import (
     pressure_sentences,
     test_sentences,
 )
-from atleak.views.window import place_rows
+from atleak.views.window import circuit_rows, place_rows
 from atleak.wording import wording
 from pages.shared import show
 from pages.shared.show import plain
@@ -53,6 +53,9 @@ def leakage(diagnosis: Diagnosis) -> None:
         as_new(diagnosis)
         show.chart(figures.road_leakage(diagnosis.road, diagnosis.limits), "road")
         show.extremes(diagnosis.road, diagnosis.uncertainty)
+        if diagnosis.road.circuit_ranges:
+            show.table(circuit_rows(diagnosis.road), number=show.rounded)
+            st.caption("What each circuit holds at the measured main pressure, computed, while it is applied.")
     show.log_messages(diagnosis)
 
 

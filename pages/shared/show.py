@@ -58,7 +58,7 @@ HELP = {
     "After repair [kPa]": "with the whole order of repair carried out",
     "Set [kPa]": "what the circuit's regulator is set to; of main pressure, what is required",
     "Reserve": "pump supply / (leakage + slip + consumers) at the required pressure",
-    "Lands that cost it": "what it would gain with that land alone new",
+    "Lands that cost it": "what it would gain with that land alone new; negative where that land raises it",
     "Reserve within": "95 % interval of the reserve",
     "Permissible [kPa]": "main pressure that the valve body's file permits in this gear and state",
     "Covered from [rpm]": "lowest engine speed at which the pump covers leakage, slip and consumers",
@@ -128,8 +128,6 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
     more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
-    words = [str(name) for name in frame if name not in ("Verdict", *digits) and frame[name].dtype == object]
-    frame[words] = frame[words].fillna("–")
     names = [None if row["Verdict"] is None else Verdict(row["Verdict"]) for row in rows]
     frame["Verdict"] = ["–" if each is None else HAIR_SPACE * each.rank + signed(each) for each in names]
     shades = ["" if each is None else colours(each) for each in names]
@@ -140,7 +138,7 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
         name: st.column_config.Column(help=HELP.get(name), width=WIDTHS.get(name)) for name in frame.columns.tolist()
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–")
 
 
 def gauges(check: PressureCheck) -> None:
@@ -172,10 +170,8 @@ def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{
     frame = pd.DataFrame(rows)
     names = frame.columns.tolist()
     numbers: list[Hashable] = [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
-    words = [name for name in names if name not in numbers]
-    frame[words] = frame[words].fillna("–")
     style = frame.style.format(number, subset=numbers, na_rep="–")
-    st.dataframe(style, hide_index=True, width="stretch", **options)
+    st.dataframe(style, hide_index=True, width="stretch", placeholder="–", **options)
 
 
 def colours(verdict: Verdict) -> str:

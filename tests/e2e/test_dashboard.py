@@ -266,14 +266,16 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert box["x"] >= 0.0
     assert box["x"] + box["width"] <= 390.0
     assert {"■ replace", "25 · 1 main pressure valve"} <= set(cells(page))
+    below = page.locator("h3", has_text="Order of repair").locator("xpath=following::*[@data-testid='stDataFrame'][1]")
     for shown, wanted in (
         (table, ["Verdict", "Pair", "Wear [%]", "Share [%]"]),
-        (page.get_by_test_id("stDataFrame").nth(2), ["No.", "Pair", "Before [%]", "After [%]"]),
+        (below, ["No.", "Pair", "Before [%]", "After [%]"]),
     ):
         headings = [text.strip() for text in shown.locator("thead th").all_inner_texts()]
         assert headings[:4] == wanted
         assert sum(WIDTHS[name] for name in wanted) <= shown.bounding_box()["width"] + 2.0
-    matrix = page.get_by_test_id("stDataFrame").nth(1)
+    by_condition = page.locator("h3", has_text="Land by condition")
+    matrix = by_condition.locator("xpath=following::*[@data-testid='stDataFrame'][1]")
     headings = [text.strip() for text in matrix.locator("thead th").all_inner_texts()]
     assert headings[:3] == ["Pair", "1 · driving in second, 80 °C", "2 · hot idle in drive, 100 °C"]
     assert WIDTHS["Pair"] + 2 * CONDITION_WIDTH <= matrix.bounding_box()["width"] + 2.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime as dt
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from atleak.catalogue.circuit_tables import SelectorRange
@@ -75,8 +75,7 @@ class Rows:
                 seen[order] = reading
             ordered = sorted(given, key=lambda pair: pair[1] or 0.0)
             self.readings += [
-                GaugeReading(**{**vars(reading), "repeat": number})
-                for number, (reading, _) in enumerate(ordered, start=1)
+                replace(reading, repeat=number, round=order) for number, (reading, order) in enumerate(ordered, start=1)
             ]
 
 
@@ -144,7 +143,9 @@ class _Reader:
             stated = speed if speed is not None else said.engine_speed
             place = self._place(row, column)
             repeat = order if order is not None else (None if said.repeat is None else float(said.repeat))
-            self.rows.take(GaugeReading(cell, pressure, 1, temperature, stated, place), repeat)
+            self.rows.take(
+                GaugeReading(cell, pressure, temperature=temperature, engine_speed=stated, place=place), repeat
+            )
 
     def _named(self, row: int) -> Said | None:
         """Return what the cells of a row say of its readings; None where one of them is not understood."""

@@ -96,7 +96,7 @@ def report_data(
     series = road_series(diagnosis.road, _ROAD_POINTS) if diagnosis.road and "road_test" in chosen else None
     names = PrintedNames(diagnosis, diagnosis_record(diagnosis), job, say)
     front, body = Front(names, pictures), Body(names, series, pictures)
-    charts = _draw_charts(names, series, chosen)
+    charts = _draw_charts(names, series, chosen, body.pressures)
     title = say("title.report")
     return {
         "lang": say.language,
@@ -134,7 +134,9 @@ def _look(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, ...]) -> dict[str, str]:
+def _draw_charts(
+    names: PrintedNames, series: RoadSeries | None, chosen: tuple[str, ...], pressures: Pressures
+) -> dict[str, str]:
     """Return every drawing of the chosen sections as SVG, by name."""
     diagnosis, say = names.diagnosis, names.say
     at = diagnosis.projection
@@ -146,7 +148,7 @@ def _draw_charts(names: PrintedNames, series: RoadSeries | None, chosen: tuple[s
         label = say("charts.share_of_pump", condition=names.condition(at.condition))
         charts["shares"] = shares_chart([_bar(names, land) for land in diagnosis.ranked[:BARS]], label, say)
     if "pressures" in chosen and diagnosis.profile.circuits == "on":
-        charts |= Pressures(names).drawings()
+        charts |= pressures.drawings()
     if series is not None:
         marks = [
             (at.time, at.leakage * DM3_MIN, None if at.share is None else at.share * PERCENT)

@@ -42,7 +42,7 @@ class Pressures:
 
     @cached_property
     def _speeds(self) -> PumpOverSpeed:
-        return pump_over_speed(self.diagnosis, self.lowest.projection)
+        return pump_over_speed(self.diagnosis, self.lowest.projection, self.names.condition)
 
     @cached_property
     def _flows(self) -> FlowDiagram:
@@ -58,12 +58,12 @@ class Pressures:
             drawn["flows"] = flow_svg(self._flows, self._flows_in_words(), say)
         return drawn
 
-    def _drawing(self, charts: dict[str, str], name: str, words: str) -> Block:
+    def _drawing(self, charts: dict[str, str], name: str, words: Callable[[], str]) -> Block:
         """Return a drawing with its caption and, for a screen reader, its words; an empty block without it."""
         if name not in charts:
             return {}
         caption = self.say(f"charts.caption_{name}", condition=self._condition(self.lowest))
-        return {"kind": "image", "file": charts[name], "alt": f"{caption} {words}", "caption": caption}
+        return {"kind": "image", "file": charts[name], "alt": f"{caption} {words()}", "caption": caption}
 
     def _crossings_in_words(self) -> str:
         say = self.say
@@ -94,20 +94,20 @@ class Pressures:
     # --- the section
 
     def blocks(self, charts: dict[str, str]) -> Iterable[Block]:
-        """Return the line and the pump at every condition, where the flow goes, then the circuits of each condition."""
+        """Return the line and the pump at every condition, then the circuits of each, and their drawings."""
         say, conditions = self.say, self.conditions
         solved = self.diagnosis.profile.circuits == "on"
         if solved:
             yield self._line(conditions)
         yield self._pump(conditions)
         yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
-        yield self._drawing(charts, "pump", self._crossings_in_words())
+        yield self._drawing(charts, "pump", self._crossings_in_words)
         if solved and self.diagnosis.controller.circuits:
             for at in conditions:
                 yield from self._circuits(at)
             yield text(say("texts.circuits"), small=True)
-            yield self._drawing(charts, "pressures", self._pressures_in_words())
-            yield self._drawing(charts, "flows", self._flows_in_words())
+            yield self._drawing(charts, "pressures", self._pressures_in_words)
+            yield self._drawing(charts, "flows", self._flows_in_words)
 
     def _condition(self, at: PressuresAt) -> str:
         return self.names.condition(at.projection.condition)

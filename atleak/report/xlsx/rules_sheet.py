@@ -108,9 +108,9 @@ class RuleCells:
             (
                 component_width(self.diagnosis.controller.components),
                 7,
-                48,
+                54,
                 7,
-                12,
+                16,  # a demand says so behind its number
                 12,
                 *(12 for _ in FLAGGED),
                 16,
@@ -151,7 +151,7 @@ class RuleCells:
         rule, factor = line.rule, line.rule.kind.factor
         component, number = line.land.key if line.land else (OF_THE_UNIT, None)
         form = book.form(_FORMATS.get(rule.kind, rule.kind.suffix))
-        for column, value in enumerate((component, number, rule.label, rule.kind.unit)):
+        for column, value in enumerate((component, number, _named(rule), rule.kind.unit)):
             put(sheet, row, column, value, book.form(align="left"))
         formula(sheet, row, _VALUE, line.value, rule.value * factor, form)
         if line.new is not None and rule.new is not None:
@@ -195,6 +195,11 @@ class RuleCells:
             return limits.wear(level, line.mounting, line.tolerance, milder)
         own = line.land is not None and line.land.state.land.clearance_limit is not None
         return None if own else limits.plain(rule.kind, level)
+
+
+def _named(rule: Rule) -> str:
+    """Name a rule; the headings say *from*, and a reserve reaches a level under its limit."""
+    return f"{rule.label}, reached under its limit" if rule.steps.falling else rule.label
 
 
 def _reached(rule: Rule, value: str, limit: str) -> str:

@@ -212,6 +212,14 @@ def test_a_circuit_is_held_to_its_regulator_and_only_where_it_is_fed_from_the_li
     assert got is None if below is None else got == pytest.approx(below, abs=1e-6)
 
 
+def test_a_circuit_is_held_against_the_line_as_it_was_read_with_it_or_else_last(unit, judged) -> None:
+    line = [at("D", SLOW, kpa, repeat=number, round=float(number)) for number, kpa in ((1, 520.0), (2, 500.0))]
+    taps = [at("D", SLOW, 450.0, "clutch_c1", repeat=1, round=1.0), at("D", SLOW, 450.0, "clutch_c1", repeat=2)]
+    *_, with_first, alone = checked(judged(with_circuit(unit), *line, *taps))
+    assert with_first.below_line == pytest.approx(70e3, abs=1e-6)
+    assert alone.below_line == pytest.approx(50e3, abs=1e-6)
+
+
 def test_a_circuits_tap_without_the_lines_gauge_beside_it_is_not_judged(unit, judged) -> None:
     diagnosis = judged(with_circuit(unit), at("D", SLOW, 100.0, "clutch_c1"), at("R", SLOW, 800.0))
     assert checked(diagnosis)[1].verdict is None

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from streamlit.testing.v1 import AppTest
+
+from atleak.intake.gauge_table.typed import TYPED_FILE, TypedGauges, typed_gauges
+from atleak.job.case import Case, SourceFile
+from atleak.job.file import write_job_file
+from atleak.pressure_table import RANGES, Cell, Engine
+from pages.shared.pressure_form import UNITS
 
 from .conftest import choice, go, texts, uploader
 
@@ -113,3 +121,43 @@ def test_circuits_have_fields_of_their_own(page: AppTest) -> None:
     assert circuit["Below line [kPa]"] == pytest.approx(200.0, abs=1e-9)
     tap(page, "Gauge at").select("line").run()
     assert field(page, "D, slow idle [kPa]").value == "900"
+
+
+def test_an_opened_job_shows_what_was_typed_in_it(page: AppTest) -> None:
+    typed = TypedGauges({Cell("D", Engine.SLOW_IDLE): "3,9"}, "bar", "85").written()
+    case = Case(pressures=SourceFile(TYPED_FILE, typed))
+    uploader(page, "Job file").upload("job.zip", write_job_file(case.diagnose(), None, case), "application/zip").run()
+    go(page, PAGE)
+    assert not page.exception
+    assert field(page, "D, slow idle [bar]").value == "3,9"
+    assert field(page, "ATF temperature [°C]").value == "85"
+    assert shown(page)[0]["Gauge [kPa]"] == pytest.approx(390.0, abs=1e-9)
+    next(widget for widget in page.button if widget.label == "New, empty job").click().run()
+    assert field(page, "D, slow idle [kPa]").value == ""
+
+
+TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=8)
+
+
+@pytest.mark.hypothesis
+@given(
+    st.dictionaries(st.builds(Cell, st.sampled_from(RANGES), st.sampled_from(list(Engine))), TEXTS.filter(str.strip)),
+    st.sampled_from(UNITS),
+    TEXTS,
+)
+def test_whatever_is_typed_stands_in_the_file_sign_for_sign(
+    cells: dict[Cell, str], unit: str, temperature: str
+) -> None:
+    typed = TypedGauges(unit=unit, temperature=temperature)
+    for cell, text in cells.items():
+        typed = typed.with_cell(cell, text)
+    content = typed.written()
+    assert (content is None) == (not cells)
+    back = typed_gauges(content) if content is not None else typed
+    assert back is not None
+    assert (dict(back.cells), back.unit, back.temperature) == (dict(typed.cells), unit, temperature)
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"range;slow idle [kPa]\nD;400\n", b'"', b"a;b;c;d;e;f\n"])
+def test_another_file_is_not_taken_for_a_typed_one(content: bytes) -> None:
+    assert typed_gauges(content) is None

@@ -367,7 +367,7 @@ def test_every_rule_of_a_pressure_has_its_row_and_its_decision(unit: Unit) -> No
     of_unit = rules[rules["component"] == "whole unit"].set_index("rule")
     assert len(of_unit) == len(found.unit_rules)
     for rule in found.unit_rules:
-        row = of_unit.loc[rule.label]
+        row = of_unit.loc[rule.label + ", reached under its limit" * (rule.kind is RuleKind.RESERVE)]
         assert row["value"] == pytest.approx(rule.value * rule.kind.factor, rel=1e-9, abs=1e-9)
         assert row["verdict"] == signed(rule.verdict)
         assert row["decision as issued"] == wording("en").get("decisions", found.decided(rule).decision)
@@ -548,9 +548,11 @@ def printed(found: Diagnosis, language: str = "en") -> dict[str, Any]:
 @pytest.mark.parametrize("language", languages())
 def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None:
     found, say = unit(TOO_MUCH), wording(language)
-    (section,) = printed(found, language)["sections"]
+    data = printed(found, language)
+    (section,) = data["sections"]
     drawn = {block["file"]: block["alt"] for block in section["blocks"] if block["kind"] == "image"}
     assert set(drawn) == {"pump", "pressures", "flows"}
+    assert say("conditions.hot_idle") in data["charts"]["pump"]
     at = found.projection  # at which the line falls
     assert f"{say.number(at.minimum_speed * 60.0, 0)} 1/min" in drawn["pump"]
     for state in at.circuits:

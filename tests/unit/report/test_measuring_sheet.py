@@ -11,7 +11,7 @@ from openpyxl.cell import MergedCell
 from atleak.catalogue.controller import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
-from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable
+from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of
 from atleak.readings import Reading, clearances
 from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
 from atleak.report.pressure_sheet import PRESSURES
@@ -238,3 +238,23 @@ def test_the_field_of_the_fluids_temperature_on_the_tab_holds_for_all_readings(c
     target = io.BytesIO()
     book.save(target)
     assert read_readings(target.getvalue(), controller).pressures.readings[0].temperature == 82.5
+
+
+def test_every_cell_of_the_tab_is_read_back_at_the_tap_of_its_circuit():
+    controller = load_controller("five_speed_2005")
+    book = opened(write_template(controller))
+    sheet = book[PRESSURES]
+    for row in range(7, sheet.max_row + 1):
+        for column in range(3, 6):
+            sheet.cell(row, column).value = 100 + 10 * row + column
+    target = io.BytesIO()
+    book.save(target)
+    table = read_readings(target.getvalue(), controller).pressures
+    assert table.taps == tuple(tap for tap in taps_of(controller) if tap in table.taps)
+    assert {"forward_clutch", "direct_clutch", "epc"} < set(table.taps)
+    assert "overdrive_band" not in table.taps  # which no range applies while the vehicle stands
+    assert {"P", "R", "N", "D", "4", "1"} <= {each.cell.range for each in table.readings if each.cell.tap == LINE}
+    for each in table.readings:
+        assert each.pressure == (100 + 10 * each.place.row + 3 + list(Engine).index(each.cell.engine)) * 1e3
+        assert applied(controller, each.cell)
+    assert len(table.readings) == 3 * (sheet.max_row - 6)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from atleak.catalogue.circuits import Following, SetPressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
@@ -121,6 +122,29 @@ def test_sentences_of_a_line_that_falls(falling: Diagnosis) -> None:
     )
 
 
+def test_a_line_that_a_worn_circuit_sets_says_which(
+    three_circuits: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    follows = SetPressure(following=Following("epc", 2.0, 100e3))
+    first, *others = three_circuits.circuits
+    narrow = replace(first, feeds=(replace(first.feeds[0], diameter=0.4e-3),))
+    controller = replace(three_circuits, line=follows, circuits=(narrow, *others))
+    readings = with_clearances(controller, readings_of, {("4", 1): 120e-6})
+    diagnosis = diagnose(controller, hipol, limits, readings=readings)
+    at = pressures_at(diagnosis, diagnosis.hot_idle)
+    assert at.projection.pressure_falls
+    assert at.projection.reserve > 1.0
+    held, new = at.followed.now / 1e3, at.followed.new / 1e3
+    said = f"It is set by electronic pressure control, which holds {held:.0f} of {new:.0f} kPa."
+    assert said in plainly(pressure_sentence(at, SAY))
+
+
+def test_the_land_that_costs_most_is_always_named(worn_clutch: Diagnosis) -> None:
+    clutch = pressures_at(worn_clutch, worn_clutch.hot_idle).circuits[1]
+    many = {("1", number): 1e3 * number for number in range(1, 4)}
+    assert [key for key, _ in replace(clutch, now=clutch.new - 90e3, causes=many).costly] == [("1", 3)]
+
+
 def test_one_end_of_the_permissible_pressure_is_said_alone(worn_clutch: Diagnosis) -> None:
     line = pressures_at(worn_clutch, worn_clutch.hot_idle).line
     low_only, high_only = (
@@ -171,6 +195,17 @@ def test_a_circuit_whose_pressure_rises_says_so(worn_clutch: Diagnosis) -> None:
     assert said.startswith("because of the pressure gained by clutch C1 at “hot idle”: 600 instead of 471 kPa")
 
 
+def test_the_lands_that_raise_a_circuit_are_named_where_it_rose(worn_clutch: Diagnosis) -> None:
+    at = pressures_at(worn_clutch, worn_clutch.hot_idle)
+    clutch = next(each for each in at.circuits if each.id == "clutch_c1")
+    causes = {("2", 1): 30e3, ("1", 2): -20e3, ("2", 2): -90e3, ("3", 1): -1e3}
+    risen = replace(clutch, now=clutch.new + 110e3, causes=causes)
+    assert [key for key, _ in risen.costly] == [("2", 2), ("1", 2)]
+    said = plainly(circuit_sentence(worn_clutch, risen, SAY))
+    assert said.endswith("2/2 valve of clutch C1 raises it by 90 kPa; 1/2 pressure regulator raises it by 20 kPa")
+    assert [key for key, _ in replace(risen, now=clutch.new - 40e3).costly] == [("2", 1)]
+
+
 def test_other_rules_are_left_to_others(worn_clutch: Diagnosis) -> None:
     assert because_of(worn_clutch, worn_clutch.total_rules[0], SAY) is None
 
@@ -192,4 +227,7 @@ def test_a_file_without_circuits_and_a_profile_that_solves_none_say_so(
 ) -> None:
     assert unsolved(worn_clutch, SAY) is None
     assert unsolved(worn, SAY) == "This valve body's file describes no circuits: only the line is judged."
-    assert "none is solved" in unsolved(diagnose(three_circuits, hipol, limits, profile=PAPER), SAY)
+    paper = diagnose(three_circuits, hipol, limits, profile=PAPER)
+    assert "none is solved" in unsolved(paper, SAY)
+    given = pressure_sentence(pressures_at(paper, paper.hot_idle), SAY)
+    assert given.startswith("Main pressure at “hot idle”: 500 kPa, taken as given. Permissible: ")

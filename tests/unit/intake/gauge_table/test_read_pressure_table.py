@@ -167,6 +167,7 @@ def test_readings_of_one_cell_are_counted_by_a_column(unit: Controller) -> None:
         (2, 400e3),
         (3, 380e3),
     ]
+    assert [each.round for each in table.at(Cell("D", Engine.SLOW_IDLE))] == [36060.0, 36300.0, 36540.0]
 
 
 def test_readings_of_one_cell_may_stand_in_numbered_columns(unit: Controller) -> None:
