@@ -195,6 +195,14 @@ class Reading:
             self.section(pressure.section, table, key)
         return pressure
 
+    def ends(self, high: str, low: str, table: str, what: str) -> tuple[Pressure, Pressure]:
+        """Read the two pressures between which a gap or leak lies, the first that of a section or circuit."""
+        begin, end = self.pressure(high, table, "from"), self.pressure(low, table, "to")
+        if begin.section is None:
+            problem, expected = f"a {what} that leaks from no section", "a section such as p_g, or the id of a circuit"
+            raise catalogue_error(self.path, table, "from", problem, value=high, expected=expected)
+        return begin, end
+
     def section(self, name: str, table: str, key: str) -> str:
         """Check the name of a section."""
         if name not in self.sections:
@@ -347,14 +355,10 @@ def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...
         if any(table.id == leak.id for leak in leaks):
             raise catalogue_error(reading.path, where, "id", "leak given twice", value=table.id)
         density = table.at_density_g_cm3 * 1e3
-        high, low = reading.pressure(table.high, where, "from"), reading.pressure(table.low, where, "to")
-        for problem, wrong in (
-            ("a leak from no section", high.section is None),
-            ("a leak that ends where it begins", high == low),
-        ):
-            if wrong:
-                expected = "two pressures, the first that of a section or circuit"
-                raise catalogue_error(reading.path, where, "from", problem, value=table.high, expected=expected)
+        high, low = reading.ends(table.high, table.low, where, "leak")
+        if high == low:
+            problem, expected = "a leak that ends where it begins", "another pressure"
+            raise catalogue_error(reading.path, where, "to", problem, value=table.low, expected=expected)
         viscosity = None if table.at_viscosity_mm2_s is None else table.at_viscosity_mm2_s * 1e-6 * density
         leaks.append(
             Leak(

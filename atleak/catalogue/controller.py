@@ -526,24 +526,15 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> l
                 expected=expected,
             )
         gears = reading.gears_of(table.gears, where)
-        high = reading.pressure(table.high, where, "from")
-        low = reading.pressure(table.low, where, "to")
-        if high.section is None:
-            problem, expected = "a gap that leaks from no section", "a section such as p_g, or the id of a circuit"
-            raise catalogue_error(path, where, "from", problem, value=table.high, expected=expected)
-        if table.section is not None and high.section != table.section:
-            raise catalogue_error(
-                path,
-                where,
-                "section",
-                "not the section that the gap leaks from",
-                value=table.section,
-                expected=f"the one named in from = {table.high!r}",
-            )
+        high, low = reading.ends(table.high, table.low, where, "gap")
+        section = high.section or ""  # never empty: see `Reading.ends`
+        if table.section is not None and section != table.section:
+            problem, expected = "not the section that the gap leaks from", f"the one named in from = {table.high!r}"
+            raise catalogue_error(path, where, "section", problem, value=table.section, expected=expected)
         gap = Gap(
             component=table.component,
             land=table.land,
-            section=high.section,
+            section=section,
             high=high,
             low=low,
             gears=gears,
