@@ -6,15 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
-from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, NewOrigin, OperatingPoint
+from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.engine.leakage import LeakageModel, narrow_gap_messages
+from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, mileage_at_wear, model_new, project, project_unworn
 from atleak.engine.repaired import Losses, pressure_losses
@@ -23,6 +21,7 @@ from atleak.errors import Message, RoadTestError
 from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.pressure_table import PressureTable
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
+from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
 from atleak.rules import LandKey, Rule, UnitRules, unit_rules
@@ -203,11 +202,25 @@ class Diagnosis:
         losses = self.losses_at(projection)
         return max((of_lands.get(land.key, 0.0) for of_lands in losses.values()), default=None)
 
-    def circuit_verdict(self, rule: Rule | None) -> Verdict | None:
-        """Return the verdict of a circuit; None of one that is vented, and nothing unmeasured is ok."""
+    def within(self, rule: Rule) -> Verdict:
+        """Return what a rule says within its limits: nothing unmeasured is ok, nor a circuit of which a land is not."""
+        if rule.condition is None:  # gauges and logs measured it
+            return Verdict.OK
+        lands = () if rule.circuit is None else self.lands_of(rule.circuit, rule.condition.gear)
+        whole = all(land.state.status == "measured" for land in lands)
+        return Verdict.OK if self.judged and whole else Verdict.NOT_MEASURED
+
+    def lands_of(self, circuit: Circuit, gear: int) -> tuple[LandDiagnosis, ...]:
+        """Return the lands that leak from or into a circuit in a gear."""
+        gaps = [gap for gap in self.controller.gaps if gear in gap.gears]
+        keys = {gap.key for gap in gaps if circuit.id in (gap.high.section, gap.low.section)}
+        return tuple(land for land in self.lands if land.key in keys)
+
+    def verdict_on(self, rule: Rule | None) -> Verdict | None:
+        """Return the verdict of a rule of the unit; None without one, as of a circuit that is vented."""
         if rule is None:
             return None
-        return rule.verdict if self.judged or rule.verdict.flagged else Verdict.NOT_MEASURED
+        return rule.verdict if rule.verdict.flagged else self.within(rule)
 
     def at(self, condition: OperatingPoint) -> Projection:
         """Return the projection at one of the conditions that were judged."""
@@ -279,10 +292,11 @@ class Diagnosis:
         return decided.decision if decided else None
 
     def decided(self, rule: Rule) -> RuleDecision | None:
-        """Return the decision on one of the unit's rules; None where it depends on readings and there are none."""
+        """Return the decision on one of the unit's rules; None where it depends on readings that are not there."""
         shown = (*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ()))
         measured = next((each for each in shown if each.rule == rule), None)
-        return measured or (self.uncertainty.on(rule) if self.uncertainty else None)
+        computed = self.uncertainty.on(rule) if self.uncertainty else None
+        return measured or (computed if self.verdict_on(rule) != Verdict.NOT_MEASURED else None)
 
     @property
     def gauge_rules(self) -> tuple[Rule, ...]:
@@ -433,7 +447,7 @@ def diagnose(
         )
     )
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
-    messages = _messages(readings, controller, fluid, profile, projections, idle, road, states)
+    messages = messages_of(readings, controller, fluid, profile, projections, idle, road, states)
     if checked is not None:
         messages += checked.messages
     if log is not None and without is not None:
@@ -549,68 +563,3 @@ def _replace_mileage(
         return None
     low, high = max(reached_with(most), mileage), reached_with(least)
     return ReplaceMileage(reached_with(rule.value) if math.isfinite(high) else None, low, high)
-
-
-_NEW_WAS = {
-    NewOrigin.USED_UNIT: "was measured on a used unit and is taken as new: wear counts from there",
-    NewOrigin.TYPE: "is a value of the unit's type: how far single pairs differ from it counts in their wear",
-    NewOrigin.RANGE: "is known as a range only: wear counts from its upper end, flows when new from its mean cube",
-}
-
-
-def _what_new_was(controller: Controller) -> Iterable[Message]:
-    """Say what the mounting clearances are, where they are not those of these very pairs when new."""
-    for origin, text in _NEW_WAS.items():
-        count = sum(land.new_origin is origin for land in controller.lands)
-        if count:
-            text = f"The mounting clearance of {count} of {len(controller.lands)} lands {text}."
-            yield Message("info", f"mounting_clearance_{origin}", text)
-
-
-def _messages(
-    readings: Readings | None,
-    controller: Controller,
-    fluid: Fluid,
-    profile: Profile,
-    projections: list[Projection],
-    idle: Projection | None,
-    road: RoadLeakage | None,
-    states: Iterable[LandClearance],
-) -> list[Message]:
-    messages: list[Message] = []
-    if controller.representative:
-        messages.append(
-            Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
-        )
-    leaking = {gap.key for gap in controller.gaps}
-    silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking]
-    if silent:
-        text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
-        messages.append(Message("warning", "land_without_gap", text))
-    messages += _what_new_was(controller)
-    if readings is None:
-        text = "No measuring sheet: every land is computed at its mounting clearance."
-        messages.append(Message("warning", "no_readings", text))
-    else:
-        messages += readings.messages
-    for state in states:
-        messages += state.messages
-    temperatures = [projection.condition.temperature for projection in projections]
-    if road is not None:
-        logged = road.road_test.values("atf_temperature")
-        if logged is not None:
-            temperatures += [float(value) for value in (np.nanmin(logged), np.nanmax(logged))]
-    messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
-    messages += narrow_gap_messages(gap for projection in projections for gap in projection.gaps)
-    for projection in projections:
-        messages += projection.messages
-        if projection.pump_capacity <= 0.0:
-            text = f"{projection.condition.label}: the pump delivers nothing at this pressure and viscosity."
-            messages.append(Message("warning", "pump_delivers_nothing", text))
-    if idle is None:
-        text = f"{controller.name} states no operating point hot_idle, where a worn unit fails first."
-        messages.append(Message("info", "no_hot_idle", text))
-    if road is not None:
-        messages += road.road_test.messages
-        messages += road.messages
-    return list(dict.fromkeys(messages))

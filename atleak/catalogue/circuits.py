@@ -21,6 +21,7 @@ from atleak.catalogue.circuit_tables import (
     CurrentTable,
     FollowingTable,
     LeakTable,
+    LineTable,
     PermissiblePressureTable,
     SelectorRange,
     SetTable,
@@ -194,6 +195,14 @@ class Reading:
             self.section(pressure.section, table, key)
         return pressure
 
+    def ends(self, high: str, low: str, table: str, what: str) -> tuple[Pressure, Pressure]:
+        """Read the two pressures between which a gap or leak lies, the first that of a section or circuit."""
+        begin, end = self.pressure(high, table, "from"), self.pressure(low, table, "to")
+        if begin.section is None:
+            problem, expected = f"a {what} that leaks from no section", "a section such as p_g, or the id of a circuit"
+            raise catalogue_error(self.path, table, "from", problem, value=high, expected=expected)
+        return begin, end
+
     def section(self, name: str, table: str, key: str) -> str:
         """Check the name of a section."""
         if name not in self.sections:
@@ -316,13 +325,29 @@ def _refuse_circles(circuits: Sequence[Circuit], path: Path) -> None:
                 raise catalogue_error(path, where, key, problem, value=value, expected="another circuit")
 
 
+def read_line(table: LineTable, reading: Reading) -> SetPressure | None:
+    """Return the set pressure of the line, which may follow a circuit.
+
+    Raises
+    ------
+    CatalogueError
+        a set pressure that follows a section that the line supplies, or the line itself.
+    """
+    stated = reading.set_pressure(table.set_kpa, "line", reading.gears)
+    if stated is not None and stated.following is not None and stated.following.section in SECTIONS:
+        problem = "the line's set pressure follows a section that it supplies"
+        value = stated.following.section
+        raise catalogue_error(reading.path, "line", "set_kpa", problem, value=value, expected="the id of a circuit")
+    return stated
+
+
 def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...]:
     """Return the leaks beside the lands.
 
     Raises
     ------
     CatalogueError
-        an unknown section or gear, or an id given twice.
+        an unknown section or gear, an id given twice, or a leak that could leak nothing.
     """
     leaks: list[Leak] = []
     for number, table in enumerate(tables, start=1):
@@ -330,13 +355,16 @@ def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...
         if any(table.id == leak.id for leak in leaks):
             raise catalogue_error(reading.path, where, "id", "leak given twice", value=table.id)
         density = table.at_density_g_cm3 * 1e3
-        low = reading.pressure(table.low, where, "to")
+        high, low = reading.ends(table.high, table.low, where, "leak")
+        if high == low:
+            problem, expected = "a leak that ends where it begins", "another pressure"
+            raise catalogue_error(reading.path, where, "to", problem, value=table.low, expected=expected)
         viscosity = None if table.at_viscosity_mm2_s is None else table.at_viscosity_mm2_s * 1e-6 * density
         leaks.append(
             Leak(
                 id=table.id,
                 name=table.name or table.id.replace("_", " "),
-                high=reading.pressure(table.high, where, "from"),
+                high=high,
                 low=low,
                 law=table.law,
                 flow=table.flow_dm3_min / 60e3,

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import LineTable, SelectorRange, StandingState, State
+from atleak.catalogue.circuit_tables import SelectorRange, StandingState, State
 from atleak.catalogue.circuits import (
     IDLE_SPEED,
     Circuit,
@@ -29,6 +29,7 @@ from atleak.catalogue.circuits import (
     read_circuits,
     read_consumers,
     read_leaks,
+    read_line,
     read_standing,
 )
 from atleak.catalogue.complaints import Complaint, complaints_of, find_complaint
@@ -384,11 +385,18 @@ def _build(entry: ControllerFile, origin: Origin) -> Controller:
         circuits=read_circuits(entry.circuits, reading),
         leaks=read_leaks(entry.leaks, reading),
         consumers=read_consumers(entry.consumers, reading),
-        line=None if entry.line is None else _line(entry.line, reading),
+        line=None if entry.line is None else read_line(entry.line, reading),
         line_source="" if entry.line is None else entry.line.source,
         permissible=permissible_in_gear(standing),
         standing=standing,
     )
+    for point in (replace(point, gear=gear) for point in points for gear in entry.gears):
+        if not controller.with_line(point).main_pressure > 0.0:
+            problem, expected = (
+                f"the line is set to no pressure in gear {point.gear}",
+                f"more than 0 kPa at {point.name}",
+            )
+            raise catalogue_error(origin.path, "line", "set_kpa", problem, value="0 kPa", expected=expected)
     return replace(controller, operating_points=tuple(controller.with_line(point) for point in points))
 
 
@@ -493,16 +501,6 @@ def _mounting(entry: ControllerFile, table: LandTable, where: str, path: Path) -
     )
 
 
-def _line(table: LineTable, reading: Reading) -> SetPressure | None:
-    """Return the set pressure of the line, which may follow a circuit."""
-    stated = reading.set_pressure(table.set_kpa, "line", reading.gears)
-    if stated is not None and stated.following is not None and stated.following.section in SECTIONS:
-        problem = "the line's set pressure follows a section that it supplies"
-        value = stated.following.section
-        raise catalogue_error(reading.path, "line", "set_kpa", problem, value=value, expected="the id of a circuit")
-    return stated
-
-
 def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> list[Gap]:
     path = reading.path
     if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
@@ -528,24 +526,15 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> l
                 expected=expected,
             )
         gears = reading.gears_of(table.gears, where)
-        high = reading.pressure(table.high, where, "from")
-        low = reading.pressure(table.low, where, "to")
-        if high.section is None:
-            problem, expected = "a gap that leaks from no section", "a section such as p_g, or the id of a circuit"
-            raise catalogue_error(path, where, "from", problem, value=table.high, expected=expected)
-        if table.section is not None and high.section != table.section:
-            raise catalogue_error(
-                path,
-                where,
-                "section",
-                "not the section that the gap leaks from",
-                value=table.section,
-                expected=f"the one named in from = {table.high!r}",
-            )
+        high, low = reading.ends(table.high, table.low, where, "gap")
+        section = high.section or ""  # never empty: see `Reading.ends`
+        if table.section is not None and section != table.section:
+            problem, expected = "not the section that the gap leaks from", f"the one named in from = {table.high!r}"
+            raise catalogue_error(path, where, "section", problem, value=table.section, expected=expected)
         gap = Gap(
             component=table.component,
             land=table.land,
-            section=high.section,
+            section=section,
             high=high,
             low=low,
             gears=gears,

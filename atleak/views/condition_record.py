@@ -95,7 +95,7 @@ def unit_rule_record(diagnosis: Diagnosis, rule: Rule) -> dict[str, Any]:
         "value": finite(rule.value * rule.kind.factor),
         "limit": finite(rule.limit * rule.kind.factor),
         "level": rule.level,
-        "verdict": rule.verdict,
+        "verdict": diagnosis.verdict_on(rule),
         "decision": decided.decision if decided else None,
         "probability_over_limit": decided.probability_over_limit if decided else None,
         "origin": rule.origin,
@@ -118,11 +118,12 @@ def _circuit(
         "pressure_low_kpa": scaled(low, KPA),
         "pressure_high_kpa": scaled(high, KPA),
         "pressure_new_kpa": new * KPA,
+        "pressure_unworn_kpa": scaled(rule.new, KPA) if rule else None,
         "set_kpa": scaled(state.set_pressure, KPA),
         "loss_kpa": (new - state.pressure) * KPA,
         "feed_dm3_min": state.feed * DM3_MIN,
         "relief_dm3_min": state.relief * DM3_MIN,
-        "verdict": diagnosis.circuit_verdict(rule),
+        "verdict": diagnosis.verdict_on(rule),
         "decision": decided.decision if decided else None,
         "causes": [
             {"component": component, "land": land, "loss_kpa": loss * KPA}

@@ -129,7 +129,7 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
             low=None,
             rule=rule,
             decided=diagnosis.decided(rule) if rule else None,
-            verdict=diagnosis.circuit_verdict(rule),
+            verdict=diagnosis.verdict_on(rule),
             causes=losses.get(circuit.id, {}),
         )
 
@@ -145,7 +145,7 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
         low=permissible_low(projection, diagnosis.unworn_at(projection)),
         rule=permissible,
         decided=diagnosis.decided(permissible) if permissible else None,
-        verdict=diagnosis.circuit_verdict(permissible),
+        verdict=diagnosis.verdict_on(permissible),
         causes=losses.get(LINE, {}),
     )
     circuits = tuple(circuit(state) for state in projection.circuits)
@@ -162,7 +162,7 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
         reserve_repaired=None if end is None else end.reserve,
         reserve_rule=reserve,
         reserve_decided=diagnosis.decided(reserve) if reserve else None,
-        reserve_verdict=diagnosis.circuit_verdict(reserve),
+        reserve_verdict=diagnosis.verdict_on(reserve),
         speed_interval=total.minimum_speed_interval if total else None,
     )
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 import pytest
 
 from atleak.catalogue.circuits import Circuit, Consumer, Feed, Leak, PermissiblePressure, SetPressure
-from atleak.catalogue.controller import Controller, Gap, NewOrigin
+from atleak.catalogue.controller import Controller, Gap, Land, NewOrigin
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.section_pressures import Pressure
@@ -45,6 +45,11 @@ def fed(minimal: Controller) -> Controller:
         circuits=(Circuit("c1", "clutch C1", gears, (Feed("p_g", 0.5e-3, 0.62),), None, "test"),),
         permissible=(PermissiblePressure(gears, "idle", 414 * KPA, None, "test"),),
     )
+
+
+def as_new(lands: Iterable[Land]) -> dict[tuple[str, int], tuple[float, float]]:
+    """Return the diameters [m] of new lands."""
+    return {land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * land.new_clearance) for land in lands}
 
 
 def judged(
@@ -123,6 +128,53 @@ def test_a_circuit_names_the_lands_that_cost_it_pressure(
     assert losses[CLUTCH, 1] == pytest.approx(gained, rel=1e-9, abs=1e-3)
     clean = next(land for land in diagnosis.lands if land.key == (REGULATOR, 1))
     assert diagnosis.loss_by(clean, diagnosis.hot_idle) == 0.0
+
+
+@pytest.mark.parametrize("measured", [(), ((CLUTCH, 1),)], ids=["none of its lands", "one of its lands"])
+def test_a_circuit_that_was_not_measured_whole_is_never_ok(
+    measured: tuple[tuple[str, int], ...], fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    """Lands that nobody measured are computed as new, so that their circuit seems to have lost nothing."""
+    read = [land for land in fed.lands if land.component == REGULATOR or land.key in measured]
+    diagnosis = diagnose(fed, hipol, limits, readings=readings_of(fed, as_new(read)))
+    for record in diagnosis_record(diagnosis)["conditions"]:
+        (circuit,) = record["circuits"]
+        (rule,) = (each for each in record["rules"] if each["circuit"] == "c1")
+        assert (circuit["verdict"], circuit["decision"]) == (Verdict.NOT_MEASURED, None)
+        assert (rule["verdict"], rule["decision"]) == (Verdict.NOT_MEASURED, None)
+    whole = diagnosis_record(diagnose(fed, hipol, limits, readings=readings_of(fed, as_new(fed.lands))))
+    assert [circuit["verdict"] for each in whole["conditions"] for circuit in each["circuits"]] == [
+        Verdict.OK for _ in whole["conditions"]
+    ]
+
+
+def test_a_circuit_with_lands_that_nobody_measured_can_be_past_a_limit(
+    fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    worn = {(CLUTCH, 1): (14.5e-3, 14.5e-3 + 2.0 * 60 * UM)}
+    diagnosis = diagnose(fed, hipol, limits, readings=readings_of(fed, worn))
+    rule = rule_of(diagnosis, RuleKind.CIRCUIT_LOSS)
+    assert diagnosis.verdict_on(rule) == rule.verdict
+    assert rule.verdict.flagged
+
+
+def test_a_loss_is_judged_beside_the_widest_that_new_lands_may_have_been(
+    fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    """The record holds the pressure that the verdict is judged against beside that of the unit new."""
+    of_type = tuple(
+        replace(land, mounting_clearance=(6 * UM, 20 * UM), new_origin=NewOrigin.RANGE)
+        if land.component == CLUTCH
+        else land
+        for land in fed.lands
+    )
+    worn = judged(replace(fed, lands=of_type), {CLUTCH: 25.0}, readings_of, hipol, limits)
+    rule = rule_of(worn, RuleKind.CIRCUIT_LOSS)
+    record = next(each for each in diagnosis_record(worn)["conditions"] if each["name"] == "hot_idle")
+    (circuit,) = record["circuits"]
+    assert circuit["pressure_unworn_kpa"] - circuit["pressure_kpa"] == pytest.approx(rule.value / KPA, abs=1e-9)
+    assert circuit["loss_kpa"] == pytest.approx(circuit["pressure_new_kpa"] - circuit["pressure_kpa"], abs=1e-9)
+    assert circuit["pressure_unworn_kpa"] < circuit["pressure_new_kpa"] - 1.0
 
 
 def test_a_rise_is_judged_too(fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build) -> None:

@@ -83,11 +83,7 @@ class RuleCells:
 
     def of_unit(self, rule: Rule) -> str:
         """Return the formula of what one rule says of the unit; one that nobody measured is never called ok."""
-        return verdict_of_rank(cell(self._unit_row(rule), _RANK, _SHEET), self._fine)
-
-    @property
-    def _fine(self) -> Verdict:
-        return Verdict.OK if self.diagnosis.judged else Verdict.NOT_MEASURED
+        return verdict_of_rank(cell(self._unit_row(rule), _RANK, _SHEET), self.diagnosis.within(rule))
 
     def _unit_row(self, rule: Rule) -> int:
         return 1 + next(number for number, each in enumerate(self._of_unit) if each is rule)
@@ -172,7 +168,7 @@ class RuleCells:
                 formula(sheet, row, column, text, limit * factor, form)
             reached = RANKED.index(_verdict(level)) + 1
             rank = f"IF({_reached(rule, cell(row, _VALUE), cell(row, column))},{reached},{rank})"
-        fine = Verdict.OK if line.land is not None else self._fine
+        fine = Verdict.OK if line.land is not None else self.diagnosis.within(rule)
         verdict = fine if rule.verdict == Verdict.OK else rule.verdict
         formula(sheet, row, _RANK, rank, RANKED.index(rule.verdict) + 1)
         words = verdict_of_rank(cell(row, _RANK), fine)

@@ -202,6 +202,8 @@ def test_a_point_of_one_s_own_for_which_nothing_is_stated_is_refused_by_name(edi
         (("at_viscosity_mm2_s = 7.0\n", ""), "leaks", ["at_viscosity_mm2_s"]),
         (('from = "clutch_c1"\nlaw', 'from = "clutch_c2"\nlaw'), "leaks[1]", ["clutch_c2", "clutch_c1"]),
         (("flow_dm3_min = 0.06", "flow_dm3_min = -0.06"), "leaks", ["flow_dm3_min"]),
+        (('from = "clutch_c1"\nlaw', 'from = "drain"\nlaw'), "leaks[1]", ["from no section", "drain"]),
+        (('from = "clutch_c1"\nlaw', 'from = "clutch_c1"\nto = "clutch_c1"\nlaw'), "leaks[1]", ["where it begins"]),
         (("{ hot_idle = 3.0, driving_second = 6.0 }", "{ hot_idle = 3.0 }"), "consumers[1]", ["driving_second too"]),
         (("{ hot_idle = 3.0, driving_second = 6.0 }", '"3"'), "consumers", ["flow_dm3_min"]),
         (('state = "idle"', 'state = "parked"'), "permissible_pressure", ["state", "parked"]),
@@ -213,6 +215,7 @@ def test_a_point_of_one_s_own_for_which_nothing_is_stated_is_refused_by_name(edi
             ["either gear or gears"],
         ),
         (('from = "clutch_c1", ratio = 1.5', 'from = "p_g", ratio = 1.5'), "line", ["p_g", "the id of a circuit"]),
+        ((", offset_kpa = 100.0 }\nsource", " }\nsource"), "line", ["no pressure in gear 4", "more than 0 kPa"]),
         (("after_line = true", "before_line = true"), "consumers", ["before_line", "after_line"]),
     ],
 )

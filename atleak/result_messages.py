@@ -1,0 +1,91 @@
+"""Say what a person should know about a result: what is representative, assumed, left out or out of its range."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from atleak.catalogue.controller import Controller, NewOrigin
+from atleak.catalogue.fluid import Fluid
+from atleak.engine.leakage import narrow_gap_messages
+from atleak.engine.profile import Profile
+from atleak.engine.projection import Projection
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.errors import Message
+from atleak.readings import LandClearance, Readings
+
+_NEW_WAS = {
+    NewOrigin.USED_UNIT: "was measured on a used unit and is taken as new: wear counts from there",
+    NewOrigin.TYPE: "is a value of the unit's type: how far single pairs differ from it counts in their wear",
+    NewOrigin.RANGE: "is known as a range only: wear counts from its upper end, flows when new from its mean cube",
+}
+
+
+def _what_new_was(controller: Controller) -> Iterable[Message]:
+    """Say what the mounting clearances are, where they are not those of these very pairs when new."""
+    for origin, text in _NEW_WAS.items():
+        count = sum(land.new_origin is origin for land in controller.lands)
+        if count:
+            text = f"The mounting clearance of {count} of {len(controller.lands)} lands {text}."
+            yield Message("info", f"mounting_clearance_{origin}", text)
+
+
+def messages_of(
+    readings: Readings | None,
+    controller: Controller,
+    fluid: Fluid,
+    profile: Profile,
+    projections: list[Projection],
+    idle: Projection | None,
+    road: RoadLeakage | None,
+    states: Iterable[LandClearance],
+) -> list[Message]:
+    """Return the messages on inputs and projections, each once; those of gauges, log and uncertainty are not in it.
+
+    Parameters
+    ----------
+    projections, idle
+        at every condition that is judged, and that at hot idle, where the controller states one.
+    road
+        leakage over a log; None without one.
+    states
+        the clearance of every land.
+    """
+    messages: list[Message] = []
+    if controller.representative:
+        messages.append(
+            Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
+        )
+    leaking = {gap.key for gap in controller.gaps}
+    silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking]
+    if silent:
+        text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
+        messages.append(Message("warning", "land_without_gap", text))
+    messages += _what_new_was(controller)
+    if readings is None:
+        text = "No measuring sheet: every land is computed at its mounting clearance."
+        messages.append(Message("warning", "no_readings", text))
+    else:
+        messages += readings.messages
+    for state in states:
+        messages += state.messages
+    temperatures = [projection.condition.temperature for projection in projections]
+    if road is not None:
+        logged = road.road_test.values("atf_temperature")
+        if logged is not None:
+            temperatures += [float(value) for value in (np.nanmin(logged), np.nanmax(logged))]
+    messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
+    messages += narrow_gap_messages(gap for projection in projections for gap in projection.gaps)
+    for projection in projections:
+        messages += projection.messages
+        if projection.pump_capacity <= 0.0:
+            text = f"{projection.condition.label}: the pump delivers nothing at this pressure and viscosity."
+            messages.append(Message("warning", "pump_delivers_nothing", text))
+    if idle is None:
+        text = f"{controller.name} states no operating point hot_idle, where a worn unit fails first."
+        messages.append(Message("info", "no_hot_idle", text))
+    if road is not None:
+        messages += road.road_test.messages
+        messages += road.messages
+    return list(dict.fromkeys(messages))
