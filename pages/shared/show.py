@@ -138,7 +138,7 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
         name: st.column_config.Column(help=HELP.get(name), width=WIDTHS.get(name)) for name in frame.columns.tolist()
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–")
 
 
 def gauges(check: PressureCheck) -> None:
@@ -170,10 +170,8 @@ def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{
     frame = pd.DataFrame(rows)
     names = frame.columns.tolist()
     numbers: list[Hashable] = [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
-    words = [name for name in names if name not in numbers]
-    frame[words] = frame[words].fillna("–")
     style = frame.style.format(number, subset=numbers, na_rep="–")
-    st.dataframe(style, hide_index=True, width="stretch", **options)
+    st.dataframe(style, hide_index=True, width="stretch", placeholder="–", **options)
 
 
 def colours(verdict: Verdict) -> str:
