@@ -8,7 +8,7 @@ from typing import Any, TextIO
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
@@ -360,7 +360,9 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[RenderableType]:
     yield Text(f"Gauge readings of {check.table.file}, the vehicle standing: {_judged(check.verdict)}")
     rows = gauge_rows(check)
     names = [name for name in rows[0] if len(rows[0]) <= GAUGES_ABREAST or name != "Decision"]
-    table = Table("verdict", *names, show_edge=False)
+    table = Table(
+        "verdict", *(Column(Text(name)) for name in names), show_edge=False, padding=0
+    )  # "[kPa]" is no markup
     for column in table.columns:
         column.overflow = "fold"  # on a narrow terminal nothing is cut off
     for reading, row in zip(check.readings, rows, strict=True):

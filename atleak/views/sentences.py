@@ -112,13 +112,15 @@ def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) ->
 
 
 def permissible_words(line: HeldPressure, say: Wording) -> str:
-    """Say which main pressure is permissible; an empty text where the file does not say."""
+    """Say which main pressure is permissible, and that less is required; an empty text where the file does not say."""
     low, high = (line.permissible.low, line.permissible.high) if line.permissible else (None, None)
-    if low is not None and high is not None:
-        return say("held.permissible_between", low=_kpa(low, say), high=_kpa(high, say))
-    if low is not None:
-        return say("held.permissible_from", low=_kpa(low, say))
-    return "" if high is None else say("held.permissible_to", high=_kpa(high, say))
+    if low is None:
+        return "" if high is None else say("held.permissible_to", high=_kpa(high, say))
+    if high is None:
+        said = say("held.permissible_from", low=_kpa(low, say))
+    else:
+        said = say("held.permissible_between", low=_kpa(low, say), high=_kpa(high, say))
+    return f"{said} {say('held.requires_less')}" if line.low is None else said
 
 
 def reserve_sentence(at: PressuresAt, say: Wording) -> str:

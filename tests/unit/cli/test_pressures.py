@@ -29,6 +29,11 @@ def test_a_table_alone_is_diagnosed_and_decides(run: Run, record_of, gauges: Pat
     assert run("diagnose", "--pressures", gauges, "--fail-on", "critical")[0] == 1
 
 
+def test_the_terminal_names_the_unit_of_its_pressures(run: Run, gauges: Path) -> None:
+    out = run("diagnose", "--pressures", gauges)[1]
+    assert out.count("[kPa]") == 3, "gauge, permitted, expected"
+
+
 def test_a_table_stands_beside_a_measuring_sheet(record_of, sample_readings: Path, gauges: Path) -> None:
     record = record_of(sample_readings, "--pressures", gauges)
     assert record["readings"]["lands_measured"] == 47

@@ -155,6 +155,21 @@ def test_one_end_of_the_permissible_pressure_is_said_alone(worn_clutch: Diagnosi
     assert permissible_words(replace(line, permissible=None), SAY) == ""
 
 
+def test_a_required_pressure_below_the_permissible_says_that_it_is_not_judged(
+    three_circuits: Controller, hipol: Fluid, limits: Limits
+) -> None:
+    least = 600e3  # more than the 500 kPa of hot idle
+    strict = replace(
+        three_circuits, permissible=tuple(replace(p, low=least, high=None) for p in three_circuits.permissible)
+    )
+    diagnosis = diagnose(strict, hipol, limits)
+    line = pressures_at(diagnosis, diagnosis.hot_idle).line
+    assert line.rule is None
+    assert permissible_words(line, SAY) == (
+        "Permissible: at least 600 kPa. Not judged by it: the required pressure itself is below it."
+    )
+
+
 def test_a_circuit_says_what_it_holds_and_which_lands_cost_it_that(worn_clutch: Diagnosis) -> None:
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
     clutch, lock_up = (next(each for each in at.circuits if each.id == name) for name in ("clutch_c1", "lock_up"))
