@@ -62,6 +62,11 @@ def messages_of(
     if silent:
         text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
         messages.append(Message("warning", "land_without_gap", text))
+    gears = {projection.condition.gear for projection in projections}
+    nowhere = [circuit.name for circuit in controller.circuits if not circuit.gears & gears]
+    if nowhere:
+        text = f"No operating point applies {', '.join(nowhere)}: what they hold is judged nowhere."
+        messages.append(Message("warning", "circuit_nowhere_applied", text))
     messages += _what_new_was(controller)
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."

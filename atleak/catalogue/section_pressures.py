@@ -32,7 +32,7 @@ class Pressure:
         """Read ``"p_g"``, ``"0.1*p_g"``, the id of a circuit, ``"35 kPa"``, ``"0"`` or ``"drain"``.
 
         >>> Pressure.parse("0.1*p_g")
-        Pressure(coefficient=0.1, section='p_g')
+        Pressure(coefficient=0.1, section='p_g', constant=0.0)
         """
         if text.strip() in DRAINS:
             return cls(0.0, None)

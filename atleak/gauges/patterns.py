@@ -104,11 +104,16 @@ def find_patterns(
 
 
 def _low_at_slow_idle(line: _Line) -> Iterator[Pattern]:
-    """All ranges low at slow idle but not at fast idle: the pump first, or internal leakage."""
-    slow, fast = (line.of_engine.get(engine, {}) for engine in (Engine.SLOW_IDLE, Engine.FAST_IDLE))
+    """All ranges low at slow idle but not with the pump turning faster: the pump first, or internal leakage.
+
+    Without readings at fast idle those at stall show it.
+    """
+    slow = line.of_engine.get(Engine.SLOW_IDLE, {})
+    faster = Engine.FAST_IDLE if line.of_engine.get(Engine.FAST_IDLE) else Engine.STALL
+    fast = line.of_engine.get(faster, {})
     both = [selected for selected in slow if selected in fast]
     if len(both) >= RANGES_THAT_TELL and set(slow.values()) == {"low"} and "low" not in fast.values():
-        cells = [Cell(selected, engine) for engine in (Engine.SLOW_IDLE, Engine.FAST_IDLE) for selected in both]
+        cells = [Cell(selected, engine) for engine in (Engine.SLOW_IDLE, faster) for selected in both]
         yield Pattern("low_at_slow_idle", "practice", tuple(cells), ranges=tuple(slow))
 
 

@@ -293,6 +293,14 @@ def test_without_readings_no_circuit_is_ok(fed: Controller, hipol: Fluid, limits
     assert {each["circuits"][0]["verdict"] for each in record["conditions"]} == {Verdict.NOT_MEASURED}
 
 
+def test_a_circuit_that_no_operating_point_applies_is_named(fed: Controller, hipol: Fluid, limits: Limits) -> None:
+    elsewhere = replace(fed.circuits[0], gears=frozenset({5}))
+    diagnosis = diagnose(replace(fed, circuits=(elsewhere,)), hipol, limits)
+    (message,) = (each for each in diagnosis.messages if each.code == "circuit_nowhere_applied")
+    assert "clutch C1" in message.text
+    assert "circuit_nowhere_applied" not in {each.code for each in diagnose(fed, hipol, limits).messages}
+
+
 def test_paper_solves_no_pressures(fed: Controller, hipol: Fluid, limits: Limits, readings_of: Build) -> None:
     diameters = {land.key: (land.nominal_diameter, land.nominal_diameter + 160 * UM) for land in fed.lands}
     diagnosis = diagnose(fed, hipol, limits, readings=readings_of(fed, diameters), profile=PAPER)

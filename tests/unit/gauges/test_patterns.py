@@ -34,6 +34,7 @@ def kinds(readings: list[Standing], applied: Mapping | None = None) -> list[str]
     [
         ({"slow": "Pl Rl Nl Dl", "fast": "Pn Rn Nn Dn"}, "low_at_slow_idle"),
         ({"slow": "Rl Dl 2l", "fast": "Rn Dh 2n"}, "low_at_slow_idle"),
+        ({"slow": "Rl Dl 2l", "stall": "Rn Dn 2n"}, "low_at_slow_idle"),  # the commonest test has no fast idle
         ({"slow": "Rl Dn 2n", "fast": "Rl Dn 2n"}, "one_range_low"),
         ({"slow": "Pn Rl Nn Dn"}, "one_range_low"),
         ({"slow": "Rl Dl 2l", "fast": "Rl Dl 2l"}, "all_low"),
