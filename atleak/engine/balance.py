@@ -31,7 +31,7 @@ from atleak.equations import orifice as orifice_equations
 BALANCED = 1e-9  # mass balance of every circuit, over the largest flow of its network
 _LAST_DIGIT = 4e-16  # of a pressure, relative: nothing can be balanced finer
 _SAME = 1e-12  # of the highest pressure: by which a pressure may differ from the one that it is set to
-_BLOCK = 131_072  # numbers of one kind worked on at a time: they stay in the processor's cache
+_BLOCK = 524_288  # numbers of one kind worked on at a time: they stay in the processor's cache
 _STEPS, _FREE = 120, 6  # of Newton's at the most, and of those that may go as far as they like
 
 

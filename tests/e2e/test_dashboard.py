@@ -143,7 +143,7 @@ def test_a_log_that_is_none_is_refused(page: Page) -> None:
     expect(message).to_contain_text("photo.csv was not taken")
 
 
-@pytest.mark.parametrize("label", [SHEET, LOG])
+@pytest.mark.parametrize("label", [SHEET, pytest.param(LOG, marks=pytest.mark.slow)])
 def test_a_file_that_ends_its_reader_ends_nothing_else(
     visit: Visit, page: Page, server: str, sample_readings: Path, stray_workbook: bytes, label: str
 ) -> None:
@@ -243,15 +243,21 @@ def test_dragging_across_the_log_sets_the_cursors(page: Page, server: str) -> No
     wait_until_idle(page)  # a script that still runs draws the chart anew and loses the drag
     chart.scroll_into_view_if_needed()
     page.evaluate(AT_REST, chart.element_handle())  # plotly lays itself out anew after scrolling
-    box = chart.bounding_box()
-    middle = box["y"] + box["height"] / 2.0
-    page.mouse.move(box["x"] + 0.25 * box["width"], middle)
-    page.mouse.down()
-    page.mouse.move(box["x"] + 0.40 * box["width"], middle + 5.0, steps=5)
-    page.mouse.move(box["x"] + 0.50 * box["width"], middle + 5.0, steps=5)
-    page.mouse.up()
     cursors = page.get_by_test_id("stSliderThumbValue")
-    expect(cursors.filter(has_text=re.compile(r"^[23]\.\d\d$"))).to_have_count(1)
+    first = cursors.filter(has_text=re.compile(r"^[23]\.\d\d$"))
+    for _ in range(3):  # on a busy machine the chart may be drawn anew in the middle of a drag: then one drags again
+        box = chart.bounding_box()
+        middle = box["y"] + box["height"] / 2.0
+        page.mouse.move(box["x"] + 0.25 * box["width"], middle)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.40 * box["width"], middle + 5.0, steps=5)
+        page.mouse.move(box["x"] + 0.50 * box["width"], middle + 5.0, steps=5)
+        page.mouse.up()
+        page.wait_for_timeout(2000)
+        wait_until_idle(page)
+        if first.count():
+            break
+    expect(first).to_have_count(1)
     expect(cursors.filter(has_text=re.compile(r"^[56]\.\d\d$"))).to_have_count(1)
 
 

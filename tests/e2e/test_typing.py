@@ -96,7 +96,7 @@ def write(fold: Locator, label: str, text: str) -> None:
     box.press("Enter")
 
 
-@pytest.mark.parametrize("delay", [60, 100])
+@pytest.mark.parametrize("delay", [60, pytest.param(100, marks=pytest.mark.slow)])
 def test_a_vehicle_typed_with_tab_stands_in_its_fields(page: Page, delay: int) -> None:
     to(page, "Report")
     field(page, "Make").click()
@@ -109,6 +109,7 @@ def test_a_vehicle_typed_with_tab_stands_in_its_fields(page: Page, delay: int) -
     expect_record(page, {"vehicle": {label.lower(): value for label, value in VEHICLE.items()}})
 
 
+@pytest.mark.slow
 def test_a_vehicle_typed_in_another_order_is_printed_where_it_belongs(page: Page) -> None:
     import pypdfium2
 
@@ -218,14 +219,10 @@ def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
     ("label", "text", "said"),
     [
         ("Mileage [km]", "123.456", "write 123456 for 123456 km, or 123.4560 for 123.456 km. No mileage is used."),
-        ("Mileage [km]", "−5", "must be from 0 to 9999999 km"),
-        (
-            "Temperature [°C]",
-            "955",
-            "must be from −60 to 200 °C. 80 °C stays in use.",
-        ),
-        ("Temperature [°C]", "abc", "'abc' is not a number"),
-        ("Temperature [°C]", "", "80 °C stays in use"),
+        pytest.param("Mileage [km]", "−5", "must be from 0 to 9999999 km", marks=pytest.mark.slow),
+        ("Temperature [°C]", "955", "must be from −60 to 200 °C. 80 °C stays in use."),
+        pytest.param("Temperature [°C]", "abc", "'abc' is not a number", marks=pytest.mark.slow),
+        pytest.param("Temperature [°C]", "", "80 °C stays in use", marks=pytest.mark.slow),
         ("Engine speed [rpm]", "8505", "8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm"),
     ],
 )
@@ -250,7 +247,14 @@ def test_a_doubt_stands_beneath_its_field_and_is_there_after_another_page(
     assert page.get_by_test_id("stException").count() == 0
 
 
-@pytest.mark.parametrize(("text", "shown"), [("95,5", "95.5 °C"), ("9,55e1", "95.5 °C"), ("−5", "-5 °C")])
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("95,5", "95.5 °C"),
+        pytest.param("9,55e1", "95.5 °C", marks=pytest.mark.slow),
+        pytest.param("−5", "-5 °C", marks=pytest.mark.slow),
+    ],
+)
 def test_a_temperature_is_taken_as_it_was_written(page: Page, text: str, shown: str) -> None:
     fold = condition(page)
     write(fold, "Temperature [°C]", text)

@@ -169,7 +169,7 @@ def by_small_steps(model: LeakageModel, point: OperatingPoint, start: float) -> 
     return main
 
 
-@pytest.mark.parametrize("width_um", [13.0, 60.0, 80.0, 150.0])
+@pytest.mark.parametrize("width_um", [13.0, 60.0, 80.0, pytest.param(150.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("ratio", "offset_kpa"), [(2.0, 100.0), (1.3, 30.0), (1.5, 0.0)])
 @pytest.mark.parametrize("number", [0, 1])
 def test_a_line_that_follows_a_worn_circuit_falls_with_it_from_above(

@@ -239,7 +239,8 @@ def test_every_formula_does_so_in_other_profiles(unit: Unit, profile: Any, calcu
     assert calculator(write_workbook(unit(EMPTIED, profile=profile))).wrong() == []
 
 
-@pytest.mark.parametrize("clearances", [EMPTIED, pytest.param(TOO_MUCH, marks=pytest.mark.slow)], ids=["back", "falls"])
+@pytest.mark.slow
+@pytest.mark.parametrize("clearances", [EMPTIED, TOO_MUCH], ids=["back", "falls"])
 def test_libreoffice_gives_what_atleak_gives(unit: Unit, clearances: LAND, recalculated: Any, referee: Any) -> None:
     content = write_workbook(unit(clearances))
     book, issued = (openpyxl.load_workbook(io.BytesIO(content), data_only=data) for data in (False, True))
