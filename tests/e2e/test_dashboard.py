@@ -199,6 +199,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
     upload(page, LOG, "two.csv", TWO_PRESSURES.encode())
+    expect(page.get_by_test_id("stSidebar").get_by_text("Not taken.").first).to_be_visible()
     page.get_by_role("link", name="Road test").click()
     main = page.get_by_test_id("stMain")
     expect(main.get_by_text("Which column is it?").first).to_be_visible()
