@@ -122,6 +122,7 @@ def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, 
     assert cells(page) == before
 
 
+@pytest.mark.slow
 def test_an_empty_workbook_says_so(page: Page) -> None:
     target = io.BytesIO()
     openpyxl.Workbook().save(target)
@@ -137,6 +138,7 @@ def test_decimal_commas_are_read(page: Page, sample_log: Path) -> None:
     status(page, re.compile("1201 rows, 12 s"))
 
 
+@pytest.mark.slow
 def test_a_log_that_is_none_is_refused(page: Page) -> None:
     upload(page, LOG, "photo.csv", b"\x89PNG\r\n\x1a\n" + bytes(200))
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first

@@ -146,6 +146,7 @@ def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
     expect_record(page, {"vehicle": {"make": "Mercedes", "model": "W210"}})
 
 
+@pytest.mark.slow
 def test_folds_stay_as_the_user_left_them(page: Page) -> None:
     to(page, "Report")
     fold = page.get_by_test_id("stExpander").filter(has_text="As found")
@@ -176,6 +177,7 @@ def test_folds_stay_as_the_user_left_them(page: Page) -> None:
     expect_record(page, {"complaint": "late shift", "fault_codes": ["P0730"]})
 
 
+@pytest.mark.slow
 def test_a_new_photo_can_be_captioned_at_once(page: Page) -> None:
     target = io.BytesIO()
     Image.new("RGB", (40, 30)).save(target, "PNG")
@@ -223,7 +225,12 @@ def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
         ("Temperature [°C]", "955", "must be from −60 to 200 °C. 80 °C stays in use."),
         pytest.param("Temperature [°C]", "abc", "'abc' is not a number", marks=pytest.mark.slow),
         pytest.param("Temperature [°C]", "", "80 °C stays in use", marks=pytest.mark.slow),
-        ("Engine speed [rpm]", "8505", "8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm"),
+        pytest.param(
+            "Engine speed [rpm]",
+            "8505",
+            "8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_a_doubt_stands_beneath_its_field_and_is_there_after_another_page(

@@ -87,6 +87,7 @@ print("walked")
 """
 
 
+@pytest.mark.slow
 def test_a_level_is_added_in_three_places_and_every_renderer_shows_it(root: Path, tmp_path: Path) -> None:
     copy = tmp_path / "copy"
     copy.mkdir()

@@ -147,6 +147,7 @@ def test_a_changed_temperature_changes_the_viscosity(worn, content, calculator):
     assert sheets.value(*nu) == pytest.approx(worn.fluid.kinematic_viscosity(95.0) * 1e6, rel=1e-12, abs=0.0)
 
 
+@pytest.mark.slow
 def test_libreoffice_recalculates_atleaks_numbers(content, recalculated, referee):
     """An office suite that must calculate every cell itself arrives at the cached values."""
     cached = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
