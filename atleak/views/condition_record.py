@@ -33,7 +33,7 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
     held_low, held_high = total.main_pressure_interval if total else (None, None)
     reserve_low, reserve_high = total.reserve_interval if total else (None, None)
     rule = diagnosis.total_rule(projection)
-    new = diagnosis.new_at(projection)
+    new, unworn = diagnosis.new_at(projection), diagnosis.unworn_at(projection)  # pressures are judged by the latter
     least, largest = concentric_factors(diagnosis.profile, projection)
     permissible = projection.permissible
     return {
@@ -47,7 +47,7 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "p_g_held_kpa": projection.main_pressure_held * KPA,
         "p_g_held_low_kpa": scaled(held_low, KPA),
         "p_g_held_high_kpa": scaled(held_high, KPA),
-        "p_g_held_new_kpa": new.main_pressure_held * KPA,
+        "p_g_held_new_kpa": unworn.main_pressure_held * KPA,
         "permissible_low_kpa": scaled(permissible.low, KPA) if permissible else None,
         "permissible_high_kpa": scaled(permissible.high, KPA) if permissible else None,
         "leakage_dm3_min": projection.leakage * DM3_MIN,
@@ -68,7 +68,7 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "reserve": finite(projection.reserve),
         "reserve_low": scaled(reserve_low, 1.0),
         "reserve_high": scaled(reserve_high, 1.0),
-        "reserve_new": finite(new.reserve),
+        "reserve_new": finite(unworn.reserve),
         "share_percent": finite(projection.share * PERCENT),
         "share_new_percent": finite(new.share * PERCENT),
         "share_unworn_percent": scaled(rule.new, PERCENT),
@@ -107,7 +107,7 @@ def _circuit(
 ) -> dict[str, Any]:
     circuit = state.circuit
     low, high = total.circuit_intervals.get(circuit.id, (None, None)) if total else (None, None)
-    new = diagnosis.new_at(projection).circuit(circuit.id).pressure
+    new = diagnosis.unworn_at(projection).circuit(circuit.id).pressure
     rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
     decided = diagnosis.decided(rule) if rule else None
     return {
@@ -118,7 +118,6 @@ def _circuit(
         "pressure_low_kpa": scaled(low, KPA),
         "pressure_high_kpa": scaled(high, KPA),
         "pressure_new_kpa": new * KPA,
-        "pressure_unworn_kpa": scaled(rule.new, KPA) if rule else None,
         "set_kpa": scaled(state.set_pressure, KPA),
         "loss_kpa": (new - state.pressure) * KPA,
         "feed_dm3_min": state.feed * DM3_MIN,

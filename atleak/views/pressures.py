@@ -25,7 +25,7 @@ class HeldPressure:
     circuit: Circuit | None  # None: the line
     now: float
     interval: Interval | None  # None where nothing was measured
-    new: float  # of the same unit new
+    new: float  # of the same unit as it may have been when new, which it is judged against
     repaired: float | None  # with the planned repairs; None where none is asked for
     set_pressure: float | None  # of the circuit's regulator; what is required of the line
     vented: bool  # not applied in this gear
@@ -52,8 +52,7 @@ class HeldPressure:
         if self.rule is None:
             return ()
         if self.rule.kind is RuleKind.CIRCUIT_LOSS:
-            new = self.new if self.rule.new is None else self.rule.new
-            return tuple((level, max(new - limit, 0.0)) for level, limit in self.rule.steps.levels)
+            return tuple((level, max(self.new - limit, 0.0)) for level, limit in self.rule.steps.levels)
         low = self.low if self.low is not None else 0.0
         return tuple((level, low * (1.0 - limit)) for level, limit in self.rule.steps.levels)
 
@@ -105,7 +104,7 @@ class PressuresAt:
 def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan | None = None) -> PressuresAt:
     """Gather reserve and pressures at one condition of a diagnosis; with a plan also as its repairs leave them."""
     total = diagnosis.uncertainty.total(projection.condition.name) if diagnosis.uncertainty else None
-    new, losses = diagnosis.new_at(projection), diagnosis.losses_at(projection)
+    new, losses = diagnosis.unworn_at(projection), diagnosis.losses_at(projection)
     end = None
     if plan is not None and plan.steps:
         end = next(each for each in plan.ends if each.condition == projection.condition)
@@ -142,7 +141,7 @@ def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan 
         set_pressure=projection.condition.main_pressure,
         vented=False,
         permissible=projection.permissible,
-        low=permissible_low(projection, diagnosis.unworn_at(projection)),
+        low=permissible_low(projection, new),
         rule=permissible,
         decided=diagnosis.decided(permissible) if permissible else None,
         verdict=diagnosis.verdict_on(permissible),

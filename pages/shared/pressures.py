@@ -24,6 +24,7 @@ from pages.shared.show import plain
 
 DIGITS = {
     **dict.fromkeys(("Required [kPa]", "Held [kPa]", "Low [kPa]", "High [kPa]", "New [kPa]", "Lost [kPa]"), 0),
+    "Lost [kPa]": 1,
     "After repair [kPa]": 0,
     "Reserve": 2,
     "Covered from [rpm]": 0,
@@ -68,8 +69,8 @@ def _in_full(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         vented = ", ".join(each.circuit.name for each in at.circuits if each.vented and each.circuit)
         empty = f" Not applied in this gear: {plain(vented)}." if vented else ""
         st.caption(
-            "A loss, or a rise, is judged against the same unit new with pairs as wide as these may have been then: "
-            f"where only their range is known that is less than new minus held.{empty}"
+            "Lost is against the same unit new, with pairs as wide as these may have been then; a rise is judged "
+            f"too.{empty}"
         )
     st.markdown("**Pump over engine speed**")
     show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection)), "speed")

@@ -22,6 +22,7 @@ SHEET, LOG = "Measuring sheet", "Road-test log"
 
 
 def upload(page: Page, label: str, name: str, data: bytes) -> None:
+    wait_until_idle(page)  # two uploads at the same time can lose one of them
     place = page.get_by_test_id("stSidebar").get_by_test_id("stFileUploader").filter(has_text=label)
     place.locator("input[type=file]").set_input_files({"name": name, "mimeType": "", "buffer": data})
 

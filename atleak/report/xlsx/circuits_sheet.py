@@ -43,7 +43,7 @@ _COLUMN = {key: number for number, key in enumerate(_HEADINGS)}
 _NOTE = (
     "Pressures are solved, not followed by the sheet: a changed reading changes gaps and flows at the pressures that "
     "stand here. Gaps leak at the required main pressure, circuits hold what the main pressure held allows. "
-    "The verdict goes by the loss against new pairs as wide as these may have been, given their readings: see Rules."
+    "New is the same unit with pairs as wide as these may have been then, given their readings."
 )
 _LINE_NAME, _VENTED = "main pressure (the line)", "vented in this gear"
 
