@@ -39,6 +39,7 @@ class Row:
     spot: Spot  # without a heading
     cells: Mapping[str, Any]  # by heading, those that are not empty
     values: Mapping[str, Any]  # in the units of the controller's file
+    absent: frozenset[str] = frozenset()  # needed columns that the sheet does not have: a fault of its own
 
     def at(self, heading: str | None) -> Spot:
         """Return one of its cells."""

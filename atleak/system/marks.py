@@ -20,7 +20,9 @@ from typing import BinaryIO, Literal, get_args
 from atleak.errors import OutputError, Place
 from atleak.version import __version__
 
-Kind = Literal["record", "report workbook", "measuring sheet", "PDF", "job file", "table"]
+Kind = Literal[
+    "record", "report workbook", "measuring sheet", "controller workbook", "PDF", "job file", "table", "TOML file"
+]  # fmt: skip
 
 KEYWORD = f"atleak {__version__}"  # of a PDF
 PROPERTY = "atleak"  # a workbook's property: its kind, and the digest of its parts

@@ -1,0 +1,113 @@
+"""Say in which cell of a workbook a fault stands, also one of meaning that was noticed among the tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from atleak.controller_sheets.description import Description, Fault, Row, Spot
+from atleak.controller_sheets.kinds import Number
+from atleak.controller_sheets.layout import SHEETS
+from atleak.controller_sheets.shapes import Column
+from atleak.controller_sheets.units import Units
+from atleak.errors import CatalogueError, Place
+from atleak.intake.controller_workbook.rows import Page
+from atleak.intake.sheets.sheet import column_letter
+
+
+@dataclass
+class Places:
+    """The sheets as they were read, by the names they are declared with."""
+
+    file: str
+    units: Units
+    pages: dict[str, Page] = field(default_factory=dict)
+
+    def fault(self, fault: Fault) -> CatalogueError:
+        """Return a fault as an error that names sheet, row and column."""
+        return CatalogueError(
+            fault.problem,
+            place=self.place(fault.spot),
+            value=fault.value,
+            expected=fault.expected,
+            nearest=fault.nearest,
+        )
+
+    def place(self, spot: Spot) -> Place:
+        """Return where a cell is: the column by its letter and heading."""
+        page = self.pages.get(spot.sheet)
+        if page is None:
+            return Place(self.file, spot.sheet, spot.row, spot.heading)
+        row, column = spot.row, page.columns.get(spot.heading or "")
+        if spot.heading in page.lines:
+            line, column = page.lines[spot.heading]
+            row = page.sheet.row_number(line)
+        heading = spot.heading if column is None else f"{column_letter(column)} ({spot.heading})"
+        return Place(self.file, page.sheet.name, row, heading)
+
+    def of_meaning(self, error: CatalogueError, into: Description) -> CatalogueError | None:
+        """Return a fault of the tables as one of the workbook; None where its cell has one already.
+
+        Parameters
+        ----------
+        error
+            as the check of the tables gives it, with its steps.
+        into
+            the description, which remembers the cell of each value.
+        """
+        assert error.place is not None
+        steps = error.place.steps
+        if into.is_unread(steps):
+            return None
+        spot = into.spot(steps)
+        if spot is None:
+            return CatalogueError(
+                error.problem,
+                place=Place(self.file, table=error.place.table, key=error.place.key),
+                value=error.value,
+                expected=error.expected,
+                nearest=error.nearest,
+            )
+        column, row = self._column(spot), self._row(spot)
+        if column is None or row is None:
+            return CatalogueError(
+                error.problem,
+                place=self.place(spot),
+                value=error.value,
+                expected=error.expected,
+                nearest=error.nearest,
+            )
+        if column.heading not in row.cells:
+            expected = column.kind.wanted(self.units) if isinstance(column.kind, Number) else column.help
+            return CatalogueError("this cell must be filled in", place=self.place(spot), expected=expected or None)
+        return CatalogueError(
+            error.problem + self._converted(column, row),
+            place=self.place(spot),
+            value=row.cells[column.heading],
+            expected=error.expected,
+            nearest=error.nearest,
+        )
+
+    def _converted(self, column: Column, row: Row) -> str:
+        """Say what a number is in the unit of the file, where that is another one, since limits are stated in it."""
+        value: Any = row.values.get(column.heading)
+        kind = column.kind
+        if not isinstance(kind, Number) or not isinstance(value, float) or kind.value(1.0, self.units) == 1.0:
+            return ""
+        return f" (it is {value:.6g} {kind.label(Units())})"
+
+    def order(self, error: CatalogueError) -> tuple[int, int, str]:
+        """Return the key by which faults are listed: sheet by sheet, row by row."""
+        assert error.place is not None
+        names = [self.pages[each.name].sheet.name if each.name in self.pages else each.name for each in SHEETS]
+        number = names.index(error.place.sheet) if error.place.sheet in names else len(names)
+        return number, error.place.row or 0, error.place.column or ""
+
+    def _column(self, spot: Spot) -> Column | None:
+        page = self.pages.get(spot.sheet)
+        columns = () if page is None else page.declared.columns
+        return next((column for column in columns if column.heading == spot.heading), None)
+
+    def _row(self, spot: Spot) -> Row | None:
+        page = self.pages.get(spot.sheet)
+        return None if page is None else next((row for row in page.rows if row.spot.row == spot.row), None)
