@@ -88,8 +88,9 @@ class Description:
         cell = row.cells.get(heading) if heading else None
         self.faults.append(Fault(row.at(heading), problem, cell, expected))
 
-    def unknown(self, row: Row, heading: str, problem: str, known: Sequence[str]) -> None:
-        """Report a name that is none of those known."""
+    def unknown(self, row: Row, heading: str, problem: str, known: Sequence[str]) -> str | None:
+        """Report a name that is none of those known; return the nearest of them, if any."""
         cell = row.cells.get(heading)
         nearest = None if cell is None else nearest_name(str(cell), known)
         self.faults.append(Fault(row.at(heading), problem, cell, one_of(known), nearest))
+        return nearest

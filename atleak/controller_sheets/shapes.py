@@ -281,12 +281,15 @@ def by_id(into: Description, key: str) -> dict[str, tuple[int, Values]]:
 
 
 def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Description) -> str | None:
-    """Return the id of the table that a row belongs to; None, and a fault, where there is no such table."""
+    """Return the id of the table that a row belongs to; a fault where there is no such table.
+
+    Then it is the id that was probably meant, if any, so that what rests on the row is not called missing as well.
+    """
     name = row.values.get(heading)
     if name in owners:
         return str(name)
     if heading in row.values:
-        into.unknown(row, heading, "no such id in this workbook", list(owners))
-    elif heading not in row.cells:
+        return into.unknown(row, heading, "no such id in this workbook", list(owners))
+    if heading not in row.cells:
         into.fault(row, heading, "this row does not say to what it belongs", "an id, or an empty row")
     return None

@@ -111,8 +111,8 @@ def _obstacle(path: Path, kind: Kind) -> str:
             return ""
     except OSError as error:
         return f"is there already and cannot be looked at ({error.strerror})"
-    if kind == "table":
-        return "is there already, and a table bears no mark that atleak made it"
+    if kind in {"table", "TOML file"}:
+        return f"is there already, and a {kind} bears no mark that atleak made it"
     return f"is there already and is no {kind} that atleak made, or was changed since"
 
 

@@ -14,6 +14,8 @@ from atleak.errors import CatalogueError, Place
 from atleak.intake.controller_workbook.rows import Page
 from atleak.intake.sheets.sheet import column_letter
 
+_LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
+
 
 @dataclass
 class Places:
@@ -78,13 +80,13 @@ class Places:
                 nearest=error.nearest,
             )
         if column.heading not in row.cells:
-            expected = column.kind.wanted(self.units) if isinstance(column.kind, Number) else column.help
-            return CatalogueError("this cell must be filled in", place=self.place(spot), expected=expected or None)
+            expected = column.kind.wanted(self.units) if isinstance(column.kind, Number) else None
+            return CatalogueError("this cell must be filled in", place=self.place(spot), expected=expected)
         return CatalogueError(
             error.problem + self._converted(column, row),
             place=self.place(spot),
             value=row.cells[column.heading],
-            expected=error.expected,
+            expected=f"{error.expected or 'another value'}{self._other_unit(column, row)}",
             nearest=error.nearest,
         )
 
@@ -95,6 +97,19 @@ class Places:
         if not isinstance(kind, Number) or not isinstance(value, float) or kind.value(1.0, self.units) == 1.0:
             return ""
         return f" (it is {value:.6g} {kind.label(Units())})"
+
+    def _other_unit(self, column: Column, row: Row) -> str:
+        """Ask for the unit in which a length would be a usual one, where it is none as it stands."""
+        kind, cell = column.kind, row.cells[column.heading]
+        if not isinstance(kind, Number) or kind.measure.usual == (0.0, 0.0) or column.heading not in row.values:
+            return ""
+        low, high = kind.measure.usual
+        if low <= row.values[column.heading] <= high:
+            return ""
+        number = float(kind.written(cell, self.units)) if isinstance(cell, int | float) else 0.0
+        sides = 2.0 if kind.measure.of_clearance and self.units.clearance == "diametral" else 1.0
+        names = [name for name, si in _LENGTHS.items() if low <= number * si / float(kind.measure.si) / sides <= high]
+        return f"; was it in {' or '.join(names)}?" if names else ""
 
     def order(self, error: CatalogueError) -> tuple[int, int, str]:
         """Return the key by which faults are listed: sheet by sheet, row by row."""

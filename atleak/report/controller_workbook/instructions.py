@@ -31,8 +31,8 @@ _HOW_TO = (
     (
         "Clearance",
         "Diametral is bore minus spool, as manuals and part makers state it; radial is half of that. It is what the "
-        "pair had when it was new: from the maker, from a new part, or from an unworn end of the bore. Where only the range "
-        "of new pairs is known, write both ends.",
+        "pair had when it was new: from the maker, from a new part, or from an unworn end of the bore. Where only the "
+        "range of new pairs is known, write both ends.",
     ),
     (
         "How known",

@@ -28,8 +28,8 @@ _TITLE, _ABOUT, _HEADINGS = 0, 1, 3  # rows, from 0
 _HELP, _UNITS = 2, 4
 _FORM_WIDTHS = (8, 34, 60, 16, 16, 70)  # in characters
 _NOTE_WIDTH = 8
-_SPARE_ROWS = 40  # to fill in below those that are filled
-_LEAST_ROWS = 60
+_SPARE_ROWS = 25  # to fill in below those that are filled
+_LEAST_ROWS = 40
 _A4 = 9
 
 Data = Mapping[str, Any] | None
