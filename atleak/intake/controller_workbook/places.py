@@ -86,7 +86,7 @@ class Places:
             error.problem + self._converted(column, row),
             place=self.place(spot),
             value=row.cells[column.heading],
-            expected=f"{error.expected or 'another value'}{self._other_unit(column, row)}",
+            expected="; ".join(filter(None, (error.expected, self._other_unit(column, row)))) or None,
             nearest=error.nearest,
         )
 
@@ -109,7 +109,7 @@ class Places:
         number = float(kind.written(cell, self.units)) if isinstance(cell, int | float) else 0.0
         sides = 2.0 if kind.measure.of_clearance and self.units.clearance == "diametral" else 1.0
         names = [name for name, si in _LENGTHS.items() if low <= number * si / float(kind.measure.si) / sides <= high]
-        return f"; was it in {' or '.join(names)}?" if names else ""
+        return f"was it in {' or '.join(names)}?" if names else ""
 
     def order(self, error: CatalogueError) -> tuple[int, int, str]:
         """Return the key by which faults are listed: sheet by sheet, row by row."""
