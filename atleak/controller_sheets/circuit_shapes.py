@@ -17,7 +17,7 @@ from atleak.controller_sheets.kinds import (
     gear_shown,
     gears_written,
 )
-from atleak.controller_sheets.shapes import Column, Sheet, Values, by_id, owner_of
+from atleak.controller_sheets.shapes import Column, Sheet, Values, by_id, owner_of, point_of
 from atleak.controller_sheets.units import Units
 
 LINE = "p_g"  # stands for the line where a circuit is named
@@ -106,7 +106,7 @@ class SetPressures(Sheet):
         named: Values = {}
         known = len(into.faults)
         for row in rows:
-            for name in [row.values[which]] if way == BY_POINT else self._gears(row, which, into):
+            for name in [point_of(row, which, into)] if way == BY_POINT else self._gears(row, which, into):
                 if name in named:
                     into.fault(row, which, "given twice", "each once")
                 named[name] = row.values[pressure]

@@ -28,7 +28,7 @@ ONE_PER_SHEET = (
     ("Set pressures", 2, "At", "full", "a number in mA or %"),
     ("Apply chart", 1, "3", "maybe", "x where the circuit is applied"),
     ("Gaps", 5, "To", "drian", "no such section or circuit"),
-    ("Line pressures", 1, "Highest", 10.0, "high_kpa above low_kpa"),
+    ("Line pressures", 1, "Highest", -10.0, "greater than 0"),
     ("Leaks", 1, "Law", "linear", "one of laminar, orifice"),
     ("Consumers", 1, "After the line", "mostly", "yes or no"),
     ("Consumer flows", 2, "Operating point", "hot_idel", "no such operating point"),
