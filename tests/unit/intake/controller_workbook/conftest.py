@@ -56,6 +56,11 @@ class Book:
         else:
             rows[row][rows[0].index(heading)] = value
 
+    def add(self, sheet: str, values: Mapping[str, Any]) -> None:
+        """Add a row to a table."""
+        rows = self.sheets[sheet]
+        rows.append([values.get(heading, "") for heading in rows[0]])
+
     def workbook(self) -> bytes:
         """The file; text that begins with "=" is a formula without a result."""
         stream = io.BytesIO()

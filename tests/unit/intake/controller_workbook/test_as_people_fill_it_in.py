@@ -100,7 +100,7 @@ def test_a_land_that_does_not_say_how_it_is_known_is_taken_as_representative_whe
 def test_a_circuit_without_a_mark_is_said_to_be_applied_everywhere(five_speed_book: Book) -> None:
     chart = five_speed_book.sheets["Apply chart"]
     assert chart[0] == ["Note", "Circuit", "R", "N", "1", "2", "3", "4", "5"]
-    chart.append(["", "epc", *[""] * 7])
+    five_speed_book.add("Apply chart", {"Circuit": "epc"})
     described = five_speed_book.read()
     assert described.notes == ("sheet 'Apply chart', row 8: epc has no mark and is taken as applied in every gear",)
 

@@ -37,18 +37,10 @@ ONE_PER_SHEET = (
 
 
 def test_one_mistake_on_every_sheet_gives_one_list(five_speed_book: Book) -> None:
-    five_speed_book.sheets["Section pressures"].append(
-        ["", "p_m", "line", *[""] * (len(five_speed_book.sheets["Section pressures"][0]) - 3)]
-    )
-    headings = five_speed_book.sheets["Repairs"][0]
-    repair = {
-        "Id": "kit",
-        "Component": "boost_valv",
-        "Kind": "new valve",
-        "Name": "boost valve",
-        "Source": "made up for this test",
-    }
-    five_speed_book.sheets["Repairs"].append([repair.get(heading, "") for heading in headings])
+    made_up = {"Source": "made up for this test"}
+    five_speed_book.add("Section pressures", {"Section": "p_m", "Relation": "line", **made_up})
+    repair = {"Id": "kit", "Component": "boost_valv", "Kind": "new valve", "Name": "boost valve"}
+    five_speed_book.add("Repairs", {**repair, **made_up})
     for sheet, row, heading, value, _ in ONE_PER_SHEET:
         five_speed_book.put(sheet, row, heading, value)
     faults = five_speed_book.faults()
@@ -61,7 +53,7 @@ def test_one_mistake_on_every_sheet_gives_one_list(five_speed_book: Book) -> Non
             assert f"row {row + 1}," in first
         if value != "":
             assert repr(value) in first
-    assert "boost_valve" in by_sheet["Repairs"][0]
+    assert "column C (Component): no such land in this controller (found 'boost_valv')" in by_sheet["Repairs"][0]
     assert "a line with its ratio" in by_sheet["Section pressures"][0]
     assert {sheet: len(listed) for sheet, listed in by_sheet.items()} == dict.fromkeys(_names(), 1)
     # the one message shows them all, in the order of the sheets
@@ -158,8 +150,6 @@ def test_an_example_that_was_changed_is_not_left_out_silently(minimal_book: Book
 
 
 def test_set_pressures_that_do_not_go_together_are_named(five_speed_book: Book) -> None:
-    rows = five_speed_book.sheets["Set pressures"]
-    headings = rows[0]
     for values in (
         {"Circuit": "solenoid_feed", "Set by": "gear", "Which": "1", "Pressure": 100.0},
         {"Circuit": "direct_clutch", "Set by": "gear", "Which": "top", "Pressure": 100.0},
@@ -167,9 +157,9 @@ def test_set_pressures_that_do_not_go_together_are_named(five_speed_book: Book) 
         {"Circuit": "reverse_servo", "Pressure": 100.0},
         {"Circuit": "overdrive_band", "Set by": "operating point", "Which": "hot_idle", "Pressure": 100.0},
     ):
-        rows.append([values.get(heading, "") for heading in headings])
+        five_speed_book.add("Set pressures", values)
     faults = {fault.place.row: str(fault) for fault in five_speed_book.faults()}
-    first = len(rows) - 4
+    first = len(five_speed_book.sheets["Set pressures"]) - 4
     assert "does not go with the rows before it" in faults[first]
     assert "not a gear (found 'top')" in faults[first + 1]
     assert "G (Ratio): missing where it is set by another circuit" in faults[first + 2]
