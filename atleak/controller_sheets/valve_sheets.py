@@ -89,7 +89,7 @@ COMPONENTS = Tables(
     "Components",
     "One row for each valve, damper or end plug. Their lands stand on the next sheet",
     (
-        Column("Id", ("id",), required=True, help="As on the drawing and in the measuring sheet: 8, 12', boost_valve"),
+        Column("Id", ("id",), required=True, help="As on the drawing: 8, 12', boost_valve", width=28),
         Column("Name", ("name",), required=True, width=34),
         Column("Part", ("part",), Choice(get_args(PartKind)), help="Spool unless stated"),
         Column("Bore", ("bore",), Choice(get_args(Bore)), help="Plain unless stated"),
@@ -103,7 +103,7 @@ LANDS = Parts(
     "Lands",
     "One row for each land: a cylindrical section of a spool, as the picture on the first sheet shows",
     (
-        Column("Component", (), required=True, names="component", width=20),
+        Column("Component", (), required=True, names="component", width=28),
         Column("Land", ("land",), Whole(), required=True, help="Its number on this component, 1 to 9", width=7),
         Column("Diameter", ("nominal_diameter_mm",), MM, required=True, help="Of the spool, not of the bore"),
         known("Diameter is", "nominal_diameter_mm"),
