@@ -23,7 +23,7 @@ def add_parser(commands: Any) -> None:
 
 
 def _controllers(options: argparse.Namespace) -> int:
-    from atleak.catalogue.controller import controllers
+    from atleak.catalogue.controller_reading import controllers
 
     rows = [
         {
