@@ -27,6 +27,7 @@ from atleak.catalogue.controller_tables import ControllerFile, NewOrigin, PartKi
 from atleak.catalogue.entries import Origin
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.instruments import Part
+from atleak.catalogue.pump import Pump
 from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
@@ -144,16 +145,6 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Pump:
-    """The fixed-displacement pump on the engine's shaft."""
-
-    displacement: float  # [m³/rev]
-    volumetric_efficiency: float
-    slip_coefficient: float | None  # Wilson's C_s, None where the controller states none
-    representative: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class OperatingPoint:
     """A stated condition at which leakage and pump are compared."""
 
@@ -167,6 +158,7 @@ class OperatingPoint:
     source: str
     stated_state: State | None = None  # where the file says it
     solenoid_current: float | None = None  # [A]
+    lockup_duty: float | None = None  # [-] of the lock-up solenoid, 0 to 1
     values_of: str = ""  # name of the file's point whose set pressures and flows hold here; "" for its own
 
     @property

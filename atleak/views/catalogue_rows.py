@@ -39,6 +39,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "p_k [kPa]": point.converter_pressure * KPA,
                 "state": point.state,
                 "solenoid [mA]": None if point.solenoid_current is None else point.solenoid_current * MILLIAMPERE,
+                "lock-up [% duty]": None if point.lockup_duty is None else point.lockup_duty * PERCENT,
                 "source": point.source,
             }
             for point in controller.operating_points
