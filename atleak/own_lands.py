@@ -8,6 +8,8 @@ from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
 from atleak.errors import Place, ReadingsError, unknown
 
+LENGTHS_MEASURED, REPAIR_FITTED = "contact_length_measured", "repair_fitted"  # codes of the messages that say so
+
 
 @dataclass(frozen=True)
 class OwnLength:

@@ -18,6 +18,7 @@ from atleak.views.condition_record import condition_record, finite, scaled
 from atleak.views.gauge_rows import gauge_record
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.message_record import message_record
+from atleak.views.repair_options import cost_record, option_record
 from atleak.views.repair_words import plan_ends
 from atleak.views.road_record import road_record
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
@@ -281,6 +282,9 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
         "land": land,
         "verdict": step.land.verdict,
         "for_total": step.for_total,
+        "together": [{"component": each.key[0], "land": each.key[1]} for each in step.together],
+        "options": [option_record(option, step.land.key) for option in step.options],
+        "chosen": None if step.chosen is None else step.chosen.repair.id,
         "at": step.at.condition.name,
         "at_label": step.at.condition.label,
         "share_before_percent": finite(step.at.before.share * PERCENT),
@@ -315,6 +319,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
         ],
         "pressures_past": [rule.id for rule in plan.pressures_past],
         "lands_not_measured": plan.unmeasured,
+        "cost": cost_record(plan.cost),
         "text": " ".join(plan_ends(plan)),
     }
 

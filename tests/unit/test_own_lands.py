@@ -21,6 +21,7 @@ from atleak.own_lands import FittedRepair, OwnLands, OwnLength
 from atleak.readings import Reading
 from atleak.report.lands_sheet import HEADER, LANDS
 from atleak.report.measuring_sheet import SHEET, write_readings, write_template
+from atleak.report.terminal import print_diagnosis
 from atleak.verdicts import Verdict
 from atleak.views.diagnosis_record import diagnosis_record
 
@@ -188,7 +189,7 @@ def test_the_sheet_that_is_asked_for_leaves_the_tab_of_lands_its_say(own_box: Co
 
 
 def test_a_repair_that_is_fitted_is_the_new_state_of_its_lands(
-    own_box: Controller, hipol: Fluid, limits: Limits
+    own_box: Controller, hipol: Fluid, limits: Limits, capsys: pytest.CaptureFixture[str]
 ) -> None:
     sheet = (
         "Valve;Land;Part;Diameter [mm];Fitted repair\n"
@@ -211,6 +212,8 @@ def test_a_repair_that_is_fitted_is_the_new_state_of_its_lands(
     assert "oversize regulator valve (MADE-UP-1)" in said[0].text
     row = next(each for each in diagnosis_record(diagnosis)["lands"] if each["component"] == "pressure_regulator")
     assert row["fitted_repair"] == "oversize"
+    print_diagnosis(diagnosis)
+    assert said[0].text in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_fitted_repair_that_cannot_be_is_refused_with_its_cell(own_box: Controller) -> None:

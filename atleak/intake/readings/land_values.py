@@ -22,7 +22,7 @@ from atleak.intake.readings.states import rows_left_out
 from atleak.intake.readings.words import at, is_blank, number, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit
-from atleak.own_lands import FittedRepair, OwnLands, OwnLength
+from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
 from atleak.readings import NOMINAL_TOLERANCE
 
 SHORTEST, LONGEST = 0.2e-3, 0.1  # [m] of contact lengths that anybody measures: choice of this project
@@ -245,7 +245,7 @@ def _about_lengths(own: OwnLands, controller: Controller) -> Iterator[Message]:
         f"Contact lengths of {len(measured)} of {len(controller.lands)} lands are those measured on the sheet, in "
         f"brackets those of the valve body's file: {shown}{more}."
     )
-    yield Message("info", "contact_length_measured", text, measured[0].place)
+    yield Message("info", LENGTHS_MEASURED, text, measured[0].place)
 
 
 def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
@@ -260,7 +260,7 @@ def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
             for land in after
         )
         text = f"Component {each.component} has {repair.label} fitted, which counts as its new state: {sizes}."
-        yield Message("info", "repair_fitted", text, each.place)
+        yield Message("info", REPAIR_FITTED, text, each.place)
 
 
 def _mm(metres: float) -> str:
