@@ -100,7 +100,8 @@ def costs(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
         return
     if cost.repairs:
         prices = " + ".join(f"{say.number(price, 2)} {currency}" for currency, price in cost.prices.items())
-        yield say("plan.cost", count=cost.repairs, prices=prices or "–", hours=say.number(cost.hours, 1))
+        hours = None if cost.without_hours == cost.repairs else cost.hours
+        yield say("plan.cost", count=cost.repairs, prices=prices or "–", hours=say.number(hours, 1))
     if cost.without_price or cost.without_hours:
         yield say("plan.cost_open", prices=cost.without_price, hours=cost.without_hours)
     chosen = [row for row in option_rows(plan) if row.chosen]
