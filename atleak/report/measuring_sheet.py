@@ -20,8 +20,10 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Part
 from atleak.look import SHEET_COLOURS
+from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
+from atleak.report.lands_sheet import LANDS, write_lands
 from atleak.report.pressure_sheet import PRESSURES, write_pressures
 from atleak.system.marks import PROPERTY, sealed, unsealed
 
@@ -97,6 +99,11 @@ _HOW_TO = (
         "stand in any order; their headings must stay.",
     ),
     (
+        "Lands",
+        "The tab Lands takes the contact length of a land and where it begins on its spool, if you measured them, and "
+        "which repair a component was given earlier. Left empty, what the valve body's file states counts.",
+    ),
+    (
         "Pressures",
         "The tab Pressures takes what gauges show while the vehicle stands, range by range: for a job of its own or "
         "beside the diameters. Left empty, it is no table.",
@@ -152,6 +159,7 @@ def write_readings(
     fields: Mapping[str, str] | None = None,
     blank_rows: bool = True,
     pressures: PressureTable | None = None,
+    own_lands: OwnLands = OwnLands(),  # noqa: B008  frozen, so safe to share
 ) -> bytes:
     """Return a measuring sheet with readings filled in.
 
@@ -168,6 +176,8 @@ def write_readings(
         whether planes, directions and repeats without a reading get an empty row.
     pressures
         gauge readings to fill in on the tab of pressures, the first of each cell.
+    own_lands
+        lengths and fitted repairs to fill in on the tab of lands.
 
     Returns
     -------
@@ -175,7 +185,7 @@ def write_readings(
         of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
     """
     readings = list(readings)
-    empty = not readings and not fields and pressures is None
+    empty = not readings and not fields and pressures is None and own_lands == OwnLands()
     rows = list(_rows(controller, readings, blank_rows))
     buffer = io.BytesIO()
     options = {
@@ -193,6 +203,7 @@ def write_readings(
         sheet.head(fields or {})
         sheet.body(rows)
         sheet.set_up(len(rows))
+        write_lands(book.add_worksheet(LANDS), formats, controller, own_lands)
         write_pressures(book.add_worksheet(PRESSURES), formats, controller, pressures)
         _instructions(book.add_worksheet(INSTRUCTIONS), formats, controller)
     return sealed(buffer.getvalue()) if empty else buffer.getvalue()
@@ -245,6 +256,7 @@ def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
         "number": book.add_format({**given, "align": "center"}),
         "angle": book.add_format({**given, "align": "center", "num_format": '0"°"'}),
         "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.000", "locked": False}),
+        "choice": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "locked": False}),
         "nominal": book.add_format({**given, "num_format": "0.000", "font_color": SHEET_COLOURS["soft"]}),
         "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
         "pressure": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.0", "locked": False}),
@@ -286,7 +298,7 @@ class _Sheet:
             self._label(first, last, 0, entry.land.component, "text")
             self._label(first, last, 1, self.controller.components[entry.land.component], "text")
         for first, last, entry in _blocks(numbered, _part):
-            self._label(first, last, 2, entry.land.part if entry.part == "spool" else "sleeve", "text")
+            self._label(first, last, 2, entry.land.part_name if entry.part == "spool" else "sleeve", "text")
         for first, last, entry in _blocks(numbered, _plane):
             self._label(first, last, 3, entry.plane, "number")
             self._label(first, last, 9, _mm(entry.nominal), "nominal")

@@ -13,6 +13,7 @@ from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of
 from atleak.readings import Reading, clearances
+from atleak.report.lands_sheet import LANDS
 from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
 from atleak.report.pressure_sheet import PRESSURES
 
@@ -89,7 +90,7 @@ def test_the_published_diameters_of_spool_6_are_not_called_representative():
 def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     book = opened(template)
     sheet = book[SHEET]
-    assert book.sheetnames == [SHEET, PRESSURES, INSTRUCTIONS]
+    assert book.sheetnames == [SHEET, LANDS, PRESSURES, INSTRUCTIONS]
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
     assert sheet.page_setup.orientation == "landscape"
