@@ -41,6 +41,7 @@ class LearnedLand:
     land: Land  # as the valve body's file has it so far
     clearance: float  # the mounting clearance that was learned
     uncertainty: float  # half width that holds the true one with 95 %: units, readings and the instruments' calibration
+    uncertainty_by_units: float  # the same by the scatter of units and readings alone
     tolerance: float  # half width round the learned one that holds 95 % of new pairs
     tolerance_from: ToleranceFrom
     spread: float | None  # standard deviation between new pairs, measurement taken off; None where units show none
@@ -246,6 +247,7 @@ def _uncertainties(land: LandSources) -> tuple[float, float]:
 def _land(land: Land, column: int, found: Estimate, *, calibration: float, unworn_ends: int) -> LearnedLand:
     degrees = found.degrees[column]
     factor = float(student_quantile(0.5 + 0.5 * COVERED, degrees))
+    by_units = factor * float(found.standard_error[column])
     u_clearance = math.hypot(found.standard_error[column], calibration)
     spread = float(found.spread[column])
     if math.isnan(spread):
@@ -257,7 +259,8 @@ def _land(land: Land, column: int, found: Estimate, *, calibration: float, unwor
     return LearnedLand(
         land=land,
         clearance=float(found.clearance[column]),
-        uncertainty=math.hypot(factor * found.standard_error[column], _FACTOR * calibration),
+        uncertainty=math.hypot(by_units, _FACTOR * calibration),
+        uncertainty_by_units=by_units,
         tolerance=tolerance,
         tolerance_from=tolerance_from,
         spread=None if math.isnan(spread) else spread,

@@ -12,6 +12,7 @@ from atleak.workshop_units import UM
 
 _KEY = "mounting_clearance_um"
 _DECIMALS = 2  # of a micrometre: finer than any reading
+_LEAST = 1.0  # [µm] that the file takes as the clearance of a new pair
 _FILES_NAMED = 20
 
 
@@ -43,8 +44,12 @@ def with_learned(data: Mapping[str, Any], learned: Learned, day: dt.date) -> dic
 
 
 def _write(table: dict[str, Any], land: LearnedLand, *, used_by_default: bool) -> None:
-    table[_KEY] = round(land.clearance * UM, _DECIMALS)
-    table["mounting_tolerance_um"] = round(land.tolerance * UM, _DECIMALS)
+    clearance, tolerance = (round(length * UM, _DECIMALS) for length in (land.clearance, land.tolerance))
+    if tolerance < clearance - _LEAST:
+        table |= {_KEY: clearance, "mounting_tolerance_um": tolerance}
+    else:  # a number whose tolerance would let a new pair bind is written as the range that both make
+        table[_KEY] = [max(round(clearance - tolerance, _DECIMALS), _LEAST), round(clearance + tolerance, _DECIMALS)]
+        table.pop("mounting_tolerance_um", None)
     table["learned_from_units"] = land.units
     table["measured"] = [*(key for key in table.get("measured", []) if key != _KEY), _KEY]
     table.pop("mounting_clearance_of_used_unit", None)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from statistics import median
 
 from atleak.errors import Message, Place
 from atleak.learning.learned import COVERED, PUBLISHED_NEW, Learned, LearnedLand, LearnedUnit, LeftOut, ToleranceFrom
-from atleak.learning.outliers import UNITS_TO_JUDGE_A_SHIFT, UNITS_TO_NAME_ONE, WIDE_LANDS_OF_A_WORN_UNIT, WhyUnit
+from atleak.learning.outliers import UNITS_TO_JUDGE_A_SHIFT, UNITS_TO_NAME_ONE, WhyUnit
 from atleak.workshop_units import PERCENT, UM
 
 _FEW_UNITS = 4  # up to so many a result says how few they are
 _NAMED = 12  # lands that a message lists
-_ALIKE = 0.5  # of the spread between new pairs, from where on what units have in common is said
 
 
 def messages(learned: Learned) -> tuple[Message, ...]:
@@ -37,7 +37,7 @@ def why(unit: LearnedUnit, pairs: Iterable[LeftOut]) -> str:
         case WhyUnit.WIDE_THROUGHOUT:
             return f"all its lands together are {shift} wider than those of the other units: worn, or another zero"
         case WhyUnit.TIGHT_THROUGHOUT:
-            return f"all its lands together are {shift} tighter than those of the other units: another zero or setting ring"
+            return f"all its lands together are {shift} tighter than those of the other units: another zero or ring"
         case WhyUnit.WIDE_LANDS:
             return f"{len(wide)} lands are wider than those of the other units ({_listed(wide)}): worn"
         case WhyUnit.WIDER_TOGETHER:
@@ -105,7 +105,7 @@ def _few_units(learned: Learned) -> Iterator[Message]:
         return
     cannot = []
     if len(learned.units) < UNITS_TO_NAME_ONE:
-        cannot.append(f"a worn unit cannot be named, only single pairs that are wider than those of the other unit")
+        cannot.append("a worn unit cannot be named, only single pairs that are wider than those of the other unit")
     if len(learned.units) < UNITS_TO_JUDGE_A_SHIFT:
         shifts = [unit.shift for unit in learned.counted]
         apart = (max(shifts) - min(shifts)) * UM
@@ -151,13 +151,13 @@ def _unlearned(learned: Learned) -> Iterator[Message]:
 def summary(learned: Learned) -> str:
     """Say in one sentence or two what was learned from how many units, and what limits it."""
     count, lands = len(learned.counted), len(learned.lands)
-    typical = sorted(land.uncertainty for land in learned.lands)[lands // 2] * UM
-    tolerance = sorted(land.tolerance for land in learned.lands)[lands // 2] * UM
-    calibration = sorted(land.calibration for land in learned.lands)[lands // 2] * UM
+    known = median(land.uncertainty for land in learned.lands) * UM
+    by_units = median(land.uncertainty_by_units for land in learned.lands) * UM
+    tolerance = median(land.tolerance for land in learned.lands) * UM
     text = (
-        f"Mounting clearances of {lands} lands from {count} unit{'' if count == 1 else 's'}, known to ± {typical:.1f} µm "
-        f"({COVERED * PERCENT:g} %, half of the lands better); of that the instruments' calibration, which more units do "
-        f"not improve, is ± {2.0 * calibration:.1f} µm. "
+        f"Mounting clearances of {lands} lands from {count} unit{'' if count == 1 else 's'}, known to ± {known:.1f} µm "
+        f"({COVERED * PERCENT:g} %, median of the lands): ± {by_units:.1f} µm by the units and their readings, the rest "
+        "by the calibration of the instruments, which more units do not improve. "
     )
     if learned.spread is not None and learned.measurement is not None:
         text += (
