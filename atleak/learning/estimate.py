@@ -27,6 +27,7 @@ class Estimate:
     degrees: NDArray[np.float64]  # of freedom of that scatter; infinite where only the readings' own error is known
     spread: NDArray[np.float64]  # [m] standard deviation between new pairs, measurement taken off; NaN for one unit
     unresolved: NDArray[np.float64]  # [m] the largest of that and of what the readings could hide of it; NaN likewise
+    spread_degrees: NDArray[np.float64]  # of freedom of the unresolved spread, which are fewer
     measurement: NDArray[np.float64]  # [m] standard uncertainty of one unit's clearance that units do not share
 
 
@@ -52,7 +53,7 @@ def estimate(clearances: Table, own: Table, kept: Mask) -> Estimate:
     if not free.any():
         unknown = np.full(mean.shape, np.nan)
         endless = np.full(mean.shape, math.inf)
-        return Estimate(mean, pairs, np.sqrt(noise), endless, unknown, unknown, np.sqrt(noise))
+        return Estimate(mean, pairs, np.sqrt(noise), endless, unknown, unknown, unknown, np.sqrt(noise))
     pooled, pooled_degrees = _pooled(residual, kept, free)
     squares = (residual**2).sum(axis=0)
     prior = prior_degrees(squares, free.astype(float))
@@ -64,14 +65,15 @@ def estimate(clearances: Table, own: Table, kept: Mask) -> Estimate:
     # no readings agree better, in the long run, than they can be read
     total = np.maximum(variance, noise)
     between = np.maximum(variance - noise, 0.0)
-    hidden = variance * np.sqrt(2.0 / degrees)  # standard error of a variance
+    unresolved = np.maximum(between, variance * np.sqrt(2.0 / degrees))  # no less than a variance's standard error
     return Estimate(
         clearance=mean,
         pairs=pairs,
         standard_error=np.where(there, np.sqrt(total / some), np.nan),
         degrees=np.maximum(degrees, 1.0),
         spread=np.where(there, np.sqrt(between), np.nan),
-        unresolved=np.where(there, np.sqrt(np.maximum(between, hidden)), np.nan),
+        unresolved=np.where(there, np.sqrt(unresolved), np.nan),
+        spread_degrees=np.maximum(degrees * (unresolved / np.where(variance > 0.0, variance, 1.0)) ** 2, 1.0),
         measurement=np.sqrt(noise),
     )
 

@@ -245,23 +245,20 @@ def _uncertainties(land: LandSources) -> tuple[float, float]:
 
 
 def _land(land: Land, column: int, found: Estimate, *, calibration: float, unworn_ends: int) -> LearnedLand:
-    degrees = found.degrees[column]
-    factor = float(student_quantile(0.5 + 0.5 * COVERED, degrees))
-    by_units = factor * float(found.standard_error[column])
-    u_clearance = math.hypot(found.standard_error[column], calibration)
+    by_units = _factor(found.degrees[column]) * float(found.standard_error[column])
+    uncertainty = math.hypot(by_units, _FACTOR * calibration)
     spread = float(found.spread[column])
     if math.isnan(spread):
-        known, tolerance_from = _known_tolerance(land)
-        tolerance = math.hypot(known, factor * u_clearance)
+        apart, tolerance_from = _known_tolerance(land)
     else:
+        apart = _factor(found.spread_degrees[column]) * float(found.unresolved[column])
         tolerance_from = ToleranceFrom.UNITS
-        tolerance = factor * math.hypot(found.unresolved[column], u_clearance)
     return LearnedLand(
         land=land,
         clearance=float(found.clearance[column]),
-        uncertainty=math.hypot(by_units, _FACTOR * calibration),
+        uncertainty=uncertainty,
         uncertainty_by_units=by_units,
-        tolerance=tolerance,
+        tolerance=math.hypot(apart, uncertainty),
         tolerance_from=tolerance_from,
         spread=None if math.isnan(spread) else spread,
         measurement=float(found.measurement[column]),
@@ -271,7 +268,11 @@ def _land(land: Land, column: int, found: Estimate, *, calibration: float, unwor
     )
 
 
-_FACTOR = float(student_quantile(0.5 + 0.5 * COVERED, math.inf))
+def _factor(degrees_of_freedom: float) -> float:
+    return float(student_quantile(0.5 + 0.5 * COVERED, degrees_of_freedom))
+
+
+_FACTOR = _factor(math.inf)
 
 
 def _known_tolerance(land: Land) -> tuple[float, ToleranceFrom]:

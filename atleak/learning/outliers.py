@@ -29,6 +29,7 @@ FALSE_ALARM = 0.05  # chance that any pair or unit of a set is left out though a
 FEWEST_DEGREES = 5.0  # of freedom of the pooled spread; with fewer nothing is called an outlier
 UNITS_TO_NAME_ONE = 3  # with fewer a pair can be left out, but no unit as a whole
 UNITS_TO_JUDGE_A_SHIFT = 4  # with fewer a unit that is wider in all lands alike is not told from another zero
+LANDS_TO_SHOW_A_SHIFT = 5  # of a unit with fewer nothing is taken as common to all its lands
 WIDE_LANDS_OF_A_WORN_UNIT = 2  # from so many on a unit is no new one, and none of its pairs counts
 _KINDS_OF_TEST = 3  # among which the chance of a false alarm is shared: pairs, shifts, sums over a unit
 _CUT = 2.5  # spreads from the median, beyond which a pair waits for the second round
@@ -105,7 +106,7 @@ class _Fit(NamedTuple):
     """Every pair beside the others that are kept."""
 
     shifts: NDArray[np.float64]  # [m] of units
-    shift_error: float  # [m] standard uncertainty that a shift has from the scatter of its lands
+    shift_error: NDArray[np.float64]  # [m] standard uncertainty that it has from the scatter of its lands
     deviation: Table  # [m] of each pair from what the others make expected; NaN where there are none
     deviate: Table  # the same in normal deviates: as improbable as Student's t is
     probability: Table  # of one as far off by chance; 1 where there is nothing to compare
@@ -124,11 +125,13 @@ def _start(clearances: Table, measured: Mask, least: float) -> tuple[Mask, Mask]
     between the units' pairs of one land, by their lower quartile (Rousseeuw and Croux, J. Am. Stat. Assoc. 88 (1993)
     1273), which a worn unit can hardly change. Of two units only the wider can be worn.
     """
-    count, lands = clearances.shape
+    count = len(clearances)
+    enough = measured.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
     shifts = np.zeros(count)
     for _ in range(_ROUNDS):
         centres = _nan_median(clearances - shifts[:, None], axis=0)
         moved = _nan_median(clearances - centres, axis=1)
+        moved = np.where(enough, moved, np.nan)
         moved = np.nan_to_num(moved - _nan_median(moved, axis=0))
         done = np.max(np.abs(moved - shifts), initial=0.0) < _SAME
         shifts = moved
@@ -147,24 +150,25 @@ def _start(clearances: Table, measured: Mask, least: float) -> tuple[Mask, Mask]
         kept[np.nanargmin(np.abs(residual[:, land])), land] = True
     units = np.ones(count, dtype=bool)
     if not few:
-        from_middle = np.abs(shifts - np.median(shifts))
-        usual = float(np.median(from_middle)) / float(normal_quantile(0.75))
-        units = from_middle <= _CUT_SHIFT * max(usual, spread * math.sqrt(0.5 * math.pi / lands))
+        usual = float(np.median(np.abs(shifts))) / float(normal_quantile(0.75))
+        by_lands = spread * np.sqrt(0.5 * math.pi / np.maximum(measured.sum(axis=1), 1))
+        units = np.abs(shifts) <= _CUT_SHIFT * np.maximum(usual, by_lands)
     return kept, units
 
 
 def _compared(clearances: Table, measured: Mask, kept: Mask, least: float, *, cut: bool = False) -> _Fit:
     """Compare every pair with those that are kept, itself left out; ``cut`` where these were cut at 2.5 spreads."""
     shifts, centres = _two_way(clearances, kept)
-    units = kept.any(axis=1)
-    for row in np.flatnonzero(~units & measured.any(axis=1)):
+    shifted = kept.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
+    of_unit = measured.sum(axis=1)
+    for row in np.flatnonzero(~kept.any(axis=1) & (of_unit >= LANDS_TO_SHOW_A_SHIFT)):
         shifts[row] = np.nan_to_num(_nan_median(clearances[row] - centres, axis=0))
     level = clearances - shifts[:, None]
     here = np.where(kept, level, 0.0)
     pairs = kept.sum(axis=0)
     lands = int((pairs > 0).sum())
     free = np.maximum(pairs - 1, 0)
-    all_free = max(float(kept.sum()) - lands - float(units.sum()) + 1.0, 0.0)
+    all_free = max(float(kept.sum()) - lands - max(float(shifted.sum()) - 1.0, 0.0), 0.0)
     degrees = free * all_free / max(free.sum(), 1)  # of each land, less its part of what the shifts take
     squares = np.where(kept, (level - centres) ** 2, 0.0).sum(axis=0)
     pooled = max(squares.sum() / max(all_free, 1.0) / (_CUT_VARIANCE if cut else 1.0), least**2)
@@ -191,7 +195,7 @@ def _compared(clearances: Table, measured: Mask, kept: Mask, least: float, *, cu
     probability = np.where(t > 0.0, tail, 1.0) if len(clearances) < UNITS_TO_NAME_ONE else 2.0 * tail
     return _Fit(
         shifts,
-        math.sqrt(pooled / max(lands, 1)),
+        np.sqrt(pooled / np.maximum(of_unit, 1)),
         deviation,
         deviate,
         np.where(comparable, probability, 1.0),
@@ -206,10 +210,11 @@ def _units_left_out(fit: _Fit, measured: Mask, kept: Mask, units: Mask) -> dict[
         return {}
     limit = FALSE_ALARM / _KINDS_OF_TEST / count
     wide = (measured & ~kept & (fit.deviation > 0.0)).sum(axis=1)
+    shifted = measured.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
     why: dict[int, WhyUnit] = {}
     for row in np.flatnonzero(measured.any(axis=1)):
-        over = np.maximum(fit.deviate[row][measured[row]], 0.0)
-        if _shift_probability(fit, units, row) <= limit:
+        over = np.maximum(fit.deviate[row][kept[row]], 0.0)
+        if _shift_probability(fit, shifted & units, row) <= limit:
             why[int(row)] = WhyUnit.WIDE_THROUGHOUT if fit.shifts[row] > 0.0 else WhyUnit.TIGHT_THROUGHOUT
         elif wide[row] >= WIDE_LANDS_OF_A_WORN_UNIT:
             why[int(row)] = WhyUnit.WIDE_LANDS
@@ -220,10 +225,11 @@ def _units_left_out(fit: _Fit, measured: Mask, kept: Mask, units: Mask) -> dict[
 
 def _shift_probability(fit: _Fit, units: Mask, row: int) -> float:
     """Return how probable it is by chance that all lands of a unit are off together by so much."""
-    others = fit.shifts[units & (np.arange(len(units)) != row)]
-    if others.size < UNITS_TO_JUDGE_A_SHIFT - 1:
+    beside = units & (np.arange(len(units)) != row)
+    others = fit.shifts[beside]
+    if others.size < UNITS_TO_JUDGE_A_SHIFT - 1 or fit.shifts[row] == 0.0:
         return 1.0
-    spread = max(float(np.std(others, ddof=1)), fit.shift_error)
+    spread = max(float(np.std(others, ddof=1)), float(fit.shift_error[row]))
     t = (fit.shifts[row] - float(others.mean())) / (spread * math.sqrt(1.0 + 1.0 / others.size))
     return 2.0 * float(student_tail(abs(t), others.size - 1))
 
@@ -232,7 +238,7 @@ def _two_way(clearances: Table, kept: Mask) -> tuple[NDArray[np.float64], NDArra
     """Return the shifts of units and the means of lands [m] that fit the kept pairs best by least squares."""
     values = np.where(kept, clearances, 0.0)
     of_land, of_unit = np.maximum(kept.sum(axis=0), 1), np.maximum(kept.sum(axis=1), 1)
-    there = kept.any(axis=1)
+    there = kept.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
     shifts = np.zeros(len(clearances))
     centres = np.zeros(clearances.shape[1])
     for _ in range(100):

@@ -156,8 +156,8 @@ def summary(learned: Learned) -> str:
     tolerance = median(land.tolerance for land in learned.lands) * UM
     text = (
         f"Mounting clearances of {lands} lands from {count} unit{'' if count == 1 else 's'}, known to ± {known:.1f} µm "
-        f"({COVERED * PERCENT:g} %, median of the lands): ± {by_units:.1f} µm by the units and their readings, the rest "
-        "by the calibration of the instruments, which more units do not improve. "
+        f"({COVERED * PERCENT:g} %, median of the lands): ± {by_units:.1f} µm by the units and their readings, the "
+        "rest by the calibration of the instruments, which more units do not improve. "
     )
     if learned.spread is not None and learned.measurement is not None:
         text += (
