@@ -60,6 +60,7 @@ class Land:
     representative: tuple[str, ...]  # which of its values are representative
     mounting_tolerance: float | None = None
     new_origin: NewOrigin = NewOrigin.PAIR
+    learned_from_units: int | None = None  # of whose measuring sheets the mounting clearance was made
     position: float | None = None  # [m] of its near edge from the end of the spool that the drawing shows left
     seal: Seal | None = None  # the ring on it, which alone it leaks past
     sleeved: bool = False  # whether its bore was sleeved

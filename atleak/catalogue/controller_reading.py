@@ -238,6 +238,7 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         representative=tuple(name for name in entry.representative_values if entry.known_from(table, name) is _ASSUMED),
         mounting_tolerance=new.tolerance,
         new_origin=new.origin,
+        learned_from_units=table.learned_from_units,
         position=None if table.position_mm is None else table.position_mm * 1e-3,
         seal=table.seal,
         sleeved=component.bore == "sleeved",
