@@ -92,7 +92,7 @@ def form_page(
                 spot = Spot(declared.name, sheet.row_number(row))
                 into.faults.append(Fault(spot, "unknown field", label, one_of(headings), nearest_name(label, headings)))
             continue
-        origin = known.get(line.keys[-1])
+        origin = known.get(line.key)
         for column, each in ((value_column, line), (known_column, origin)):
             if each is None or column is None:
                 continue

@@ -104,7 +104,7 @@ def write_form(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units:
         _write_cell(page, styles, row, 2, line, value, units, style=style)
         page.set_row(row, _LINE * (1 + len(str(value or "")) // _FORM_WIDTHS[2]))
         _write_unit(page, row, 3, line.kind, units, styles["unit"])
-        column = known.get(line.keys[-1])
+        column = known.get(line.key)
         if column is not None:
             _write_cell(page, styles, row, 4, column, values.get(column.heading), units)
             _offer(page, row, row, 4, column)

@@ -27,7 +27,9 @@ TOGETHER = {
     ("line", "set_kpa"),
     ("components", "lands", "published"),  # the columns that say how a value is known
     ("components", "lands", "measured"),
-    ("representative_values",),
+    ("representative_values",),  # the head's fields that say so of all lands
+    ("defaults", "published"),
+    ("defaults", "measured"),
     ("pump", "representative"),
     ("pump", "measured"),
     ("permissible_pressure", "gear"),  # gears with one gear
@@ -102,7 +104,7 @@ def test_what_no_shipped_file_says_is_kept_too(tables: Tables) -> None:
             "currency": "EUR",
             "hours": 1.5,
             "tool": "reamer",
-            "nominal_diameter_mm": 12.954,
+            "nominal_diameter_mm": 15.367,
             "mounting_clearance_um": [6.4, 20.0],
             "source": "made up for this test",
             "evidence": "representative",
