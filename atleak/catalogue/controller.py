@@ -207,6 +207,7 @@ class Controller:
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
     standing: tuple[StandingPressure, ...] = ()  # of main pressure, for gauge readings of a standing vehicle
     repairs: tuple[Repair, ...] = ()
+    gaps_described: bool = True  # else every land is taken to leak from main pressure to the sump: an upper bound
     entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
 
     @property

@@ -144,6 +144,7 @@ def _read(
         permissible=permissible_in_gear(standing),
         standing=standing,
         repairs=tuple(_repairs(entry.repairs, lands, reading)),
+        gaps_described=bool(entry.gaps),
         entry=entry,
     )
     if not reading.faults:

@@ -258,6 +258,8 @@ class DefaultsTable(Strict):
 
     body: NonEmptyText | None = None
     spool: NonEmptyText | None = None
+    published: list[LandValue] = []
+    measured: list[LandValue] = []
 
 
 class ControllerFile(Entry):
@@ -281,8 +283,9 @@ class ControllerFile(Entry):
 
     def known_from(self, land: LandTable, value: LandValue) -> Evidence | None:
         """Return what a value of a land is known from: as the land says, or else the file for all lands."""
-        if value in land.measured:
-            return Evidence.MEASURED
-        if value in land.published:
-            return Evidence.PUBLISHED
+        for table in (land, self.defaults):
+            if value in table.measured:
+                return Evidence.MEASURED
+            if value in table.published:
+                return Evidence.PUBLISHED
         return Evidence.REPRESENTATIVE if value in self.representative_values else None
