@@ -432,6 +432,8 @@ def diagnose(
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
+    if readings is not None:
+        controller = readings.own_lands.applied(controller)
     condition = condition or controller.operating_points[0]
     fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
     fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)

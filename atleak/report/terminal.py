@@ -15,6 +15,7 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
+from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.repair import RepairStep, plan_repairs
 from atleak.road_findings import RoadFindings
 from atleak.rules import Rule
@@ -28,6 +29,7 @@ from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
+from atleak.views.repair_options import option_rows, planned
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
@@ -78,6 +80,9 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     if readings is not None:
         measured += f" in {readings.file}; temperature of measuring: {measuring_temperature(diagnosis, say)}"
     console.print(Text(say("findings.alone") if diagnosis.without_sheet else measured))
+    for message in readings.messages if readings is not None else ():
+        if message.code in (LENGTHS_MEASURED, REPAIR_FITTED):
+            console.print(Text(message.text))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
     for line in (*caveats(diagnosis, say), tighter_than_new(diagnosis, say)):
         if line is not None:
@@ -338,11 +343,16 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
 def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
     """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
     plan = plan_repairs(diagnosis)
+    rows = option_rows(plan)
     if plan.steps:
-        yield "Order of repair, each land as new after those before it:"
+        as_left = "as its repair leaves it" if rows else "as new"
+        yield f"Order of repair, each land {as_left} after those before it:"
     for number, step in enumerate(plan.steps, start=1):
         component, land = step.land.key
         yield f"{number:3}. {component}/{land} {diagnosis.controller.components[component]}: {_helps(step)}"
+        for row in rows:
+            if row.step is step:
+                yield f"       {'→' if row.chosen else 'or'} {planned(row)}"
     yield from plan_ends(plan)
 
 

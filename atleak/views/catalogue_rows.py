@@ -39,6 +39,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "p_k [kPa]": point.converter_pressure * KPA,
                 "state": point.state,
                 "solenoid [mA]": None if point.solenoid_current is None else point.solenoid_current * MILLIAMPERE,
+                "lock-up [% duty]": None if point.lockup_duty is None else point.lockup_duty * PERCENT,
                 "source": point.source,
             }
             for point in controller.operating_points
@@ -55,10 +56,28 @@ def controller_tables(controller: Controller) -> Tables:
                 "tolerance ± [µm]": None if land.mounting_tolerance is None else land.mounting_tolerance * UM,
                 "known from": land.new_origin.label,
                 "own limit [µm]": None if land.clearance_limit is None else land.clearance_limit * UM,
+                "is": "; ".join(land.built),
                 "body / spool": f"{land.body_material} / {land.spool_material}",
                 "representative": value_names(land.representative),
             }
             for land in controller.lands
+        ],
+        "Repairs": [
+            {
+                "component": f"{repair.component} · {controller.components[repair.component]}",
+                "lands": ", ".join(map(str, sorted(repair.lands))),
+                "repair": repair.label,
+                "id": repair.id,
+                "kind": repair.kind_name,
+                "price": None if repair.price is None else f"{repair.price:.2f} {repair.currency}",
+                "hours": repair.hours,
+                "tool": repair.tool or "",
+                "nominal diameter [mm]": None if repair.nominal_diameter is None else repair.nominal_diameter * MM,
+                "clearance left [µm]": "–".join(f"{end * UM:.1f}" for end in repair.ends) or "as new parts",
+                "known from": repair.evidence or "not stated",
+                "source": repair.source,
+            }
+            for repair in controller.repairs
         ],
         "Gaps": [
             {

@@ -162,7 +162,7 @@ def pair(controller: Controller, component: str, land: int) -> str:
 
 def _decided_by(land: LandDiagnosis, rule: Rule | None) -> str | None:
     """Return the rule, and which part of the pair was taken at its nominal diameter."""
-    missing = {"spool_only": "sleeve", "sleeve_only": land.state.land.part}.get(land.state.status)
+    missing = {"spool_only": "sleeve", "sleeve_only": land.state.land.part_name}.get(land.state.status)
     reasons = [] if rule is None else [rule_text(rule)]
     return "; ".join([*reasons, *([f"{missing} not measured"] if missing else [])]) or None
 
