@@ -21,6 +21,7 @@ from atleak.controller_sheets.layout import (
 )
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Measure, Units
+from atleak.errors import OutputError
 from atleak.look import SHEET_COLOURS
 from atleak.report.controller_workbook.offered import Places, defined_name
 
@@ -32,6 +33,7 @@ _LINE = 16  # height of a line of text in points
 _SPARE_ROWS = 25  # to fill in below those that are filled
 _LEAST_ROWS = 40
 _A4 = 9
+_LONGEST = 32_767  # characters that a cell holds
 
 Data = Mapping[str, Any] | None
 Styles = Mapping[str, Format]
@@ -165,6 +167,9 @@ def _write_cell(
 ) -> None:
     form = styles[style or _style(declared.kind)]
     cell = None if value is None else declared.kind.cell(value, units)
+    if isinstance(cell, str) and len(cell) > _LONGEST:
+        problem = f"{declared.heading} is too long for a cell"
+        raise OutputError(problem, value=f"{cell[:40]} …", expected=f"{_LONGEST} characters at most")
     if cell is None or cell == "":
         page.write_blank(row, column, None, form)
     elif isinstance(cell, str):

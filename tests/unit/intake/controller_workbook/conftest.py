@@ -113,6 +113,12 @@ def minimal_book(tables: Callable[[str], dict[str, Any]]) -> Book:
 
 
 @pytest.fixture
+def inch_book(tables: Callable[[str], dict[str, Any]]) -> Book:
+    """The minimal example in inches, with diametral clearances."""
+    return Book(tables("minimal_example"), Units("inch", "diametral"))
+
+
+@pytest.fixture
 def five_speed_book(tables: Callable[[str], dict[str, Any]]) -> Book:
     """The five-speed in inches, with diametral clearances and pressures in psi."""
     return Book(tables("five_speed_2005"), Units("inch", "diametral", "psi"))

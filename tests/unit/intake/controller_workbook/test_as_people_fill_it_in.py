@@ -68,9 +68,10 @@ def test_a_renamed_sheet_is_known_by_its_headings_and_a_foreign_one_is_left_out(
 def test_remarks_are_left_out_and_that_is_said(minimal_book: Book) -> None:
     plain = minimal_book.read().data
     minimal_book.put("Lands", 2, "Note", "bore looks scratched")
+    minimal_book.put("Lands", 3, "Note", "new spool")
     described = minimal_book.read()
     assert described.data == plain
-    assert described.notes == ("sheet 'Lands', row 3: the note is not carried over",)
+    assert described.notes == ("sheet 'Lands', rows 3–4: what stands under Note is not carried over",)
 
 
 def test_sheets_that_hold_nothing_may_be_deleted(minimal_book: Book) -> None:
