@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
-_OTHERS_SHOWN = 9
 _NAMES_SHOWN = 40  # of those that would have been valid
 
 
@@ -24,7 +23,8 @@ class Place:
     """Where in the user's material something stands; any part may be unknown.
 
     ``row`` counts from 1 as a spreadsheet does, ``column`` is the column's letter or heading.
-    ``table`` and ``key`` serve for TOML files.
+    ``table`` and ``key`` serve for TOML files; ``steps`` lead to the same place through the file's tables as data, list
+    entries counted from 0: ``("components", 2, "lands", 0, "contact_length_mm")``.
     """
 
     file: str | None = None
@@ -33,6 +33,7 @@ class Place:
     column: str | None = None
     table: str | None = None
     key: str | None = None
+    steps: tuple[str | int, ...] = field(default=(), compare=False)
 
     def __str__(self) -> str:
         parts = [
@@ -49,8 +50,10 @@ class Place:
 class InputError(AtleakError):
     """Something a user gave cannot be used: says where, what stood there and what was expected.
 
-    ``others`` are further faults of the same material, listed below the first.
+    ``others`` are further faults of the same material, listed below the first, ``others_shown`` of them.
     """
+
+    others_shown = 9
 
     def __init__(
         self,
@@ -76,9 +79,9 @@ class InputError(AtleakError):
         if self.nearest:
             text += f"; did you mean {self.nearest!r}?"
         if self.others:
-            text += "".join(f"\n  {other}" for other in self.others[:_OTHERS_SHOWN])
-            if len(self.others) > _OTHERS_SHOWN:
-                text += f"\n  … and {len(self.others) - _OTHERS_SHOWN} more"
+            text += "".join(f"\n  {other}" for other in self.others[: self.others_shown])
+            if len(self.others) > self.others_shown:
+                text += f"\n  … and {len(self.others) - self.others_shown} more"
         return text
 
     def rename_file(self, renamed: Callable[[str | None], str | None]) -> None:
@@ -90,6 +93,8 @@ class InputError(AtleakError):
 
 class CatalogueError(InputError):
     """A controller, fluid, limits or instrument file that does not say what it must."""
+
+    others_shown = 59  # a whole valve body described wrongly can be mended in one go
 
 
 class ReadingsError(InputError):

@@ -15,6 +15,7 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
+from atleak.catalogue.evidence import Evidence
 from atleak.errors import CatalogueError, Place, unknown
 from atleak.faults import validated
 
@@ -26,6 +27,19 @@ Identifier = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_]*$")]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _evidence(value: Any) -> Evidence | None:
+    """Read what a value is known from."""
+    if value is None or isinstance(value, Evidence):
+        return value
+    try:
+        return Evidence(value)
+    except ValueError:
+        raise ValueError(f"one of {', '.join(Evidence)}") from None
+
+
+StatedEvidence = Annotated[Evidence | None, BeforeValidator(_evidence)]
 
 
 def _day(value: Any) -> str:
@@ -85,6 +99,19 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
         if there is no such entry (the message gives the nearest id), the file cannot be read, its TOML syntax is wrong
         or a value is missing, unknown or out of range; the message names file, table, key, value and what was expected.
     """
+    data, origin = read_tables(kind, id_or_path)
+    return validated(model, data, origin.file, kind=CatalogueError), origin
+
+
+def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Origin]:
+    """Read the tables of a catalogue entry by id, or of a user's file by path, as its TOML holds them.
+
+    Raises
+    ------
+    CatalogueError
+        if there is no such entry (the message gives the nearest id), the file cannot be read or its TOML syntax is
+        wrong.
+    """
     path = _resolve(kind, id_or_path)
     try:
         content = path.read_bytes()
@@ -92,7 +119,6 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
         raise CatalogueError(
             f"cannot be read: {error.strerror}", place=Place(file=str(path)), expected="a TOML file"
         ) from error
-    origin = Origin(path, hashlib.sha256(content).hexdigest())
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep
@@ -101,7 +127,7 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
             place=Place(file=path.name),
             expected="TOML text in UTF-8",
         ) from error
-    return validated(model, data, path.name, kind=CatalogueError), origin
+    return data, Origin(path, hashlib.sha256(content).hexdigest())
 
 
 def _resolve(kind: str, id_or_path: str | Path) -> Path:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import CatalogueError, Place
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, gear_in, ranges_of
 
@@ -28,7 +28,8 @@ PERMISSIBLE = (
         ("R", (-2, -1, 1), -1),
         ("N", (-1, 0, 1), 0),
         ("N", (1, 2), None),
-        ("P", (-1, 0, 1), None),
+        ("P", (-1, 0, 1), 0),
+        ("P", (-1, 1), None),
         ("R", (1, 2), None),
         ("D", (0,), None),
     ],
