@@ -121,10 +121,8 @@ class _Reader:
             raise ReadingsError("no position on a spool", value=cell, expected="0 or more, from the spool's left end")
         known = self.lengths.setdefault((column.role, land.key), (metres, place))
         if abs(known[0] - metres) > _SAME:
-            problem = (
-                f"another {column.role} of component {land.component} land {land.land} stands in {known[1]} already"
-            )
-            raise ReadingsError(problem, value=cell, expected="each once")
+            other = f"another {column.role} of component {land.component} land {land.land} stands in {known[1]} already"
+            raise ReadingsError(other, value=cell, expected="each once")
 
     def _component(self, table: Table, columns: Columns, row: int) -> str | None:
         """Return the component of a row; None where nothing names one, which a row of diameters reports itself."""
