@@ -69,6 +69,23 @@ class Readings:
     date: dt.date | None = None  # of the measurement, as the sheet's head states it
     pressures: PressureTable | None = None  # of the sheet's own tab, where it is filled in
     own_lands: OwnLands = OwnLands()  # noqa: RUF009  frozen, so safe to share; lengths measured, repairs fitted
+    unworn: tuple[Reading, ...] = ()  # marked as taken at an unworn end: of the pair when new, none of ``readings``
+
+    @property
+    def when_new(self) -> Readings:
+        """Return the readings that tell what pairs were when new.
+
+        Those of a sheet without marks are of a new unit, all of them. Of a used unit they are those at unworn ends,
+        and of lands whose bore has such readings also the spool as it is, where it has no unworn end of its own.
+        """
+        if not self.unworn:
+            return self
+        bores = {(each.component, each.plane) for each in self.unworn if each.part == "sleeve"}
+        spools = {(each.component, each.plane) for each in self.unworn if each.part == "spool"}
+        beside = (each for each in self.readings if each.part == "spool")
+        beside = (each for each in beside if (each.component, each.plane) in bores - spools)
+        taken = (each for each in self.unworn if (each.component, each.plane) in bores)
+        return replace(self, readings=(*beside, *taken), unworn=())
 
     def measured_at(self, stated: float | None = None) -> MeasuringTemperature:
         """Return the temperature of measuring: as stated for the job [°C], else as in the sheet, else 20 °C."""

@@ -27,6 +27,7 @@ from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile
 from atleak.catalogue.entries import Origin
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.instruments import Part
+from atleak.catalogue.pump import Pump
 from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
@@ -59,6 +60,7 @@ class Land:
     representative: tuple[str, ...]  # which of its values are representative
     mounting_tolerance: float | None = None
     new_origin: NewOrigin = NewOrigin.PAIR
+    learned_from_units: int | None = None  # of whose measuring sheets the mounting clearance was made
     position: float | None = None  # [m] of its near edge from the end of the spool that the drawing shows left
     seal: Seal | None = None  # the ring on it, which alone it leaks past
     sleeved: bool = False  # whether its bore was sleeved
@@ -178,16 +180,6 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Pump:
-    """The fixed-displacement pump on the engine's shaft."""
-
-    displacement: float  # [m³/rev]
-    volumetric_efficiency: float
-    slip_coefficient: float | None  # Wilson's C_s, None where the controller states none
-    representative: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class OperatingPoint:
     """A stated condition at which leakage and pump are compared."""
 
@@ -201,6 +193,7 @@ class OperatingPoint:
     source: str
     stated_state: State | None = None  # where the file says it
     solenoid_current: float | None = None  # [A]
+    lockup_duty: float | None = None  # [-] of the lock-up solenoid, 0 to 1
     values_of: str = ""  # name of the file's point whose set pressures and flows hold here; "" for its own
 
     @property
@@ -241,6 +234,7 @@ class Controller:
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
     standing: tuple[StandingPressure, ...] = ()  # of main pressure, for gauge readings of a standing vehicle
     repairs: tuple[Repair, ...] = ()
+    gaps_described: bool = True  # else every land is taken to leak from main pressure to the sump: an upper bound
     entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
 
     @property

@@ -23,23 +23,22 @@ from atleak.catalogue.circuit_reading import (
     read_standing,
 )
 from atleak.catalogue.complaints import Complaint, ComplaintTable, LandKey, written_land
-from atleak.catalogue.controller import STATED, Controller, Gap, Land, OperatingPoint, Pump
+from atleak.catalogue.controller import STATED, Controller, Gap, Land, OperatingPoint
 from atleak.catalogue.controller_tables import (
     ComponentTable,
     ControllerFile,
     GapTable,
     LandTable,
     NewOrigin,
-    PumpGears,
-    PumpTable,
 )
 from atleak.catalogue.entries import Origin, catalogue_files, read_tables
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.pump import Pump
+from atleak.catalogue.pump_reading import read_pump
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Repair, RepairTable, repair_of
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
-from atleak.equations import pump as pump_equations
 from atleak.errors import CatalogueError, DomainError
 from atleak.faults import in_words, together
 
@@ -111,6 +110,7 @@ def _read(
         entry.gears,
         [point.name for point in entry.operating_points],
         all(point.solenoid_current_ma is not None for point in entry.operating_points),
+        all(point.lockup_duty_percent is not None for point in entry.operating_points),
         [*SECTIONS, *(table.id for table in entry.circuits)],
     )
     twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
@@ -133,7 +133,7 @@ def _read(
         lands=lands,
         gaps=gaps,
         relations=MappingProxyType(_relations(entry, gaps, reading)),
-        pump=_pump(entry.pump),
+        pump=read_pump(entry.pump, reading) or _NO_PUMP,
         operating_points=points,
         complaints=_complaints(entry.complaints, [land.key for land in lands], entry.source, reading),
         origin=origin,
@@ -145,6 +145,7 @@ def _read(
         permissible=permissible_in_gear(standing),
         standing=standing,
         repairs=tuple(_repairs(entry.repairs, lands, reading)),
+        gaps_described=bool(entry.gaps),
         entry=entry,
     )
     if not reading.faults:
@@ -237,6 +238,7 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         representative=tuple(name for name in entry.representative_values if entry.known_from(table, name) is _ASSUMED),
         mounting_tolerance=new.tolerance,
         new_origin=new.origin,
+        learned_from_units=table.learned_from_units,
         position=None if table.position_mm is None else table.position_mm * 1e-3,
         seal=table.seal,
         sleeved=component.bore == "sleeved",
@@ -245,6 +247,7 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
 
 _OVERSIZE = 2.0e-3  # [m] by which a repair changes a nominal diameter at most: choice of this project
 _ASSUMED = Evidence.REPRESENTATIVE
+_NO_PUMP = Pump(1.0, 1.0, None, ())  # of a file whose own is refused
 
 
 class _Mounting(NamedTuple):
@@ -362,18 +365,6 @@ def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, rea
             raise reading.fault((*where, "nominal_diameter_mm"), problem, value=diameter, expected=expected)
 
 
-def _pump(table: PumpTable) -> Pump:
-    size = table.size
-    displacement = (
-        pump_equations.displacement(
-            size.module_mm * 1e-3, size.teeth, size.width_mm * 1e-3, size.tooth_height_mm * 1e-3
-        )
-        if isinstance(size, PumpGears)
-        else size * 1e-9
-    )
-    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
-
-
 def _operating_points(entry: ControllerFile, reading: Reading) -> list[OperatingPoint]:
     points: list[OperatingPoint] = []
     for number, table in enumerate(entry.operating_points):
@@ -399,6 +390,7 @@ def _operating_points(entry: ControllerFile, reading: Reading) -> list[Operating
                     source=table.source,
                     stated_state=table.state,
                     solenoid_current=None if table.solenoid_current_ma is None else table.solenoid_current_ma * 1e-3,
+                    lockup_duty=None if table.lockup_duty_percent is None else table.lockup_duty_percent * 1e-2,
                 )
             )
     return points

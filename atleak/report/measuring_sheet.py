@@ -46,6 +46,7 @@ _HEADINGS = (  # heading, width in characters
     ("Mounting\nclearance [µm]", 13),
     ("Nominal values\nare", 24),
     ("Deviation from\nnominal [µm]", 14),
+    ("Taken at", 13),
 )
 _FIELD_PLACES = {  # row, column of the label, first and last column of the field; from 0
     "Job": (3, 0, 1, 1),
@@ -58,6 +59,8 @@ _FIELD_PLACES = {  # row, column of the label, first and last column of the fiel
 }
 FIELDS = tuple(_FIELD_PLACES)
 _HEADER = 6  # row of the headings, from 0
+_TAKEN_AT = 13  # column, from 0
+UNWORN_END = "unworn end"  # what marks a reading there; the intake's vocabulary knows it
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
 
@@ -87,6 +90,12 @@ _HOW_TO = (
         "Bores",
         "A bore wears to one side. Measured in one direction only, its wear may be missed; the report then says "
         "that the clearance is a lower bound.",
+    ),
+    (
+        "Unworn ends",
+        "A bore is as new where its spool never runs. A diameter from there tells what the pair was when new: add a "
+        f"row for it and choose {UNWORN_END!r} in its last column. It does not count for wear; the mounting clearance "
+        "is learned from it, beside the spool as it is.",
     ),
     (
         "Not measured",
@@ -310,6 +319,7 @@ class _Sheet:
             self._label(first, last, 4, entry.direction, "angle")
         for row, entry in numbered:
             self.sheet.write_number(row, 5, entry.repeat, self.formats["number"])
+            self.sheet.write_blank(row, _TAKEN_AT, None, self.formats["choice"])
             for column, metres in zip((6, 7, 8), _values(entry.reading), strict=True):
                 if metres is None:
                     self.sheet.write_blank(row, column, None, self.formats["input"])
@@ -355,6 +365,7 @@ class _Sheet:
                 "Leave empty what was not measured.",
             },
         )
+        sheet.data_validation(first, _TAKEN_AT, last, _TAKEN_AT, {"validate": "list", "source": [UNWORN_END]})
         alarm = {"type": "cell", "criteria": "not between", "minimum": -_FAR, "maximum": _FAR}
         empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER($M{first + 1}))", "stop_if_true": True}
         sheet.conditional_format(first, 12, last, 12, empty)

@@ -23,6 +23,7 @@ from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
@@ -83,9 +84,9 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         if message.code in (LENGTHS_MEASURED, REPAIR_FITTED):
             console.print(Text(message.text))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
-    tight = tighter_than_new(diagnosis, wording("en"))
-    if tight is not None:
-        console.print(Text(tight))
+    for line in (*caveats(diagnosis, say), tighter_than_new(diagnosis, say)):
+        if line is not None:
+            console.print(Text(line))
     for line in _complaint(diagnosis):
         console.print(Text(line))
     if not diagnosis.without_sheet:
@@ -231,7 +232,8 @@ def _between(record: dict[str, Any], name: str, digits: int) -> str:
 
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the verdict of the unit, and which land or total gave it."""
-    decided_by, sentence = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
+    decided_by, marks = diagnosis.decided_by, caveat_marks(diagnosis, wording("en"))
+    sentence = f"unit: {signed(diagnosis.verdict)}" + (f" ({', '.join(marks)})" if marks else "")
     if decided_by is None:
         alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
         return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence

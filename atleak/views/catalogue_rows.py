@@ -10,6 +10,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.views.circuit_rows import MILLIAMPERE, circuit_tables
+from atleak.views.evidence_rows import evidence_rows
 from atleak.wording import value_names
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
 
@@ -27,6 +28,7 @@ def controller_tables(controller: Controller) -> Tables:
     """Return the tables of operating points, circuits, lands, gaps, pump and complaints; none without a row."""
     labels = {point.name: point.label for point in controller.operating_points}
     tables: Tables = {
+        "What the values are known from": evidence_rows(controller),
         "Operating points": [
             {
                 "name": point.label,
@@ -37,6 +39,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "p_k [kPa]": point.converter_pressure * KPA,
                 "state": point.state,
                 "solenoid [mA]": None if point.solenoid_current is None else point.solenoid_current * MILLIAMPERE,
+                "lock-up [% duty]": None if point.lockup_duty is None else point.lockup_duty * PERCENT,
                 "source": point.source,
             }
             for point in controller.operating_points
@@ -85,7 +88,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "to": str(gap.low),
                 "gears": ", ".join(map(str, sorted(gap.gears))),
                 "ends in": "sump" if gap.into_sump else "another section",
-                "is": "published" if gap.published else "representative",
+                "is": gap.evidence or "not stated",
             }
             for gap in controller.gaps
         ],

@@ -92,7 +92,13 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
 def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the verdict of the unit, how sure it is, and the land, total or pressure that gave it."""
     decided_by = diagnosis.decided_by
-    verdict = {"verdict": diagnosis.verdict, "decision": diagnosis.decision}
+    verdict = {
+        "verdict": diagnosis.verdict,
+        "decision": diagnosis.decision,
+        "provisional": bool(diagnosis.provisional),
+        "provisional_because": list(diagnosis.provisional),
+        "upper_bound": diagnosis.upper_bound,
+    }
     if decided_by is None:
         return {**verdict, "decided_by": None}
     rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding

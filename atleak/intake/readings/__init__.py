@@ -50,7 +50,7 @@ from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
 from atleak.pressure_table import PressureTable
-from atleak.readings import Readings
+from atleak.readings import Reading, Readings
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
@@ -143,11 +143,13 @@ def read_readings(
             *account.messages,
             *of_lands.messages,
             *_contradictions(read, converted),
+            *_at_unworn_ends(converted.unworn),
         ),
         temperature=head.temperature,
         date=head.date,
         pressures=pressures,
         own_lands=of_lands.own,
+        unworn=tuple(converted.unworn),
     )
     problems += of_lands.problems
     problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
@@ -157,7 +159,7 @@ def read_readings(
             problems = [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
-    if not result.readings and pressures is None:
+    if not (result.readings or result.unworn) and pressures is None:
         raise _none_left(result) or _not_filled_in(first)
     return result
 
@@ -179,6 +181,17 @@ def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]
         for message in agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
     ]
     return list(dict.fromkeys(repeated))  # a message about what stands above several tables is given once
+
+
+def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
+    if not unworn:
+        return []
+    lands = dict.fromkeys(f"{each.component}, plane {each.plane}" for each in unworn)
+    text = (
+        f"{len(unworn)} reading{'s' if len(unworn) > 1 else ''} at an unworn end (component {'; '.join(lands)}): of "
+        "the pair when new, not of its wear. `atleak controller learn` makes mounting clearances of them"
+    )
+    return [Message("info", "unworn_ends", text, unworn[0].place)]
 
 
 def _none_left(result: Readings) -> ReadingsError | None:

@@ -51,6 +51,10 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     for gap in clearances(readings, controller):
         if gap.measured and gap.land.key not in doubtful:
             problems += _clearance(gap, by_land[gap.land.key], readings)
+    if readings.unworn:
+        places = {problem.place for problem in problems}
+        of_new = check(readings.when_new, controller)
+        problems += [problem for problem in of_new if problem.place not in places]
     problems.sort(key=lambda problem: problem.place.row or 0)
     return problems
 

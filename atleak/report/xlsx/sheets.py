@@ -25,6 +25,7 @@ from atleak.report.xlsx.live_cells import (
 from atleak.report.xlsx.road_sheet import RoadSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.measured_words import measured_sentence
@@ -128,7 +129,9 @@ class Sheets:
             put(sheet, row, 1, signed(diagnosis.verdict), book.bold)
         book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
         put(sheet, row + 1, 0, "as issued", book.bold)
-        put(sheet, row + 1, 1, self._sentence())
+        marks = caveat_marks(diagnosis, wording("en"))
+        marked = f"{', '.join(marks).capitalize()}. " if marks else ""
+        put(sheet, row + 1, 1, " ".join([f"{marked}{self._sentence()}", *caveats(diagnosis, wording("en"))]))
 
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged

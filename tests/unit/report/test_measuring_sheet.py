@@ -97,7 +97,9 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     assert sheet.sheet_properties.pageSetUpPr.fitToPage
     assert sheet.page_setup.fitToWidth in (None, 1)  # 1 is what a missing attribute means
     assert sheet.page_setup.fitToHeight == 0  # as many pages as it takes
-    (validation,) = sheet.data_validations.dataValidation
+    validation, taken_at = sheet.data_validations.dataValidation
+    assert (taken_at.type, taken_at.formula1) == ("list", '"unworn end"')
+    assert str(taken_at.sqref) == f"N{HEADER + 1}:N{sheet.max_row}"
     assert (validation.type, validation.operator, validation.formula1) == ("decimal", "greaterThan", "0")
     assert str(validation.sqref) == f"G{HEADER + 1}:I{sheet.max_row}"
     inputs = {sheet.cell(HEADER + 1, column).fill.fgColor.rgb for column in (X1, X2, DIAMETER)}
