@@ -355,7 +355,9 @@ def _repairs(tables: Sequence[RepairTable], lands: Sequence[Land], reading: Read
 def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, reading: Reading) -> None:
     """Refuse a repair whose nominal diameter cannot be that of one of its lands."""
     diameter = table.nominal_diameter_mm
-    for land in lands if diameter is not None else ():
+    if diameter is None:
+        return
+    for land in lands:
         mine = land.component == table.component and (table.lands is None or land.land in table.lands)
         if mine and abs(diameter * 1e-3 - land.nominal_diameter) > _OVERSIZE:
             problem = f"land {land.land} is {land.nominal_diameter * 1e3:g} mm: no oversize of it"

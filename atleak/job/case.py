@@ -26,6 +26,7 @@ from atleak.catalogue.instruments import (
     load_instrument,
 )
 from atleak.catalogue.limits import load_limits
+from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
@@ -182,6 +183,7 @@ class Case:
     assumptions: Pairs = ()  # those that differ from the defaults
     guard_factor: float | None = None
     complaint: str | None = None  # id of one of the controller's complaints
+    repairs: tuple[str, ...] = ()  # ids of those of the controller's repairs that the workshop plans with
 
     @property
     def key(self) -> str:
@@ -267,7 +269,7 @@ class Case:
         )
         readings = None if self.readings is None else loader.readings(self, controller)
         pressures = None if self.pressures is None else loader.pressures(self, controller)
-        return diagnose(
+        diagnosis = diagnose(
             controller,
             fluid,
             limits,
@@ -284,6 +286,7 @@ class Case:
             guard_factor=GUARD_FACTOR if self.guard_factor is None else self.guard_factor,
             complaint=controller.complaint(self.complaint),
         )
+        return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
 
 
 def _road_test(log: Understood) -> RoadTest:

@@ -84,6 +84,7 @@ def choose(**changes: Any) -> None:
     other = changes.get("controller", now.case.controller) != now.case.controller
     if other:
         changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None, "complaint": None}
+        changes["repairs"] = ()
         now.away.clear()
         if now.case.sample:
             changes |= {**dict.fromkeys(FILES), "sample": False}
