@@ -16,6 +16,7 @@ from typing import Literal
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message, Place, ReadingsError
 from atleak.pressure_table import PressureTable
@@ -67,6 +68,7 @@ class Readings:
     temperature: float | None = None  # [°C] of gauge and parts, as the sheet's head states it
     date: dt.date | None = None  # of the measurement, as the sheet's head states it
     pressures: PressureTable | None = None  # of the sheet's own tab, where it is filled in
+    pump: PumpClearances = NO_CLEARANCES  # of the pump, as the sheet's head states them
 
     def measured_at(self, stated: float | None = None) -> MeasuringTemperature:
         """Return the temperature of measuring: as stated for the job [°C], else as in the sheet, else 20 °C."""

@@ -34,6 +34,7 @@ class Assumptions:
     converter_pressure: float = 0.02  # relative
     volumetric_efficiency: float = 0.02  # where the profile takes it as constant
     slip_coefficient: float = 0.2  # relative, where the profile lets the pump slip
+    pump_clearance: float = 5e-6  # [m] of each clearance of the pump that was measured in the job
 
     @property
     def settings(self) -> dict[str, float]:
@@ -86,6 +87,7 @@ _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "converter_pressure": ("percent", 1e-2),
         "volumetric_efficiency": ("percent", 1e-2),
         "slip_coefficient": ("percent", 1e-2),
+        "pump_clearance": ("um", 1e-6),
     }
 )
 
