@@ -117,7 +117,8 @@ def _read(
     if twice:
         reading.faults.append(reading.fault(("gears",), "gear given twice", value=twice[0]))
     lands = tuple(_lands(entry, reading))
-    gaps = tuple(_gaps(entry, lands, reading))
+    sealed = {land.key for land in lands if land.seal}
+    gaps = tuple(gap for gap in _gaps(entry, lands, reading) if gap.key not in sealed)
     points = tuple(_operating_points(entry, reading))
     standing = read_standing(entry.permissible_pressure, reading)
     controller = Controller(
@@ -144,6 +145,7 @@ def _read(
         permissible=permissible_in_gear(standing),
         standing=standing,
         repairs=tuple(_repairs(entry.repairs, lands, reading)),
+        gaps_described=bool(entry.gaps),
         entry=entry,
     )
     if not reading.faults:
@@ -236,11 +238,14 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         representative=tuple(name for name in entry.representative_values if entry.known_from(table, name) is _ASSUMED),
         mounting_tolerance=new.tolerance,
         new_origin=new.origin,
+        learned_from_units=table.learned_from_units,
         position=None if table.position_mm is None else table.position_mm * 1e-3,
         seal=table.seal,
+        sleeved=component.bore == "sleeved",
     )
 
 
+_OVERSIZE = 2.0e-3  # [m] by which a repair changes a nominal diameter at most: choice of this project
 _ASSUMED = Evidence.REPRESENTATIVE
 _NO_PUMP = Pump(1.0, 1.0, None, ())  # of a file whose own is refused
 
@@ -342,8 +347,20 @@ def _repairs(tables: Sequence[RepairTable], lands: Sequence[Land], reading: Read
                 raise reading.fault((*where, "id"), "repair given twice", value=table.id)
             mine = [land for component, land in known if component == table.component]
             _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
+            _check_diameter(table, lands, where, reading)
             repairs.append(repair_of(table, mine))
     return repairs
+
+
+def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, reading: Reading) -> None:
+    """Refuse a repair whose nominal diameter cannot be that of one of its lands."""
+    diameter = table.nominal_diameter_mm
+    for land in lands if diameter is not None else ():
+        mine = land.component == table.component and (table.lands is None or land.land in table.lands)
+        if mine and abs(diameter * 1e-3 - land.nominal_diameter) > _OVERSIZE:
+            problem = f"land {land.land} is {land.nominal_diameter * 1e3:g} mm: no oversize of it"
+            expected = "lands = [..] with the lands that get this diameter, and another repair for the rest"
+            raise reading.fault((*where, "nominal_diameter_mm"), problem, value=diameter, expected=expected)
 
 
 def _operating_points(entry: ControllerFile, reading: Reading) -> list[OperatingPoint]:

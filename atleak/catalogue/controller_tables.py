@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from types import MappingProxyType
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -36,7 +38,9 @@ from atleak.catalogue.repairs import RepairTable
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
 LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
 PartKind = Literal["spool", "piston", "end_plug"]
+PART_NAMES: Mapping[PartKind, str] = MappingProxyType({"spool": "spool", "piston": "piston", "end_plug": "end plug"})
 Seal = Literal["o_ring", "teflon_ring"]  # a ring on the land: it leaks past its ring alone
+SEALS: Mapping[Seal, str] = MappingProxyType({"o_ring": "an O-ring", "teflon_ring": "a Teflon ring"})
 Bore = Literal["plain", "sleeved"]
 
 
@@ -208,6 +212,8 @@ class DefaultsTable(Strict):
 
     body: NonEmptyText | None = None
     spool: NonEmptyText | None = None
+    published: list[LandValue] = []
+    measured: list[LandValue] = []
 
 
 class ControllerFile(Entry):
@@ -231,8 +237,9 @@ class ControllerFile(Entry):
 
     def known_from(self, land: LandTable, value: LandValue) -> Evidence | None:
         """Return what a value of a land is known from: as the land says, or else the file for all lands."""
-        if value in land.measured:
-            return Evidence.MEASURED
-        if value in land.published:
-            return Evidence.PUBLISHED
+        for table in (land, self.defaults):
+            if value in table.measured:
+                return Evidence.MEASURED
+            if value in table.published:
+                return Evidence.PUBLISHED
         return Evidence.REPRESENTATIVE if value in self.representative_values else None

@@ -24,6 +24,8 @@ def add_parser(commands: Any) -> None:
 
 def _controllers(options: argparse.Namespace) -> int:
     from atleak.catalogue.controller_reading import controllers
+    from atleak.catalogue.evidence import Evidence
+    from atleak.views.evidence_rows import evidence_counts, still_to_measure
 
     rows = [
         {
@@ -37,12 +39,23 @@ def _controllers(options: argparse.Namespace) -> int:
             "operating_points": [point.name for point in controller.operating_points],
             "complaints": [complaint.record for complaint in controller.complaints],
             "representative": bool(controller.representative),
+            "known_from": evidence_counts(controller),
+            "still_to_measure": still_to_measure(controller),
             "source": controller.source,
             "sha256": controller.sha256,
         }
         for controller in controllers()
     ]
-    return _list(rows, ["id", "name", "lands", "gaps", "representative"], options)
+    counts = [{evidence: row["known_from"][evidence] for evidence in Evidence} for row in rows]
+    shown = [{**row, **count} for row, count in zip(rows, counts, strict=True)]
+    status = _list(rows, ["id", "name", "lands", "gaps", *Evidence], options, shown)
+    if options.json != "-":
+        for row in rows:
+            if row["still_to_measure"]:
+                print(
+                    f"{row['id']}: representative, to be measured or looked up: {'; '.join(row['still_to_measure'])}."
+                )
+    return status
 
 
 def _fluids(options: argparse.Namespace) -> int:
@@ -96,12 +109,18 @@ def _instruments(options: argparse.Namespace) -> int:
     return _list(rows, ["id", "name", "measures", "resolution_um", "calibration_um", "common_part"], options)
 
 
-def _list(rows: list[dict[str, Any]], columns: list[str], options: argparse.Namespace) -> int:
+def _list(
+    rows: list[dict[str, Any]],
+    columns: list[str],
+    options: argparse.Namespace,
+    shown: list[dict[str, Any]] | None = None,
+) -> int:
+    """Write the rows as JSON where that is asked for, and print them, or others that are shorter."""
     check_targets(options, [], [("record", options.json)])
     if options.json is not None:
         say_written(write_json(options.json, [{**row, "atleak": __version__} for row in rows]))
     if options.json != "-":
         from atleak.report.terminal import print_table
 
-        print_table(columns, rows)
+        print_table(columns, rows if shown is None else shown)
     return 0

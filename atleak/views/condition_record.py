@@ -12,7 +12,7 @@ from atleak.engine.projection import CircuitState, Projection
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.views.positions import concentric_factors
-from atleak.views.pump_words import slips
+from atleak.views.pump_record import slips
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 

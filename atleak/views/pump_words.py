@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from atleak.diagnosis import Diagnosis
-from atleak.engine.projection import Projection
+from atleak.views.pump_record import slips
 from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN
@@ -36,12 +35,6 @@ def pump_sentence(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -
     return f"{measured} {say('pump.slips_more', new=say.number(new * DM3_MIN, 2), **words)}"
 
 
-def slips(diagnosis: Diagnosis, projection: Projection) -> tuple[float, float | None]:
-    """Return what the pump slips at a condition, and what it did when new [m³/s]; None where that is not known."""
-    compared = diagnosis.controller.pump.as_new is not None
-    return projection.slip, diagnosis.new_at(projection).slip if compared else None
-
-
 def _clearances(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     pump = diagnosis.controller.pump
     for name, now, new, most in zip(("side", "tip"), pump.measured.um, pump.clearances.um, pump.limits.um, strict=True):
@@ -51,19 +44,3 @@ def _clearances(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
             ]
             said = say(f"pump.{name}", um=say.plain(now))
             yield f"{said} ({', '.join(beside)})" if beside else said
-
-
-def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return the pump as ``atleak diagnose --json`` has it."""
-    pump = diagnosis.controller.pump
-    record: dict[str, Any] = {
-        "kind": pump.kind,
-        "displacement_mm3": pump.displacement * 1e9,
-        "held_at_demand": pump.held_at_demand,
-        "slip_coefficient": pump.slip_coefficient if diagnosis.model.uses_slip else None,
-        "slip_coefficient_new": pump.as_new.slip_coefficient if pump.as_new is not None else None,
-    }
-    of = {"measured": pump.measured, "new": pump.clearances, "limit": pump.limits}
-    for number, name in enumerate(("side", "tip")):
-        record |= {f"{name}_clearance_{which}_um": each.um[number] for which, each in of.items()}
-    return record
