@@ -26,6 +26,7 @@ from atleak.catalogue.instruments import (
     load_instrument,
 )
 from atleak.catalogue.limits import load_limits
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES, Profile, find_profile
@@ -173,6 +174,7 @@ class Case:
     point: OperatingPoint | None = None  # used instead of the controller's first operating point
     mileage: float | None = None  # [km]
     measuring_temperature: float | None = None  # [°C] of gauge and parts; None: as the sheet's head states it
+    pump_clearances: PumpClearances = NO_CLEARANCES  # measured of this job's pump; others as the sheet's head states
     sheet_name: str | None = None  # of the workbook, where several hold readings
     sheet_unit: str | None = None  # of the diameters, where the sheet does not say
     sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
@@ -281,6 +283,7 @@ class Case:
             condition=self.condition(controller),
             mileage=self.mileage,
             measuring_temperature=self.measuring_temperature,
+            pump_clearances=self.pump_clearances,
             instruments=Instruments(spool, sleeve).checked,
             assumptions=DEFAULTS.with_settings(dict(self.assumptions)),
             guard_factor=GUARD_FACTOR if self.guard_factor is None else self.guard_factor,
