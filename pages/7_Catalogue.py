@@ -2,28 +2,31 @@
 
 import streamlit as st
 
-from atleak.catalogue.entries import catalogue_files
+from atleak.catalogue.entries import own_folder
 from atleak.views import catalogue_rows as rows
 from pages.shared import panel, show
-from pages.shared.cases import catalogue_entry
+from pages.shared.cases import catalogue_list, shown_name
 
 case, diagnosis = panel.shown()
 st.title("Catalogue")
-st.write("Everything shipped names its source. Choose a workshop's own TOML file in the sidebar.")
+st.write("Everything shipped names its source. Your own TOML files are offered too where they lie in the folders of:")
+st.code(str(own_folder()), language=None)
 
 
 def entries(kind: str) -> dict:
-    """Return the shipped entries of a kind and the one in the job, by name."""
-    shipped = [catalogue_entry(kind, name) for name in catalogue_files(rows.FOLDERS[kind])]
-    own = getattr(diagnosis, kind)
-    return {entry.name: entry for entry in ([] if own in shipped else [own]) + shipped}
+    """Return the catalogue's entries of a kind and the one in the job, by the name that is shown."""
+    known = list(catalogue_list(kind).entries.values())
+    chosen = getattr(diagnosis, kind)
+    return {shown_name(entry): entry for entry in ([] if chosen in known else [chosen]) + known}
 
 
 for tab, kind in zip(st.tabs(["Valve bodies", "Fluids", "Limits"]), rows.FOLDERS, strict=True):
     with tab:
+        for fault in catalogue_list(kind).faults:
+            st.error(f"**An own file is left aside.** {show.plain(fault)}")
         known = entries(kind)
         names = list(known)
-        name = st.selectbox("Show", names, names.index(getattr(diagnosis, kind).name), key=f"catalogue-{kind}")
+        name = st.selectbox("Show", names, names.index(shown_name(getattr(diagnosis, kind))), key=f"catalogue-{kind}")
         entry = known[name]
         st.markdown(f"**Source:** {show.plain(entry.source)} ({entry.date})")
         if entry.note:

@@ -41,7 +41,7 @@ from atleak.catalogue.controller_tables import (
     PumpGears,
     PumpTable,
 )
-from atleak.catalogue.entries import Origin, catalogue_error, catalogue_files, read_entry
+from atleak.catalogue.entries import Origin, catalogue_error, listed, read_entry
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
 from atleak.equations import clearance as clearance_equations
@@ -320,8 +320,8 @@ def load_controller(id_or_path: str | Path) -> Controller:
 
 
 def controllers() -> list[Controller]:
-    """Return every shipped controller."""
-    return [load_controller(name) for name in catalogue_files("controllers")]
+    """Return every controller that can be used, shipped or own."""
+    return list(listed("controllers", load_controller).entries.values())
 
 
 # --- from the file to the objects ---------------------------------------------------------------------------------

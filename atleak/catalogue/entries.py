@@ -1,24 +1,29 @@
 """Read the catalogue: one TOML file per controller, fluid, limit set and instrument, or a user's file by path.
 
-Every file states its source and date and is checked against a pydantic model; what is wrong is named by file,
-table, key and value.
+What ships lies beside this module. The user's own entries lie in `own_folder` and are chosen by id like shipped ones.
+Every file states its source and date and is checked against a pydantic model; what is wrong is named by file, table,
+key and value.
 """
 
 from __future__ import annotations
 
 import hashlib
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from atleak.errors import CatalogueError, Place, unknown
 from atleak.faults import validated
+from atleak.system.home import home
 
 _HERE = Path(__file__).parent
+KINDS = ("controllers", "fluids", "limits", "instruments")
+"""The catalogue's folders, of what ships and of the user's own."""
 _TOML_LINE = 300  # characters of a parser's message worth showing
 
 NonEmptyText = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
@@ -61,19 +66,83 @@ EntryModel = TypeVar("EntryModel", bound=Entry)
 
 @dataclass(frozen=True)
 class Origin:
-    """The file that a catalogue object came from."""
+    """The file that a catalogue object came from; ``own`` where it was chosen from the user's own catalogue."""
 
     path: Path
     sha256: str
+    own: bool = False
 
     @property
     def file(self) -> str:
         return self.path.name
 
 
-def catalogue_files(kind: str) -> dict[str, Path]:
-    """Return ids and files of one kind (``"controllers"``, ``"fluids"``, ``"limits"``), sorted by id."""
+Loaded = TypeVar("Loaded")
+
+
+@dataclass(frozen=True)
+class Listed(Generic[Loaded]):
+    """The entries of one kind, by id, and what is wrong with each own file that cannot be used."""
+
+    entries: dict[str, Loaded]
+    faults: tuple[CatalogueError, ...]
+
+
+def shipped_files(kind: str) -> dict[str, Path]:
+    """Return ids and files of one kind (one of `KINDS`) that ship with atleak, sorted by id."""
     return {path.stem: path for path in sorted((_HERE / kind).glob("*.toml"))}
+
+
+def own_folder(kind: str = "") -> Path:
+    """Return the folder of the user's own entries of one kind, or of all; it need not be there."""
+    return home() / "catalogue" / kind
+
+
+def own_files(kind: str) -> dict[str, Path]:
+    """Return ids and files of one kind in the user's own catalogue, sorted by id: a file is named as its id."""
+    return {path.stem: path for path in sorted(own_folder(kind).glob("*.toml"))}
+
+
+def catalogue_files(kind: str) -> dict[str, Path]:
+    """Return ids and files of one kind, shipped and own, sorted by id; a shipped id stays the shipped file's."""
+    return dict(sorted((own_files(kind) | shipped_files(kind)).items()))
+
+
+def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
+    """Load every entry of a kind by id; an own file that cannot be used hinders none of the others.
+
+    Parameters
+    ----------
+    kind
+        one of `KINDS`.
+    load
+        loads an entry by its id.
+
+    Raises
+    ------
+    CatalogueError
+        for a shipped file alone.
+    """
+    shipped, own, entries = shipped_files(kind), own_files(kind), {}
+    faults = [_same_id(own[name]) for name in own if name in shipped]
+    for name in catalogue_files(kind):
+        try:
+            entries[name] = load(name)
+        except CatalogueError as fault:
+            if name in shipped:
+                raise
+            faults.append(fault)
+    return Listed(entries, tuple(faults))
+
+
+def _same_id(path: Path) -> CatalogueError:
+    """Return the fault of an own file with a shipped entry's id: no result would say which of the two it means."""
+    return CatalogueError(
+        "has the id of an entry that ships with atleak and is left aside",
+        place=Place(file=path.name, key="id"),
+        value=path.stem,
+        expected="an id of its own, and a file named as it",
+    )
 
 
 def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tuple[EntryModel, Origin]:
@@ -86,13 +155,14 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
         or a value is missing, unknown or out of range; the message names file, table, key, value and what was expected.
     """
     path = _resolve(kind, id_or_path)
+    own = path == own_files(kind).get(path.stem)
     try:
         content = path.read_bytes()
     except OSError as error:
         raise CatalogueError(
             f"cannot be read: {error.strerror}", place=Place(file=str(path)), expected="a TOML file"
         ) from error
-    origin = Origin(path, hashlib.sha256(content).hexdigest())
+    origin = Origin(path, hashlib.sha256(content).hexdigest(), own)
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep
@@ -101,13 +171,18 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
             place=Place(file=path.name),
             expected="TOML text in UTF-8",
         ) from error
-    return validated(model, data, path.name, kind=CatalogueError), origin
+    entry = validated(model, data, path.name, kind=CatalogueError)
+    if own and entry.id != path.stem:
+        problem = "a file of the own catalogue is named as its id"
+        place = Place(file=path.name, key="id")
+        raise CatalogueError(problem, place=place, value=entry.id, expected=f"{entry.id}.toml as the file's name")
+    return entry, origin
 
 
 def _resolve(kind: str, id_or_path: str | Path) -> Path:
-    shipped = catalogue_files(kind)
-    if isinstance(id_or_path, str) and id_or_path in shipped:
-        return shipped[id_or_path]
+    known = catalogue_files(kind)
+    if isinstance(id_or_path, str) and id_or_path in known:
+        return known[id_or_path]
     path = Path(id_or_path)
     try:
         if path.is_file():
@@ -117,7 +192,7 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
         folder = False
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
     problem = "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}"
-    raise unknown(problem, str(id_or_path), shipped, kind=CatalogueError, otherwise="the path of a TOML file")
+    raise unknown(problem, str(id_or_path), known, kind=CatalogueError, otherwise="the path of a TOML file")
 
 
 def catalogue_error(path: Path, table: str, key: str | None, problem: str, **more: Any) -> CatalogueError:
