@@ -12,7 +12,7 @@ from atleak.version import __version__ as __version__
 
 if TYPE_CHECKING:  # for type checkers; `_MODULES` says the same to the interpreter, and a test compares the two
     from atleak.catalogue.controller import Controller as Controller
-    from atleak.catalogue.controller import load_controller as load_controller
+    from atleak.catalogue.controller_reading import load_controller as load_controller
     from atleak.catalogue.fluid import Fluid as Fluid
     from atleak.catalogue.fluid import load_fluid as load_fluid
     from atleak.catalogue.limits import Limits as Limits
@@ -50,7 +50,7 @@ _MODULES = {
     "diagnose": "diagnosis",
     "diagnosis_record": "views.diagnosis_record",
     "find_profile": "engine.profile",
-    "load_controller": "catalogue.controller",
+    "load_controller": "catalogue.controller_reading",
     "load_fluid": "catalogue.fluid",
     "load_limits": "catalogue.limits",
     "plan_repairs": "repair",

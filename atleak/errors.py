@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
 _OTHERS_SHOWN = 9
@@ -24,7 +24,8 @@ class Place:
     """Where in the user's material something stands; any part may be unknown.
 
     ``row`` counts from 1 as a spreadsheet does, ``column`` is the column's letter or heading.
-    ``table`` and ``key`` serve for TOML files.
+    ``table`` and ``key`` serve for TOML files; ``steps`` lead to the same place through the file's tables as data, list
+    entries counted from 0: ``("components", 2, "lands", 0, "contact_length_mm")``.
     """
 
     file: str | None = None
@@ -33,6 +34,7 @@ class Place:
     column: str | None = None
     table: str | None = None
     key: str | None = None
+    steps: tuple[str | int, ...] = field(default=(), compare=False)
 
     def __str__(self) -> str:
         parts = [

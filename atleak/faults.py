@@ -12,6 +12,7 @@ from atleak.errors import AnyInputError, InputError, Place, nearest_name, one_of
 Model = TypeVar("Model", bound=BaseModel)
 
 _SHOWN = 80  # characters of a value
+_NAMED_BY = ("id", "name", "component")  # keys of a table that name it, the first that it has
 _WANTED = {
     "string_type": "text in quotes",
     "string_too_short": "text that is not empty",
@@ -56,28 +57,53 @@ def validated(
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        faults = error.errors(include_url=False)
-    faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")  # a mistyped key explains the one missing
-    first, *others = (_in_words(fault, file, data, model, kind) for fault in faults)
+        raise together(in_words(error, data, file, model, kind)) from None
+
+
+def together(faults: Sequence[AnyInputError]) -> AnyInputError:
+    """Return the first of some faults, with the others listed below it."""
+    first, *others = faults
     first.others = tuple(others)
-    raise first
+    first.args = (str(first),)
+    return first
+
+
+def in_words(
+    error: ValidationError, data: Any, file: str, model: type[BaseModel], kind: type[AnyInputError]
+) -> list[AnyInputError]:
+    """Return what pydantic found wrong, one fault each, a mistyped key before the one that it leaves missing."""
+    faults = error.errors(include_url=False)
+    faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")
+    return [_in_words(fault, file, data, model, kind) for fault in faults]
+
+
+def place_of(steps: Sequence[str | int], data: Any, file: str) -> Place:
+    """Return where in a file's tables the steps lead: to a key, or to an entry of a list under a key."""
+    rest = list(steps)
+    entry = f"[{rest.pop() + 1}]" if rest and isinstance(rest[-1], int) else ""  # type: ignore[operator]
+    key = f"{rest[-1]}{entry}" if rest else ""
+    return Place(file=file, table=_table_name(rest[:-1], data) or None, key=key or None, steps=tuple(steps))
+
+
+def place_of_table(steps: Sequence[str | int], data: Any, file: str) -> Place:
+    """Return where in a file the table stands that the steps lead to."""
+    return Place(file=file, table=_table_name(steps, data) or None, steps=tuple(steps))
 
 
 def _in_words(fault: Any, file: str, data: Any, model: type[BaseModel], kind: type[AnyInputError]) -> AnyInputError:
     location = [step for step in fault["loc"] if step != "[key]"]  # pydantic's mark of a fault in a table's own name
     value = fault["input"]
     if isinstance(value, dict) and fault["type"] == "value_error":  # keys that do not go together
-        place = Place(file=file, table=_table_name(location, data) or None)
+        place = place_of_table(location, data, file)
         return kind("the keys of this table do not go together", place=place, expected=_expected(fault))
-    entry = f"[{location.pop() + 1}]" if location and isinstance(location[-1], int) else ""
-    key = f"{location[-1]}{entry}" if location else ""
-    place = Place(file=file, table=_table_name(location[:-1], data) or None, key=key or None)
+    place = place_of(location, data, file)
     if fault["type"] == "missing":
         return kind("required key is missing", place=place)
     if fault["type"] == "extra_forbidden":
         known = _keys_at(model, location[:-1])
         shown = None if isinstance(value, dict | list) else _shortened(value)
-        return kind("unknown key", place=place, value=shown, expected=one_of(known), nearest=nearest_name(key, known))
+        nearest = nearest_name(str(location[-1]), known)
+        return kind("unknown key", place=place, value=shown, expected=one_of(known), nearest=nearest)
     return kind("value not accepted", place=place, value=_shortened(value), expected=_expected(fault))
 
 
@@ -102,7 +128,8 @@ def _table_name(location: Sequence[Any], data: Any) -> str:
         except (KeyError, IndexError, TypeError):
             data = None
         if isinstance(step, int):
-            label = data.get("id", data.get("name")) if isinstance(data, dict) else None
+            names = (data.get(key) for key in _NAMED_BY) if isinstance(data, dict) else ()
+            label = next((name for name in names if name is not None), None)
             name += f"[{step + 1}]" + (f" ({label})" if label is not None else "")
         else:
             name += f".{step}" if name else str(step)
@@ -116,11 +143,12 @@ def _keys_at(model: type[BaseModel], location: Sequence[Any]) -> list[str]:
             continue
         field = getattr(current, "model_fields", {}).get(step)
         if field is not None:  # a key of a dictionary of tables is no field: its tables are of the model found before
-            current = _model_in(field.annotation)
+            current = model_in(field.annotation)
     return [field.alias or name for name, field in getattr(current, "model_fields", {}).items()]
 
 
-def _model_in(annotation: Any) -> Any:
+def model_in(annotation: Any) -> type[BaseModel] | None:
+    """Return the model of the tables that a field holds, in a list too; None where it holds none."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    return next((model for inner in getattr(annotation, "__args__", ()) if (model := _model_in(inner))), None)
+    return next((model for inner in getattr(annotation, "__args__", ()) if (model := model_in(inner))), None)

@@ -20,7 +20,8 @@ from scipy.optimize import root
 from timing import median_time, options
 
 from atleak.catalogue.circuits import Circuit, Feed, SetPressure
-from atleak.catalogue.controller import Gap, load_controller
+from atleak.catalogue.controller import Gap
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel

@@ -21,7 +21,8 @@ from scipy.optimize import root
 from timing import median_time, options
 
 from atleak.catalogue.circuits import Circuit, Feed, SetPressure
-from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.circuits import Network

@@ -19,7 +19,8 @@ from simulated.gauges import Reader
 from simulated.pairs import Pair, random_forms
 from timing import options
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.instruments import load_instruments
 from atleak.readings import clearances
 from atleak.sheet_checks import common_shift

@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 from timing import median_time, options
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile

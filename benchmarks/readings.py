@@ -11,7 +11,7 @@ import io
 import openpyxl
 from timing import median_time, options
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.intake.readings import read_readings
 from atleak.readings import clearances
 

@@ -30,7 +30,8 @@ from PIL import Image
 from rich.progress import Progress
 from timing import options
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
 from atleak.diagnosis import Diagnosis, diagnose

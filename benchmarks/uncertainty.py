@@ -18,7 +18,7 @@ import numpy as np
 from circuits import unit
 from timing import median_time, options
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
 from atleak.engine.leakage import LeakageModel

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint, load_controller
+from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
 

@@ -33,7 +33,8 @@ from pathlib import Path
 
 import numpy as np
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import with_wear

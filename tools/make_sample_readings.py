@@ -11,7 +11,8 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-from atleak.catalogue.controller import Controller, Land, load_controller
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.controller_reading import load_controller
 from atleak.readings import Reading
 from atleak.report.measuring_sheet import write_readings
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, field_validator, model_validator
 
-from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
+from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
 
 State = Literal["idle", "stall", "driving"]
 StandingState = Literal["idle", "fast_idle", "stall", "driving"]  # fast idle: of gauge readings alone
@@ -18,6 +18,7 @@ class FeedTable(Strict):
     source: NonEmptyText = Field(alias="from")
     diameter_mm: float = Field(gt=0, lt=50)
     discharge_coefficient: float = Field(default=DISCHARGE_COEFFICIENT, gt=0, le=1)
+    evidence: StatedEvidence = None  # of its diameter
 
 
 class FollowingTable(Strict):
@@ -90,7 +91,9 @@ class CircuitTable(Strict):
     gears: list[int] | None = Field(default=None, min_length=1)
     feeds: list[FeedTable] = []
     set_kpa: SetKpa | None = None
+    set_evidence: StatedEvidence = None  # of the pressure that it is set to
     source: NonEmptyText
+    evidence: StatedEvidence = None  # of the gears in which it is applied
 
     @model_validator(mode="after")
     def _supplied(self) -> CircuitTable:
@@ -102,6 +105,7 @@ class CircuitTable(Strict):
 class LineTable(Strict):
     set_kpa: SetKpa
     source: NonEmptyText
+    evidence: StatedEvidence = None
 
 
 class LeakTable(Strict):
@@ -116,6 +120,7 @@ class LeakTable(Strict):
     at_density_g_cm3: Positive = 0.83  # of automatic transmission fluid, about; a laminar leak depends on it little
     gears: list[int] | None = Field(default=None, min_length=1)
     source: NonEmptyText
+    evidence: StatedEvidence = None
 
     @model_validator(mode="after")
     def _complete(self) -> LeakTable:
@@ -141,6 +146,7 @@ class ConsumerTable(Strict):
     flow_dm3_min: Annotated[Any, PlainValidator(_flows)]
     after_line: bool = False
     source: NonEmptyText
+    evidence: StatedEvidence = None
 
 
 class PermissiblePressureTable(Strict):
@@ -151,6 +157,7 @@ class PermissiblePressureTable(Strict):
     low_kpa: Positive | None = None
     high_kpa: Positive | None = None
     source: NonEmptyText
+    evidence: StatedEvidence = None
 
     @model_validator(mode="after")
     def _complete(self) -> PermissiblePressureTable:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from pydantic import Field
 
-from atleak.catalogue.entries import Identifier, NonEmptyText, Strict, catalogue_error
-from atleak.errors import CatalogueError, InputError, Place, unknown
+from atleak.catalogue.entries import Identifier, NonEmptyText, Strict
+from atleak.errors import InputError, unknown
 
 LandKey = tuple[str, int]
 
@@ -41,50 +40,9 @@ class Complaint:
             "id": self.id,
             "label": self.label,
             "conditions": list(self.conditions),
-            "lands": [_written(key) for key in self.lands],
+            "lands": [written_land(key) for key in self.lands],
             "source": self.source,
         }
-
-
-def complaints_of(
-    tables: Iterable[ComplaintTable], points: Sequence[str], lands: Collection[LandKey], source: str, path: Path
-) -> tuple[Complaint, ...]:
-    """Check the complaints of a controller's file against its operating points and lands.
-
-    Parameters
-    ----------
-    tables
-        as the file states them.
-    points
-        names of the controller's operating points.
-    lands
-        component and number of the controller's lands.
-    source
-        of the file, for complaints that state none of their own.
-    path
-        of the file, for messages.
-
-    Raises
-    ------
-    CatalogueError
-        an id given twice, a condition or land that the controller does not have, or one that is given twice.
-    """
-    names = {_written(key): key for key in lands}
-    made: dict[str, Complaint] = {}
-    for number, table in enumerate(tables, start=1):
-        where = f"complaints[{number}] ({table.id})"
-        if table.id in made:
-            raise catalogue_error(path, where, "id", "complaint given twice", value=table.id)
-        _each_known_once(table.conditions, points, path, where, "conditions", "operating point")
-        _each_known_once(table.lands or (), names, path, where, "lands", "land")
-        made[table.id] = Complaint(
-            id=table.id,
-            label=table.label,
-            conditions=tuple(table.conditions),
-            lands=tuple(names[name] for name in table.lands or ()),
-            source=table.source or source,
-        )
-    return tuple(made.values())
 
 
 def find_complaint(complaints: Sequence[Complaint], wanted: str | None, controller: str) -> Complaint | None:
@@ -106,15 +64,7 @@ def find_complaint(complaints: Sequence[Complaint], wanted: str | None, controll
     raise unknown(f"{controller} maps no such complaint", wanted, known)
 
 
-def _written(key: LandKey) -> str:
+def written_land(key: LandKey) -> str:
+    """Write a land as complaints name it: ``8/1``."""
     component, land = key
     return f"{component}/{land}"
-
-
-def _each_known_once(given: Sequence[str], known: Collection[str], path: Path, where: str, key: str, what: str) -> None:
-    for name in given:
-        if name not in known:
-            place = Place(file=path.name, table=where, key=key)
-            raise unknown(f"no such {what} in this controller", name, known, kind=CatalogueError, place=place)
-        if given.count(name) > 1:
-            raise catalogue_error(path, where, key, f"{what} given twice", value=name)

@@ -1,16 +1,14 @@
 """Describe a controller: pairs and lands, gaps between pressures, pump, pressure relations, operating points.
 
-A controller is described in a TOML file (see ``docs/describing-a-controller.md``); this module checks one and turns
-it into frozen objects in SI units.
+These are frozen objects in SI units; `controller_reading` makes them from a TOML file.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -21,32 +19,17 @@ from atleak.catalogue.circuits import (
     Consumer,
     Leak,
     PermissiblePressure,
-    Reading,
     SetPressure,
     StandingPressure,
-    circuit_ids,
-    permissible_in_gear,
-    read_circuits,
-    read_consumers,
-    read_leaks,
-    read_line,
-    read_standing,
 )
-from atleak.catalogue.complaints import Complaint, complaints_of, find_complaint
-from atleak.catalogue.controller_tables import (
-    ComponentTable,
-    ControllerFile,
-    LandTable,
-    NewOrigin,
-    PumpGears,
-    PumpTable,
-)
-from atleak.catalogue.entries import Origin, catalogue_error, listed, read_entry
+from atleak.catalogue.complaints import Complaint, find_complaint
+from atleak.catalogue.controller_tables import ControllerFile, NewOrigin, PartKind, Seal
+from atleak.catalogue.entries import Origin
+from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.instruments import Part
-from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
+from atleak.catalogue.repairs import Repair
+from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
-from atleak.equations import pump as pump_equations
-from atleak.errors import CatalogueError, Place, unknown
 
 HOT_IDLE = "hot_idle"
 STATED = "stated"  # name of the condition that a job states: no point of a file has it
@@ -64,7 +47,7 @@ class Land:
     component: str
     land: int
     planes: tuple[str, ...]
-    part: Literal["spool", "piston"]
+    part: PartKind
     nominal_diameter: float  # [m] of the spool or piston
     contact_length: float  # [m]
     mounting_clearance: float | tuple[float, float]
@@ -76,6 +59,8 @@ class Land:
     representative: tuple[str, ...]  # which of its values are representative
     mounting_tolerance: float | None = None
     new_origin: NewOrigin = NewOrigin.PAIR
+    position: float | None = None  # [m] of its near edge from the end of the spool that the drawing shows left
+    seal: Seal | None = None  # the ring on it, which alone it leaks past
 
     @property
     def key(self) -> tuple[str, int]:
@@ -147,11 +132,15 @@ class Gap:
     low: Pressure
     gears: frozenset[int]
     into_sump: bool  # ends in the sump, not in another section
-    published: bool
+    evidence: Evidence | None
 
     @property
     def key(self) -> tuple[str, int]:
         return self.component, self.land
+
+    @property
+    def published(self) -> bool:
+        return self.evidence is Evidence.PUBLISHED
 
 
 @dataclass(frozen=True)
@@ -217,6 +206,8 @@ class Controller:
     line_source: str = ""
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
     standing: tuple[StandingPressure, ...] = ()  # of main pressure, for gauge readings of a standing vehicle
+    repairs: tuple[Repair, ...] = ()
+    entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
 
     @property
     def sha256(self) -> str:
@@ -305,295 +296,3 @@ class Controller:
         """Tell where p_s or p_m would be above main pressure: it feeds both, so there the relation does not hold."""
         pressures = self.section_pressures(main_pressure, 0.0)
         return {section: pressures[section] > np.maximum(main_pressure, 0.0) for section in ("p_s", "p_m")}
-
-
-def load_controller(id_or_path: str | Path) -> Controller:
-    """Load a shipped controller by id or a workshop's own by path.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value.
-    """
-    entry, origin = read_entry("controllers", id_or_path, ControllerFile)
-    return _build(entry, origin)
-
-
-def controllers() -> list[Controller]:
-    """Return every controller that can be used, shipped or own."""
-    return list(listed("controllers", load_controller).entries.values())
-
-
-# --- from the file to the objects ---------------------------------------------------------------------------------
-
-
-def _build(entry: ControllerFile, origin: Origin) -> Controller:
-    twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
-    if twice:
-        raise catalogue_error(origin.path, "", "gears", "gear given twice", value=twice[0])
-    lands = tuple(_lands(entry, origin.path))
-    relations: dict[str, PressureRelation] = {
-        name: read_relation(name, table, origin.path) for name, table in entry.pressures.items()
-    }
-    reading = Reading(
-        origin.path,
-        entry.gears,
-        [point.name for point in entry.operating_points],
-        all(point.solenoid_current_ma is not None for point in entry.operating_points),
-        [*SECTIONS, *circuit_ids(entry.circuits, origin.path)],
-    )
-    gaps = tuple(_gaps(entry, lands, reading))
-    needed = {
-        pressure.section for gap in gaps for pressure in (gap.high, gap.low) if pressure.section in {"p_s", "p_m"}
-    }
-    for section in sorted(needed - set(relations)):
-        raise catalogue_error(
-            origin.path,
-            "pressures",
-            section,
-            f"a gap uses {section}, which no relation gives",
-            expected=f"a table [pressures.{section}]",
-        )
-    # a controller whose gaps use neither pressure still answers what each would be
-    for section in ("p_s", "p_m"):
-        relations.setdefault(section, PressureRelation("line", 0.0, 0.0, None))
-    points = tuple(_operating_points(entry, origin.path))
-    complaints = complaints_of(
-        entry.complaints,
-        [point.name for point in points],
-        [land.key for land in lands],
-        entry.source,
-        origin.path,
-    )
-    standing = read_standing(entry.permissible_pressure, reading)
-    controller = Controller(
-        id=entry.id,
-        name=entry.name,
-        source=entry.source,
-        date=entry.date,
-        note=entry.note,
-        representative=entry.representative,
-        gears=tuple(entry.gears),
-        components=MappingProxyType({component.id: component.name for component in entry.components}),
-        lands=lands,
-        gaps=gaps,
-        relations=MappingProxyType(relations),
-        pump=_pump(entry.pump),
-        operating_points=points,
-        complaints=complaints,
-        origin=origin,
-        circuits=read_circuits(entry.circuits, reading),
-        leaks=read_leaks(entry.leaks, reading),
-        consumers=read_consumers(entry.consumers, reading),
-        line=None if entry.line is None else read_line(entry.line, reading),
-        line_source="" if entry.line is None else entry.line.source,
-        permissible=permissible_in_gear(standing),
-        standing=standing,
-    )
-    for point in (replace(point, gear=gear) for point in points for gear in entry.gears):
-        if not controller.with_line(point).main_pressure > 0.0:
-            problem, expected = (
-                f"the line is set to no pressure in gear {point.gear}",
-                f"more than 0 kPa at {point.name}",
-            )
-            raise catalogue_error(origin.path, "line", "set_kpa", problem, value="0 kPa", expected=expected)
-    return replace(controller, operating_points=tuple(controller.with_line(point) for point in points))
-
-
-def _lands(entry: ControllerFile, path: Path) -> list[Land]:
-    lands: list[Land] = []
-    seen: set[tuple[str, int]] = set()
-    components: set[str] = set()
-    for component in entry.components:
-        if component.id in components:
-            raise catalogue_error(path, "components", "id", "component given twice", value=component.id)
-        components.add(component.id)
-        planes: set[str] = set()
-        for table in component.lands:
-            where = f"components ({component.id}).lands"
-            if (component.id, table.land) in seen:
-                raise catalogue_error(path, where, "land", "land given twice", value=table.land)
-            seen.add((component.id, table.land))
-            land = _land(entry, component, table, where, path)
-            for plane in land.planes:
-                if plane in planes:
-                    raise catalogue_error(path, where, "planes", "plane given to two lands", value=plane)
-                planes.add(plane)
-            lands.append(land)
-    if not lands:
-        raise catalogue_error(path, "components", "lands", "no component has a land", expected="at least one land")
-    return lands
-
-
-def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, where: str, path: Path) -> Land:
-    length = table.contact_length_mm or entry.defaults.contact_length_mm
-    if length is None:
-        raise catalogue_error(
-            path,
-            where,
-            "contact_length_mm",
-            f"land {table.land} has no contact length",
-            expected="contact_length_mm here or in [defaults]",
-        )
-    materials: list[tuple[str, float]] = []
-    for key in ("body", "spool"):
-        name = getattr(table, key) or getattr(entry.defaults, key)
-        if name is None or name not in entry.materials:
-            problem = f"land {table.land}: " + ("no material" if name is None else "unknown material")
-            place = Place(file=path.name, table=where, key=key)
-            raise unknown(problem, name, entry.materials, kind=CatalogueError, place=place)
-        materials.append((name, entry.materials[name].expansion_per_k))
-    new = _mounting(entry, table, where, path)
-    return Land(
-        component=component.id,
-        land=table.land,
-        planes=tuple(table.planes or [str(table.land)]),
-        part=component.part,
-        nominal_diameter=table.nominal_diameter_mm * 1e-3,
-        contact_length=length * 1e-3,
-        mounting_clearance=new.clearance,
-        body_material=materials[0][0],
-        spool_material=materials[1][0],
-        body_expansion=materials[0][1],
-        spool_expansion=materials[1][1],
-        clearance_limit=None if table.clearance_limit_um is None else table.clearance_limit_um * 1e-6,
-        representative=tuple(name for name in entry.representative_values if name not in table.published),
-        mounting_tolerance=new.tolerance,
-        new_origin=new.origin,
-    )
-
-
-class _Mounting(NamedTuple):
-    clearance: float | tuple[float, float]
-    tolerance: float | None
-    origin: NewOrigin
-
-
-def _mounting(entry: ControllerFile, table: LandTable, where: str, path: Path) -> _Mounting:
-    """Return what a land had when it was new, from its own table or else from [defaults]."""
-    defaults, given = entry.defaults, table.mounting_clearance_um
-    given = defaults.mounting_clearance_um if given is None else given
-    if given is None:
-        raise catalogue_error(
-            path,
-            where,
-            "mounting_clearance_um",
-            f"land {table.land} has no mounting clearance",
-            expected="mounting_clearance_um here or in [defaults]: a number, or a range such as [6.4, 20.0]",
-        )
-    tolerance = table.mounting_tolerance_um
-    used = table.mounting_clearance_of_used_unit
-    used = defaults.mounting_clearance_of_used_unit if used is None else used
-    if isinstance(given, list):
-        if tolerance is not None:
-            problem = f"land {table.land} has a tolerance beside a range of mounting clearances"
-            expected = "a tolerance beside a single value, or a range without one"
-            raise catalogue_error(path, where, "mounting_tolerance_um", problem, value=tolerance, expected=expected)
-        return _Mounting((given[0] * 1e-6, given[1] * 1e-6), None, NewOrigin.USED_UNIT if used else NewOrigin.RANGE)
-    tolerance = defaults.mounting_tolerance_um if tolerance is None else tolerance
-    if tolerance is not None and tolerance >= given:
-        problem = f"land {table.land} has a tolerance that its mounting clearance of {given:g} µm does not exceed"
-        expected = "a tolerance that leaves every new pair open, or a range of mounting clearances"
-        raise catalogue_error(path, where, "mounting_tolerance_um", problem, value=tolerance, expected=expected)
-    origin = NewOrigin.PAIR if tolerance is None else NewOrigin.TYPE
-    return _Mounting(
-        given * 1e-6, None if tolerance is None else tolerance * 1e-6, NewOrigin.USED_UNIT if used else origin
-    )
-
-
-def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> list[Gap]:
-    path = reading.path
-    if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
-        every_gear = frozenset(entry.gears)
-        drain = Pressure(0.0, None)
-        return [
-            Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, False)
-            for land in lands
-        ]
-    known = {land.key for land in lands}
-    gaps: list[Gap] = []
-    for number, table in enumerate(entry.gaps, start=1):
-        where = f"gaps[{number}] ({table.component})"
-        if (table.component, table.land) not in known:
-            mine = [str(land.land) for land in lands if land.component == table.component]
-            expected = f"lands {', '.join(mine)}" if mine else "the id of a component with lands"
-            raise catalogue_error(
-                path,
-                where,
-                "land" if mine else "component",
-                "no such land in this controller",
-                value=table.land if mine else table.component,
-                expected=expected,
-            )
-        gears = reading.gears_of(table.gears, where)
-        high, low = reading.ends(table.high, table.low, where, "gap")
-        section = high.section or ""  # never empty: see `Reading.ends`
-        if table.section is not None and section != table.section:
-            problem, expected = "not the section that the gap leaks from", f"the one named in from = {table.high!r}"
-            raise catalogue_error(path, where, "section", problem, value=table.section, expected=expected)
-        gap = Gap(
-            component=table.component,
-            land=table.land,
-            section=section,
-            high=high,
-            low=low,
-            gears=gears,
-            into_sump=(table.ends_in == "sump") if table.ends_in else not low.is_section,
-            published=table.published,
-        )
-        for other in gaps:
-            both = gap.gears & other.gears
-            if both and (gap.key, gap.high, gap.low) == (other.key, other.high, other.low):
-                raise catalogue_error(path, where, "gears", "the same gap was given before", value=min(both))
-        gaps.append(gap)
-    return gaps
-
-
-def _pump(table: PumpTable) -> Pump:
-    size = table.size
-    displacement = (
-        pump_equations.displacement(
-            size.module_mm * 1e-3, size.teeth, size.width_mm * 1e-3, size.tooth_height_mm * 1e-3
-        )
-        if isinstance(size, PumpGears)
-        else size * 1e-9
-    )
-    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
-
-
-def _operating_points(entry: ControllerFile, path: Path) -> list[OperatingPoint]:
-    points: list[OperatingPoint] = []
-    for number, table in enumerate(entry.operating_points, start=1):
-        if table.gear not in entry.gears:
-            raise catalogue_error(
-                path,
-                f"operating_points[{number}] ({table.name})",
-                "gear",
-                "unknown gear",
-                value=table.gear,
-                expected=f"one of {entry.gears}",
-            )
-        if table.name == STATED:
-            problem = "name of the condition that a job states, which no controller may give to a point of its own"
-            raise catalogue_error(
-                path, f"operating_points[{number}]", "name", problem, value=table.name, expected="another name"
-            )
-        if any(table.name == point.name for point in points):
-            raise catalogue_error(
-                path, f"operating_points[{number}]", "name", "operating point given twice", value=table.name
-            )
-        points.append(
-            OperatingPoint(
-                name=table.name,
-                label=table.label,
-                temperature=table.temperature_c,
-                engine_speed=table.engine_rpm / 60.0,
-                gear=table.gear,
-                main_pressure=table.p_g_kpa * 1e3,
-                converter_pressure=table.p_k_kpa * 1e3,
-                source=table.source,
-                stated_state=table.state,
-                solenoid_current=None if table.solenoid_current_ma is None else table.solenoid_current_ma * 1e-3,
-            )
-        )
-    return points

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import Field, PlainValidator, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from atleak.catalogue.circuit_tables import (
     CircuitTable,
@@ -17,27 +17,25 @@ from atleak.catalogue.circuit_tables import (
     State,
 )
 from atleak.catalogue.complaints import ComplaintTable
-from atleak.catalogue.entries import Entry, Finite, Identifier, NonEmptyText, NonNegative, Positive, Strict
+from atleak.catalogue.entries import (
+    Entry,
+    Finite,
+    Identifier,
+    NonEmptyText,
+    NonNegative,
+    Positive,
+    StatedEvidence,
+    Strict,
+)
+from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.mounting import MountingClearance
+from atleak.catalogue.repairs import RepairTable
 
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
 LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
-
-
-def _mounting_clearance(value: object) -> float | list[float]:
-    """Check a mounting clearance [µm]: a number, or the two ends of the range in which new pairs lie."""
-    ends: list[float] = []
-    for end in value if isinstance(value, list) and len(value) == 2 else [value]:
-        if isinstance(end, bool) or not isinstance(end, int | float) or not 1.0 <= end < 500.0:
-            raise ValueError("µm, a number from 1 to below 500, or a range of two such as [6.4, 20.0]")
-        ends.append(float(end))
-    if len(ends) == 1:
-        return ends[0]
-    if not ends[0] < ends[1]:
-        raise ValueError("a range with its lower end first, such as [6.4, 20.0]")
-    return ends
-
-
-MountingClearance = Annotated[float | list[float], PlainValidator(_mounting_clearance)]
+PartKind = Literal["spool", "piston", "end_plug"]
+Seal = Literal["o_ring", "teflon_ring"]  # a ring on the land: it leaks past its ring alone
+Bore = Literal["plain", "sleeved"]
 
 
 class NewOrigin(StrEnum):
@@ -65,6 +63,7 @@ _NEW_ORIGINS = {
 class MaterialTable(Strict):
     expansion_per_k: float = Field(gt=0, lt=1e-3)
     source: NonEmptyText
+    evidence: StatedEvidence = None
 
 
 class LandTable(Strict):
@@ -72,19 +71,30 @@ class LandTable(Strict):
     planes: list[NonEmptyText] | None = None
     nominal_diameter_mm: float = Field(gt=0.5, lt=200)
     contact_length_mm: ContactLength | None = None
+    position_mm: NonNegative | None = None  # of its near edge from the spool's end on the left of the drawing
     mounting_clearance_um: MountingClearance | None = None
     mounting_tolerance_um: Positive | None = None
     mounting_clearance_of_used_unit: bool | None = None
+    learned_from_units: int | None = Field(default=None, ge=1)
+    seal: Seal | None = None
     clearance_limit_um: Positive | None = None
     body: NonEmptyText | None = None
     spool: NonEmptyText | None = None
     published: list[LandValue] = []
+    measured: list[LandValue] = []
+
+    @model_validator(mode="after")
+    def _known_once(self) -> LandTable:
+        if both := [name for name in self.measured if name in self.published]:
+            raise ValueError(f"{both[0]} either published or measured, not both")
+        return self
 
 
 class ComponentTable(Strict):
     id: NonEmptyText
     name: NonEmptyText
-    part: Literal["spool", "piston"] = "spool"
+    part: PartKind = "spool"
+    bore: Bore = "plain"
     lands: list[LandTable] = []
 
 
@@ -97,6 +107,12 @@ class GapTable(Strict):
     gears: list[int] = Field(min_length=1)
     ends_in: Literal["sump", "section"] | None = None
     published: bool = False
+    evidence: StatedEvidence = None
+
+    @property
+    def known_from(self) -> Evidence | None:
+        """Return what it is known from; ``published = true`` says so too."""
+        return self.evidence or (Evidence.PUBLISHED if self.published else None)
 
 
 @dataclass(frozen=True)
@@ -119,8 +135,9 @@ class PumpTable(Strict):
     slip_coefficient: Positive | None = None
     source: NonEmptyText
     representative: list[str] = []
+    measured: list[str] = []
 
-    @field_validator("representative")
+    @field_validator("representative", "measured")
     @classmethod
     def _known(cls, names: list[str]) -> list[str]:
         for name in names:
@@ -177,6 +194,7 @@ class RelationTable(Strict):
     relation: Literal["spool_balance", "line"]
     limit_kpa: Positive | None = None
     source: NonEmptyText
+    evidence: StatedEvidence = None
     ratio: NonNegative | None = None
     offset_kpa: Finite = 0.0
     diameter_1_mm: Positive | None = None
@@ -223,6 +241,7 @@ class OperatingPointTable(Strict):
     state: State | None = None
     solenoid_current_ma: float | None = Field(default=None, ge=0, le=10_000)
     source: NonEmptyText
+    evidence: StatedEvidence = None
 
 
 class DefaultsTable(Strict):
@@ -258,3 +277,12 @@ class ControllerFile(Entry):
     line: LineTable | None = None
     permissible_pressure: list[PermissiblePressureTable] = []
     complaints: list[ComplaintTable] = []
+    repairs: list[RepairTable] = []
+
+    def known_from(self, land: LandTable, value: LandValue) -> Evidence | None:
+        """Return what a value of a land is known from: as the land says, or else the file for all lands."""
+        if value in land.measured:
+            return Evidence.MEASURED
+        if value in land.published:
+            return Evidence.PUBLISHED
+        return Evidence.REPRESENTATIVE if value in self.representative_values else None

@@ -17,6 +17,7 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
+from atleak.catalogue.evidence import Evidence
 from atleak.errors import CatalogueError, Place, unknown
 from atleak.faults import validated
 from atleak.system.home import home
@@ -31,6 +32,19 @@ Identifier = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_]*$")]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _evidence(value: Any) -> Evidence | None:
+    """Read what a value is known from."""
+    if value is None or isinstance(value, Evidence):
+        return value
+    try:
+        return Evidence(value)
+    except ValueError:
+        raise ValueError(f"one of {', '.join(Evidence)}") from None
+
+
+StatedEvidence = Annotated[Evidence | None, BeforeValidator(_evidence)]
 
 
 def _day(value: Any) -> str:
@@ -154,6 +168,19 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
         if there is no such entry (the message gives the nearest id), the file cannot be read, its TOML syntax is wrong
         or a value is missing, unknown or out of range; the message names file, table, key, value and what was expected.
     """
+    data, origin = read_tables(kind, id_or_path)
+    return validated(model, data, origin.file, kind=CatalogueError), origin
+
+
+def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Origin]:
+    """Read the tables of a catalogue entry by id, or of a user's file by path, as its TOML holds them.
+
+    Raises
+    ------
+    CatalogueError
+        if there is no such entry (the message gives the nearest id), the file cannot be read, its TOML syntax is wrong,
+        or it lies in the user's own catalogue under another name than its id.
+    """
     path = _resolve(kind, id_or_path)
     own = path == own_files(kind).get(path.stem)
     try:
@@ -162,7 +189,6 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
         raise CatalogueError(
             f"cannot be read: {error.strerror}", place=Place(file=str(path)), expected="a TOML file"
         ) from error
-    origin = Origin(path, hashlib.sha256(content).hexdigest(), own)
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep
@@ -171,12 +197,11 @@ def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tu
             place=Place(file=path.name),
             expected="TOML text in UTF-8",
         ) from error
-    entry = validated(model, data, path.name, kind=CatalogueError)
-    if own and entry.id != path.stem:
+    if own and data.get("id", path.stem) != path.stem:
         problem = "a file of the own catalogue is named as its id"
-        place = Place(file=path.name, key="id")
-        raise CatalogueError(problem, place=place, value=entry.id, expected=f"{entry.id}.toml as the file's name")
-    return entry, origin
+        expected = f"{path.stem}, or another name of the file"
+        raise CatalogueError(problem, place=Place(file=path.name, key="id"), value=data["id"], expected=expected)
+    return data, Origin(path, hashlib.sha256(content).hexdigest(), own)
 
 
 def _resolve(kind: str, id_or_path: str | Path) -> Path:

@@ -5,13 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 from atleak.catalogue.controller_tables import RelationTable
-from atleak.catalogue.entries import catalogue_error
 from atleak.equations import pressure as pressure_equations
-from atleak.errors import DomainError
 
 SECTIONS = ("p_g", "p_s", "p_m", "p_k")
 DRAINS = ("0", "drain")
@@ -87,21 +84,14 @@ class PressureRelation:
         return (0.0, self.limit) if min(ends) >= self.limit else None
 
 
-def read_relation(name: str, table: RelationTable, path: Path) -> PressureRelation:
-    """Return the relation of the section of that name from its table.
+def read_relation(table: RelationTable) -> PressureRelation:
+    """Return the relation of a section from its table.
 
     Raises
     ------
-    CatalogueError
+    DomainError
         diameters or lengths that cannot be those of one valve.
     """
-    try:
-        return _pressure_relation(table)
-    except DomainError as error:  # diameters or lengths that cannot be those of one valve
-        raise catalogue_error(path, f"pressures.{name}", None, str(error)) from None
-
-
-def _pressure_relation(table: RelationTable) -> PressureRelation:
     limit = None if table.limit_kpa is None else table.limit_kpa * 1e3
     if table.relation == "line":
         return PressureRelation("line", float(table.ratio or 0.0), table.offset_kpa * 1e3, limit)

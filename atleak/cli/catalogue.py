@@ -44,7 +44,7 @@ def _path(options: argparse.Namespace) -> int:
 
 
 def _controllers(options: argparse.Namespace) -> int:
-    from atleak.catalogue.controller import load_controller
+    from atleak.catalogue.controller_reading import load_controller
     from atleak.catalogue.entries import listed
 
     known = listed("controllers", load_controller)

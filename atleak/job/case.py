@@ -15,7 +15,8 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any, Protocol, Self, TypedDict, TypeVar
 
-from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import own_files, shipped_files
 from atleak.catalogue.fluid import FluidState, load_fluid
 from atleak.catalogue.instruments import (

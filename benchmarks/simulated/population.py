@@ -14,7 +14,8 @@ from functools import cache
 
 import numpy as np
 
-from atleak.catalogue.controller import Controller, Land, NewOrigin, load_controller
+from atleak.catalogue.controller import Controller, Land, NewOrigin
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.instruments import Instruments, load_instrument
 from atleak.catalogue.limits import Limits, load_limits

@@ -8,7 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.instruments import Instrument, Instruments, load_instrument
 from atleak.catalogue.limits import LimitOrigin, Limits, Steps, load_limits

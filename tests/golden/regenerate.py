@@ -10,7 +10,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
 from atleak.diagnosis import diagnose

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, FluidState, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.diagnosis import Diagnosis, diagnose

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import CatalogueError, Place
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, gear_in, ranges_of
 

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.catalogue.controller import Controller, NewOrigin, controllers, load_controller
+from atleak.catalogue.controller import Controller, NewOrigin
+from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.catalogue.fluid import Fluid, fluids, load_fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose

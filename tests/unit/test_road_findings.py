@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.catalogue.controller import Controller, controllers
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import controllers
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.intake.road_test import read_road_test

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import Limits

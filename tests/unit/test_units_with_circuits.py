@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import Controller, Land, OperatingPoint, controllers, load_controller
+from atleak.catalogue.controller import Controller, Land, OperatingPoint
+from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.catalogue.fluid import Fluid, fluids
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import diagnose

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import CatalogueError, InputError
 
 Edited = Callable[..., Path]

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import Controller, controllers, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.errors import CatalogueError, InputError
 from atleak.views.catalogue_rows import controller_tables
 

@@ -14,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel
 
-from atleak.catalogue.controller import Controller, OperatingPoint, load_controller
+from atleak.catalogue.controller import Controller, OperatingPoint
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.fluid import FluidFile, load_fluid
 from atleak.catalogue.limits import LimitsFile, load_limits
@@ -242,22 +243,34 @@ def test_rings_of_main_pressure_can_be_given_apart(four_speed: Controller, edite
 @pytest.mark.parametrize(
     ("old", "new", "table", "key", "words"),
     [
-        ('spool = "steel"', 'spool = "steal"', "components (accumulator).lands", "spool", ("steal", "'steel'")),
-        ('body = "aluminium"\n', "", "components (pressure_regulator).lands", "body", ("no material",)),
+        ('spool = "steel"', 'spool = "steal"', "components[4] (accumulator).lands[1]", "spool", ("steal", "'steel'")),
+        ('body = "aluminium"\n', "", "components[1] (pressure_regulator).lands[1]", "body", ("no material",)),
         (
             "contact_length_mm = 5.0\n",
             "",
-            "components (pressure_regulator).lands",
+            "components[1] (pressure_regulator).lands[1]",
             "contact_length_mm",
             ("[defaults]",),
         ),
-        ("land = 2, nom", "land = 1, nom", "components (pressure_regulator).lands", "land", ("twice", "1")),
-        ('"tcc_regulator"', '"accumulator"', "components", "id", ("twice", "'accumulator'")),
-        ("land = 2, nom", 'land = 2, planes = ["1"], nom', "components (pressure_regulator).lands", "planes", ("'1'",)),
+        ("land = 2, nom", "land = 1, nom", "components[1] (pressure_regulator).lands[2]", "land", ("twice", "1")),
+        ('"tcc_regulator"', '"accumulator"', "components[4] (accumulator)", "id", ("twice", "'accumulator'")),
+        (
+            "land = 2, nom",
+            'land = 2, planes = ["1"], nom',
+            "components[1] (pressure_regulator).lands[2]",
+            "planes",
+            ("'1'",),
+        ),
         ("[1, 2, 3, 4, 5, 6]", "[1, 2, 2]", None, "gears", ("twice", "2")),
         ("gear = 2", "gear = 7", "operating_points[1] (driving_second)", "gear", ("7", "[1, 2, 3, 4, 5, 6]")),
-        ('name = "hot_idle"', 'name = "driving_second"', "operating_points[2]", "name", ("twice",)),
-        ('name = "hot_idle"', 'name = "stated"', "operating_points[2]", "name", ("a job states", "another name")),
+        ('name = "hot_idle"', 'name = "driving_second"', "operating_points[2] (driving_second)", "name", ("twice",)),
+        (
+            'name = "hot_idle"',
+            'name = "stated"',
+            "operating_points[2] (stated)",
+            "name",
+            ("a job states", "another name"),
+        ),
         ("mounting_clearance_um = 18.0", "mounting_clearance_um = 0.018", None, "mounting_clearance_um", ("0.018",)),
         ("displacement_mm3 = 18000.0\n", "", "pump", None, ("displacement_mm3", "tooth_height_mm")),
         ("displacement_mm3 = 18000.0", "displacement_mm3 = 1.0\nteeth = 3", "pump", None, ("not both",)),

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller import controllers, load_controller
+from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.catalogue.entries import Entry, catalogue_files, read_entry
 from atleak.catalogue.fluid import fluids, load_fluid
 from atleak.catalogue.instruments import load_instrument

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.catalogue.controller import controllers
+from atleak.catalogue.controller_reading import controllers
 from atleak.catalogue.fluid import Fluid, ViscosityModel, fluids, load_fluid
 from atleak.engine.profile import PROFILES, Profile
 from atleak.errors import CatalogueError, DomainError, InputError

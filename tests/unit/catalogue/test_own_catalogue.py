@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import controllers, load_controller
+from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.catalogue.entries import KINDS, catalogue_files, listed, own_folder, shipped_files
 from atleak.catalogue.fluid import load_fluid
 from atleak.errors import CatalogueError
@@ -59,7 +59,7 @@ def test_a_broken_own_file_is_named_and_the_others_work(put: Put) -> None:
     assert set(found.entries) == {*shipped_files("controllers"), "my_box"}
     named, torn = sorted(found.faults, key=lambda fault: fault.place.file or "")
     assert (named.place.file, named.place.key, named.value) == ("nameless.toml", "id", "other")
-    assert "other.toml" in str(named)
+    assert str(named).endswith("expected nameless, or another name of the file")
     assert torn.place.file == "torn.toml"
     assert "is not valid TOML" in torn.problem
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import NewOrigin, load_controller
+from atleak.catalogue.controller import NewOrigin
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import CatalogueError
 
 Edited = Callable[..., Path]

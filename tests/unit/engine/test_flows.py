@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits

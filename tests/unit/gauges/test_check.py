@@ -10,7 +10,8 @@ from types import MappingProxyType
 import pytest
 
 from atleak.catalogue.circuits import Circuit, Feed, SetPressure
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose

@@ -13,7 +13,8 @@ import pandas as pd
 import pypdfium2
 import pytest
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, diagnose

@@ -8,7 +8,7 @@ import openpyxl
 import pytest
 from openpyxl.cell import MergedCell
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of

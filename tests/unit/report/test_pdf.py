@@ -18,7 +18,7 @@ import pytest
 from PIL import Image
 
 import atleak.wording
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.diagnosis import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP

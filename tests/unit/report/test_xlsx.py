@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from python_calamine import CalamineWorkbook
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.diagnosis import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.errors import InputError

@@ -11,7 +11,8 @@ import openpyxl
 import pandas as pd
 import pytest
 
-from atleak.catalogue.controller import Controller, NewOrigin, load_controller
+from atleak.catalogue.controller import Controller, NewOrigin
+from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.limits import Limits, Steps, load_limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import WORKSHOP

@@ -10,7 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 
 DRAWS = 500
 

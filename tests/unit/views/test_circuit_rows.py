@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from atleak.catalogue.circuits import Following, SetPressure
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.views.catalogue_rows import controller_tables
 from atleak.views.circuit_rows import circuit_tables, set_pressure_words
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.catalogue.controller import controllers
+from atleak.catalogue.controller_reading import controllers
 from atleak.catalogue.fluid import fluids
 from atleak.catalogue.limits import limit_sets
 from atleak.diagnosis import Diagnosis

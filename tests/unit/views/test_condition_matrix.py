@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.controller import Controller, controllers, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import controllers, load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, diagnose

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.look import LOOKS
 from atleak.views.drawing import controller_svg, shortened, spool_svg
 

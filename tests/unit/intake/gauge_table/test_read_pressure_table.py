@@ -15,7 +15,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import InputError, PressureTableError
 from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.readings import read_readings

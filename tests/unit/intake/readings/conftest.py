@@ -10,7 +10,8 @@ from typing import Any
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller import Controller, load_controller
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.intake.readings import ReadingsRefused, read_readings
 
 CONTROLLER = """

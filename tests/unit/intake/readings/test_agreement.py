@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.report.measuring_sheet import write_template

@@ -8,7 +8,7 @@ import io
 import openpyxl
 import pytest
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.report.measuring_sheet import SHEET, write_readings, write_template

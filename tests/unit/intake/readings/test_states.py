@@ -6,7 +6,7 @@ import datetime
 
 import pytest
 
-from atleak.catalogue.controller import load_controller
+from atleak.catalogue.controller_reading import load_controller
 from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 

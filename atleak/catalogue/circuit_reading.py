@@ -1,0 +1,191 @@
+"""Read the circuits, leaks, consumers, line and permissible pressures of a controller's file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from atleak.catalogue.circuit_tables import (
+    CircuitTable,
+    ConsumerTable,
+    LeakTable,
+    LineTable,
+    PermissiblePressureTable,
+)
+from atleak.catalogue.circuits import (
+    Circuit,
+    Consumer,
+    Feed,
+    Leak,
+    PermissiblePressure,
+    SetPressure,
+    StandingPressure,
+)
+from atleak.catalogue.reading import Reading, Steps
+from atleak.catalogue.section_pressures import DRAINS, SECTIONS
+
+
+def read_circuits(tables: Sequence[CircuitTable], reading: Reading) -> tuple[Circuit, ...]:
+    """Return the circuits of a file.
+
+    What is wrong is gathered: an id given twice or that means something else, an unknown section, gear or operating
+    point, circuits that follow or feed themselves.
+    """
+    circuits: list[Circuit] = []
+    for number, table in enumerate(tables):
+        where = ("circuits", number)
+        with reading.gathering():
+            if table.id in {*SECTIONS, *DRAINS} or table.id.isdigit():
+                problem = "an id that already names something else"
+                raise reading.fault((*where, "id"), problem, value=table.id, expected="another id")
+            if any(table.id == before.id for before in tables[:number]):
+                raise reading.fault((*where, "id"), "circuit given twice", value=table.id)
+            circuits.append(_circuit(table, reading, where))
+    _refuse_circles(circuits, tables, reading)
+    return tuple(circuits)
+
+
+def _circuit(table: CircuitTable, reading: Reading, where: Steps) -> Circuit:
+    gears = reading.gears_of(table.gears, (*where, "gears"))
+    feeds = []
+    for number, feed in enumerate(table.feeds):
+        at = (*where, "feeds", number, "from")
+        if feed.source == table.id:
+            raise reading.fault(at, "a circuit that feeds itself", value=table.id, expected="another section")
+        feeds.append(Feed(reading.section(feed.source, at), feed.diameter_mm * 1e-3, feed.discharge_coefficient))
+    set_pressure = reading.set_pressure(table.set_kpa, (*where, "set_kpa"), gears)
+    return Circuit(table.id, table.name, gears, tuple(feeds), set_pressure, table.source)
+
+
+def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable], reading: Reading) -> None:
+    """Refuse set pressures that follow one another in a circle, and circuits that feed one another in one."""
+    follows = {
+        circuit.id: {circuit.set_pressure.following.section}
+        for circuit in circuits
+        if circuit.set_pressure is not None and circuit.set_pressure.following is not None
+    }
+    fed = {circuit.id: {feed.source for feed in circuit.feeds} for circuit in circuits}
+    for key, leads, problem in (
+        ("set_kpa", follows, "a set pressure that follows itself"),
+        ("feeds", fed, "circuits that feed one another in a circle"),
+    ):
+        for number, table in enumerate(tables):
+            before: set[str] = set()
+            next_ones = leads.get(table.id, set())
+            while next_ones:
+                before |= next_ones
+                next_ones = {other for one in next_ones for other in leads.get(one, ())} - before
+            if table.id in before:
+                value = ", ".join(sorted(leads[table.id]))
+                at = ("circuits", number, key)
+                reading.faults.append(reading.fault(at, problem, value=value, expected="another circuit"))
+                break  # the others of the circle would say the same
+
+
+def read_line(table: LineTable, reading: Reading) -> SetPressure | None:
+    """Return the set pressure of the line, which may follow a circuit but no section that the line supplies."""
+    at = ("line", "set_kpa")
+    with reading.gathering():
+        stated = reading.set_pressure(table.set_kpa, at, reading.gears)
+        if stated is not None and stated.following is not None and stated.following.section in SECTIONS:
+            problem = "the line's set pressure follows a section that it supplies"
+            value = stated.following.section
+            raise reading.fault(at, problem, value=value, expected="the id of a circuit")
+        return stated
+    return None
+
+
+def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...]:
+    """Return the leaks beside the lands.
+
+    What is wrong is gathered: an unknown section or gear, an id given twice, a leak that could leak nothing.
+    """
+    leaks: list[Leak] = []
+    for number, table in enumerate(tables):
+        where = ("leaks", number)
+        with reading.gathering():
+            _refuse_second(table.id, tables[:number], reading, where, "leak")
+            leaks.append(_leak(table, reading, where))
+    return tuple(leaks)
+
+
+def _leak(table: LeakTable, reading: Reading, where: Steps) -> Leak:
+    density = table.at_density_g_cm3 * 1e3
+    high, low = reading.ends(table.high, table.low, where, "leak")
+    viscosity = None if table.at_viscosity_mm2_s is None else table.at_viscosity_mm2_s * 1e-6 * density
+    return Leak(
+        id=table.id,
+        name=table.name or table.id.replace("_", " "),
+        high=high,
+        low=low,
+        law=table.law,
+        flow=table.flow_dm3_min / 60e3,
+        pressure_drop=table.at_kpa * 1e3,
+        viscosity=viscosity if table.law == "laminar" else None,
+        density=density,
+        gears=reading.gears_of(table.gears, (*where, "gears")),
+        into_sump=not low.is_section,
+        source=table.source,
+    )
+
+
+def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[Consumer, ...]:
+    """Return the consumers.
+
+    What is wrong is gathered: an operating point that is unknown or not stated, or an id given twice.
+    """
+    consumers: list[Consumer] = []
+    for number, table in enumerate(tables):
+        where, stated = ("consumers", number), table.flow_dm3_min
+        with reading.gathering():
+            _refuse_second(table.id, tables[:number], reading, where, "consumer")
+            flow = (
+                reading.by_point(stated, (*where, "flow_dm3_min"), 1.0 / 60e3)
+                if isinstance(stated, dict)
+                else stated / 60e3
+            )
+            name = table.name or table.id.replace("_", " ")
+            consumers.append(Consumer(table.id, name, flow, table.after_line, table.source))
+    return tuple(consumers)
+
+
+def _refuse_second(name: str, before: Iterable[Any], reading: Reading, where: Steps, what: str) -> None:
+    if any(name == each.id for each in before):
+        raise reading.fault((*where, "id"), f"{what} given twice", value=name)
+
+
+def read_standing(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[StandingPressure, ...]:
+    """Return between which pressures main pressure must lie, for gauge readings of a standing vehicle.
+
+    What is wrong is gathered: an unknown gear, or a gear or range given twice in one state.
+    """
+    standing: list[StandingPressure] = []
+    for number, table in enumerate(tables):
+        where = ("permissible_pressure", number)
+        with reading.gathering():
+            stated = (table.gears or []) if table.gear is None else [table.gear]
+            key = "gears" if table.gear is None else "gear"
+            gears = reading.gears_of(stated, (*where, key))
+            ranges = frozenset(table.ranges or ())
+            for other in standing:
+                if other.state == table.state:
+                    _refuse_twice("gear", key, gears & other.gears, table.state, where, reading)
+                    _refuse_twice("range", "ranges", ranges & other.ranges, table.state, where, reading)
+            low, high = (None if kpa is None else kpa * 1e3 for kpa in (table.low_kpa, table.high_kpa))
+            standing.append(StandingPressure(gears, ranges, table.state, low, high, table.source))
+    return tuple(standing)
+
+
+def permissible_in_gear(standing: Iterable[StandingPressure]) -> tuple[PermissiblePressure, ...]:
+    """Return those of them that hold in gears, at operating points and over logs."""
+    return tuple(
+        PermissiblePressure(each.gears, each.state, each.low, each.high, each.source)
+        for each in standing
+        if each.gears and each.state != "fast_idle"
+    )
+
+
+def _refuse_twice(what: str, key: str, both: Iterable[int | str], state: str, where: Steps, reading: Reading) -> None:
+    """Refuse a gear or range whose permissible pressures another table states for the same state."""
+    for value in sorted(both, key=str):
+        raise reading.fault((*where, key), f"{what} given twice for the state {state}", value=value)

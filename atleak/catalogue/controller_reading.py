@@ -1,0 +1,417 @@
+"""Read a controller from its file, or from tables that came another way, and name everything that is wrong with it.
+
+The TOML file is described in ``docs/describing-a-controller.md``. What is wrong is gathered: faults of single values
+and faults of meaning, of keys that do not fit each other, in one list, each with the place that it concerns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from atleak.catalogue.circuit_reading import (
+    permissible_in_gear,
+    read_circuits,
+    read_consumers,
+    read_leaks,
+    read_line,
+    read_standing,
+)
+from atleak.catalogue.complaints import Complaint, ComplaintTable, LandKey, written_land
+from atleak.catalogue.controller import STATED, Controller, Gap, Land, OperatingPoint, Pump
+from atleak.catalogue.controller_tables import (
+    ComponentTable,
+    ControllerFile,
+    GapTable,
+    LandTable,
+    NewOrigin,
+    PumpGears,
+    PumpTable,
+)
+from atleak.catalogue.entries import Origin, listed, read_tables
+from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.reading import Reading, Steps
+from atleak.catalogue.remaining_tables import Remaining
+from atleak.catalogue.repairs import Repair, RepairTable, repair_of
+from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
+from atleak.equations import pump as pump_equations
+from atleak.errors import CatalogueError, DomainError
+from atleak.faults import in_words, together
+
+
+def load_controller(id_or_path: str | Path) -> Controller:
+    """Load a shipped controller by id or a workshop's own by path.
+
+    Raises
+    ------
+    CatalogueError
+        if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
+    """
+    return _checked(*read_tables("controllers", id_or_path))
+
+
+def controllers() -> list[Controller]:
+    """Return every controller that can be used, shipped or own."""
+    return list(listed("controllers", load_controller).entries.values())
+
+
+def checked_controller(data: Mapping[str, Any], file: str = "this description") -> Controller:
+    """Return the controller that tables describe which came another way than from a TOML file.
+
+    Parameters
+    ----------
+    data
+        the tables as a TOML file of the same content gives them.
+    file
+        what the messages call the file.
+
+    Raises
+    ------
+    CatalogueError
+        the first fault, with every other one in ``others``; ``place.steps`` of each leads to it through the tables.
+    """
+    return _checked(data, Origin(Path(file), ""))
+
+
+def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
+    try:
+        entry = ControllerFile.model_validate(data)
+    except ValidationError as error:
+        faults = in_words(error, data, origin.path.name, ControllerFile, CatalogueError)
+        raise together([*faults, *_faults_of_meaning(data, error, origin)]) from None
+    controller, faults = _read(entry, data, origin)
+    if controller is None:
+        raise together(faults)
+    return controller
+
+
+def _faults_of_meaning(data: Mapping[str, Any], error: ValidationError, origin: Origin) -> list[CatalogueError]:
+    """Return what else is wrong with the tables that are well formed, beside those that the error names."""
+    remaining = Remaining.of(data, error)
+    try:
+        entry = ControllerFile.model_validate(remaining.data)
+    except ValidationError:  # so much is wrong that nothing can be said of the rest
+        return []
+    faults = _read(entry, remaining.data, origin)[1]
+    return [remaining.in_full(fault, data, origin.path.name) for fault in faults if not remaining.follows(fault)]
+
+
+def _read(
+    entry: ControllerFile, data: Mapping[str, Any], origin: Origin
+) -> tuple[Controller | None, list[CatalogueError]]:
+    """Return the controller and no fault, or everything that is wrong with its tables."""
+    reading = Reading(
+        origin.path,
+        data,
+        entry.gears,
+        [point.name for point in entry.operating_points],
+        all(point.solenoid_current_ma is not None for point in entry.operating_points),
+        [*SECTIONS, *(table.id for table in entry.circuits)],
+    )
+    twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
+    if twice:
+        reading.faults.append(reading.fault(("gears",), "gear given twice", value=twice[0]))
+    lands = tuple(_lands(entry, reading))
+    gaps = tuple(_gaps(entry, lands, reading))
+    points = tuple(_operating_points(entry, reading))
+    standing = read_standing(entry.permissible_pressure, reading)
+    controller = Controller(
+        id=entry.id,
+        name=entry.name,
+        source=entry.source,
+        date=entry.date,
+        note=entry.note,
+        representative=entry.representative,
+        gears=tuple(entry.gears),
+        components=MappingProxyType({component.id: component.name for component in entry.components}),
+        lands=lands,
+        gaps=gaps,
+        relations=MappingProxyType(_relations(entry, gaps, reading)),
+        pump=_pump(entry.pump),
+        operating_points=points,
+        complaints=_complaints(entry.complaints, [land.key for land in lands], entry.source, reading),
+        origin=origin,
+        circuits=read_circuits(entry.circuits, reading),
+        leaks=read_leaks(entry.leaks, reading),
+        consumers=read_consumers(entry.consumers, reading),
+        line=None if entry.line is None else read_line(entry.line, reading),
+        line_source="" if entry.line is None else entry.line.source,
+        permissible=permissible_in_gear(standing),
+        standing=standing,
+        repairs=tuple(_repairs(entry.repairs, lands, reading)),
+        entry=entry,
+    )
+    if not reading.faults:
+        _check_line(controller, reading)
+    if reading.faults:
+        return None, reading.faults
+    return replace(controller, operating_points=tuple(controller.with_line(point) for point in points)), []
+
+
+def _check_line(controller: Controller, reading: Reading) -> None:
+    """Refuse a line that is set to no pressure in some gear."""
+    points = (replace(point, gear=gear) for point in controller.operating_points for gear in controller.gears)
+    for point in points:
+        if not controller.with_line(point).main_pressure > 0.0:
+            problem = f"the line is set to no pressure in gear {point.gear}"
+            expected = f"more than 0 kPa at {point.name}"
+            reading.faults.append(reading.fault(("line", "set_kpa"), problem, value="0 kPa", expected=expected))
+            return
+
+
+def _relations(entry: ControllerFile, gaps: Iterable[Gap], reading: Reading) -> dict[str, PressureRelation]:
+    relations: dict[str, PressureRelation] = {}
+    for name, table in entry.pressures.items():
+        try:
+            relations[name] = read_relation(table)
+        except DomainError as error:  # diameters or lengths that cannot be those of one valve
+            reading.faults.append(reading.fault_of_table(("pressures", name), str(error)))
+    used = {pressure.section for gap in gaps for pressure in (gap.high, gap.low)}
+    for section in ("p_s", "p_m"):
+        if section in used and section not in entry.pressures:
+            problem, expected = f"a gap uses {section}, which no relation gives", f"a table [pressures.{section}]"
+            reading.faults.append(reading.fault(("pressures", section), problem, expected=expected))
+        # a controller whose gaps use neither pressure still answers what each would be
+        relations.setdefault(section, PressureRelation("line", 0.0, 0.0, None))
+    return relations
+
+
+def _lands(entry: ControllerFile, reading: Reading) -> list[Land]:
+    lands: list[Land] = []
+    for number, component in enumerate(entry.components):
+        where = ("components", number)
+        if any(component.id == before.id for before in entry.components[:number]):
+            reading.faults.append(reading.fault((*where, "id"), "component given twice", value=component.id))
+            continue
+        planes: set[str] = set()
+        for index, table in enumerate(component.lands):
+            at = (*where, "lands", index)
+            with reading.gathering():
+                if any(table.land == before.land for before in component.lands[:index]):
+                    raise reading.fault((*at, "land"), "land given twice", value=table.land)
+                land = _land(entry, component, table, at, reading)
+                lands.append(land)
+                for plane in land.planes:
+                    if plane in planes:
+                        raise reading.fault((*at, "planes"), "plane given to two lands", value=plane)
+                    planes.add(plane)
+    if not any(component.lands for component in entry.components):
+        expected = "at least one land"
+        reading.faults.append(reading.fault(("components", 0, "lands"), "no component has a land", expected=expected))
+    return lands
+
+
+def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, where: Steps, reading: Reading) -> Land:
+    length = table.contact_length_mm or entry.defaults.contact_length_mm
+    if length is None:
+        problem = f"land {table.land} has no contact length"
+        expected = "contact_length_mm here or in [defaults]"
+        raise reading.fault((*where, "contact_length_mm"), problem, expected=expected)
+    materials: list[tuple[str, float]] = []
+    for key in ("body", "spool"):
+        name = getattr(table, key) or getattr(entry.defaults, key)
+        if name is None or name not in entry.materials:
+            problem = f"land {table.land}: " + ("no material" if name is None else "unknown material")
+            raise reading.unknown((*where, key), problem, name, entry.materials)
+        materials.append((name, entry.materials[name].expansion_per_k))
+    new = _mounting(entry, table, where, reading)
+    return Land(
+        component=component.id,
+        land=table.land,
+        planes=tuple(table.planes or [str(table.land)]),
+        part=component.part,
+        nominal_diameter=table.nominal_diameter_mm * 1e-3,
+        contact_length=length * 1e-3,
+        mounting_clearance=new.clearance,
+        body_material=materials[0][0],
+        spool_material=materials[1][0],
+        body_expansion=materials[0][1],
+        spool_expansion=materials[1][1],
+        clearance_limit=None if table.clearance_limit_um is None else table.clearance_limit_um * 1e-6,
+        representative=tuple(name for name in entry.representative_values if entry.known_from(table, name) is _ASSUMED),
+        mounting_tolerance=new.tolerance,
+        new_origin=new.origin,
+        position=None if table.position_mm is None else table.position_mm * 1e-3,
+        seal=table.seal,
+    )
+
+
+_ASSUMED = Evidence.REPRESENTATIVE
+
+
+class _Mounting(NamedTuple):
+    clearance: float | tuple[float, float]
+    tolerance: float | None
+    origin: NewOrigin
+
+
+def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Reading) -> _Mounting:
+    """Return what a land had when it was new, from its own table or else from [defaults]."""
+    defaults, given = entry.defaults, table.mounting_clearance_um
+    given = defaults.mounting_clearance_um if given is None else given
+    if given is None:
+        problem = f"land {table.land} has no mounting clearance"
+        expected = "mounting_clearance_um here or in [defaults]: a number, or a range such as [6.4, 20.0]"
+        raise reading.fault((*where, "mounting_clearance_um"), problem, expected=expected)
+    tolerance, at = table.mounting_tolerance_um, (*where, "mounting_tolerance_um")
+    used = table.mounting_clearance_of_used_unit
+    used = defaults.mounting_clearance_of_used_unit if used is None else used
+    if isinstance(given, list):
+        if tolerance is not None:
+            problem = f"land {table.land} has a tolerance beside a range of mounting clearances"
+            expected = "a tolerance beside a single value, or a range without one"
+            raise reading.fault(at, problem, value=tolerance, expected=expected)
+        return _Mounting((given[0] * 1e-6, given[1] * 1e-6), None, NewOrigin.USED_UNIT if used else NewOrigin.RANGE)
+    tolerance = defaults.mounting_tolerance_um if tolerance is None else tolerance
+    if tolerance is not None and tolerance >= given:
+        problem = f"land {table.land} has a tolerance that its mounting clearance of {given:g} µm does not exceed"
+        expected = "a tolerance that leaves every new pair open, or a range of mounting clearances"
+        raise reading.fault(at, problem, value=tolerance, expected=expected)
+    origin = NewOrigin.PAIR if tolerance is None else NewOrigin.TYPE
+    return _Mounting(
+        given * 1e-6, None if tolerance is None else tolerance * 1e-6, NewOrigin.USED_UNIT if used else origin
+    )
+
+
+def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> list[Gap]:
+    if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
+        every_gear = frozenset(entry.gears)
+        drain = Pressure(0.0, None)
+        return [
+            Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, None) for land in lands
+        ]
+    known = [(component.id, table.land) for component in entry.components for table in component.lands]
+    gaps: list[Gap] = []
+    for number, table in enumerate(entry.gaps):
+        with reading.gathering():
+            gap = _gap(table, known, ("gaps", number), reading)
+            for other in gaps:
+                both = gap.gears & other.gears
+                if both and (gap.key, gap.high, gap.low) == (other.key, other.high, other.low):
+                    at = ("gaps", number, "gears")
+                    raise reading.fault(at, "the same gap was given before", value=min(both))
+            gaps.append(gap)
+    return gaps
+
+
+def _gap(table: GapTable, known: Sequence[tuple[str, int]], where: Steps, reading: Reading) -> Gap:
+    _check_land(table.component, [table.land], "land", known, where, reading)
+    gears = reading.gears_of(table.gears, (*where, "gears"))
+    high, low = reading.ends(table.high, table.low, where, "gap")
+    section = high.section or ""  # never empty: see `Reading.ends`
+    if table.section is not None and section != table.section:
+        problem, expected = "not the section that the gap leaks from", f"the one named in from = {table.high!r}"
+        raise reading.fault((*where, "section"), problem, value=table.section, expected=expected)
+    return Gap(
+        component=table.component,
+        land=table.land,
+        section=section,
+        high=high,
+        low=low,
+        gears=gears,
+        into_sump=(table.ends_in == "sump") if table.ends_in else not low.is_section,
+        evidence=table.known_from,
+    )
+
+
+def _check_land(
+    component: str, lands: Iterable[int], key: str, known: Sequence[tuple[str, int]], where: Steps, reading: Reading
+) -> None:
+    """Refuse a land that the controller does not have."""
+    mine = [str(land) for name, land in known if name == component]
+    for land in lands:
+        if (component, land) not in known:
+            expected = f"lands {', '.join(mine)}" if mine else "the id of a component with lands"
+            at, value = ((*where, key), land) if mine else ((*where, "component"), component)
+            raise reading.fault(at, "no such land in this controller", value=value, expected=expected)
+
+
+def _repairs(tables: Sequence[RepairTable], lands: Sequence[Land], reading: Reading) -> list[Repair]:
+    known = [land.key for land in lands]
+    repairs: list[Repair] = []
+    for number, table in enumerate(tables):
+        where = ("repairs", number)
+        with reading.gathering():
+            if any(table.id == before.id for before in tables[:number]):
+                raise reading.fault((*where, "id"), "repair given twice", value=table.id)
+            mine = [land for component, land in known if component == table.component]
+            _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
+            repairs.append(repair_of(table, mine))
+    return repairs
+
+
+def _pump(table: PumpTable) -> Pump:
+    size = table.size
+    displacement = (
+        pump_equations.displacement(
+            size.module_mm * 1e-3, size.teeth, size.width_mm * 1e-3, size.tooth_height_mm * 1e-3
+        )
+        if isinstance(size, PumpGears)
+        else size * 1e-9
+    )
+    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
+
+
+def _operating_points(entry: ControllerFile, reading: Reading) -> list[OperatingPoint]:
+    points: list[OperatingPoint] = []
+    for number, table in enumerate(entry.operating_points):
+        where = ("operating_points", number)
+        with reading.gathering():
+            if table.gear not in entry.gears:
+                expected = f"one of {entry.gears}"
+                raise reading.fault((*where, "gear"), "unknown gear", value=table.gear, expected=expected)
+            if table.name == STATED:
+                problem = "name of the condition that a job states, which no controller may give to a point of its own"
+                raise reading.fault((*where, "name"), problem, value=table.name, expected="another name")
+            if any(table.name == before.name for before in entry.operating_points[:number]):
+                raise reading.fault((*where, "name"), "operating point given twice", value=table.name)
+            points.append(
+                OperatingPoint(
+                    name=table.name,
+                    label=table.label,
+                    temperature=table.temperature_c,
+                    engine_speed=table.engine_rpm / 60.0,
+                    gear=table.gear,
+                    main_pressure=table.p_g_kpa * 1e3,
+                    converter_pressure=table.p_k_kpa * 1e3,
+                    source=table.source,
+                    stated_state=table.state,
+                    solenoid_current=None if table.solenoid_current_ma is None else table.solenoid_current_ma * 1e-3,
+                )
+            )
+    return points
+
+
+def _complaints(
+    tables: Iterable[ComplaintTable], lands: Collection[LandKey], source: str, reading: Reading
+) -> tuple[Complaint, ...]:
+    names = {written_land(key): key for key in lands}
+    made: dict[str, Complaint] = {}
+    for number, table in enumerate(tables):
+        where = ("complaints", number)
+        with reading.gathering():
+            if table.id in made:
+                raise reading.fault((*where, "id"), "complaint given twice", value=table.id)
+            _each_known_once(table.conditions, reading.points, (*where, "conditions"), "operating point", reading)
+            _each_known_once(table.lands or (), names, (*where, "lands"), "land", reading)
+            made[table.id] = Complaint(
+                id=table.id,
+                label=table.label,
+                conditions=tuple(table.conditions),
+                lands=tuple(names[name] for name in table.lands or ()),
+                source=table.source or source,
+            )
+    return tuple(made.values())
+
+
+def _each_known_once(given: Sequence[str], known: Collection[str], steps: Steps, what: str, reading: Reading) -> None:
+    for name in given:
+        if name not in known:
+            raise reading.unknown(steps, f"no such {what} in this controller", name, known)
+        if given.count(name) > 1:
+            raise reading.fault(steps, f"{what} given twice", value=name)

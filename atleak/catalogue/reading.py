@@ -1,0 +1,126 @@
+"""Read the tables of a controller's file against one another, and gather what is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from atleak.catalogue.circuit_tables import ByGearTable, CurrentTable, FollowingTable, SetTable
+from atleak.catalogue.circuits import Following, SetPressure
+from atleak.catalogue.section_pressures import Pressure
+from atleak.errors import CatalogueError, nearest_name, one_of
+from atleak.faults import place_of, place_of_table
+
+Steps = tuple[str | int, ...]  # to a place in the file's tables: see `Place`
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the tables are read against: the file, its gears, operating points and sections."""
+
+    path: Path
+    data: Any  # the file's tables
+    gears: Sequence[int]
+    points: Sequence[str]
+    with_current: bool  # every operating point states a solenoid's current
+    sections: Sequence[str]  # those that pressures may name, circuits included
+    faults: list[CatalogueError] = field(default_factory=list)  # gathered so far
+
+    @contextmanager
+    def gathering(self) -> Iterator[None]:
+        """Gather the fault that reading one table ends in, so that the next can be read."""
+        try:
+            yield
+        except CatalogueError as fault:
+            self.faults.append(fault)
+
+    def fault(self, steps: Steps, problem: str, *, value: object = None, expected: str | None = None) -> CatalogueError:
+        """Return a fault of the key that the steps lead to."""
+        return CatalogueError(problem, place=place_of(steps, self.data, self.path.name), value=value, expected=expected)
+
+    def fault_of_table(self, steps: Steps, problem: str) -> CatalogueError:
+        """Return a fault of the whole table that the steps lead to."""
+        return CatalogueError(problem, place=place_of_table(steps, self.data, self.path.name))
+
+    def unknown(self, steps: Steps, problem: str, value: object, known: Collection[str]) -> CatalogueError:
+        """Return the fault of a name that is none of the known ones; it lists them and gives the nearest."""
+        fault = self.fault(steps, problem, value=value, expected=one_of(known))
+        nearest = nearest_name(str(value), known) if value is not None else None
+        return CatalogueError(
+            fault.problem, place=fault.place, value=fault.value, expected=fault.expected, nearest=nearest
+        )
+
+    def pressure(self, text: str, steps: Steps) -> Pressure:
+        """Read a pressure of one of the sections."""
+        try:
+            pressure = Pressure.parse(text)
+        except ValueError as error:
+            raise self.fault(steps, "not a pressure", value=text, expected=str(error)) from None
+        if pressure.section is not None:
+            self.section(pressure.section, steps)
+        return pressure
+
+    def ends(self, high: str, low: str, table: Steps, what: str) -> tuple[Pressure, Pressure]:
+        """Read the two pressures between which a gap or leak lies, the first that of a section or circuit."""
+        begin, end = self.pressure(high, (*table, "from")), self.pressure(low, (*table, "to"))
+        if begin.section is None:
+            problem, expected = f"a {what} that leaks from no section", "a section such as p_g, or the id of a circuit"
+            raise self.fault((*table, "from"), problem, value=high, expected=expected)
+        if begin == end:
+            problem, expected = f"a {what} that ends where it begins", "another pressure"
+            raise self.fault((*table, "to"), problem, value=low, expected=expected)
+        return begin, end
+
+    def section(self, name: str, steps: Steps) -> str:
+        """Check the name of a section."""
+        if name not in self.sections:
+            raise self.unknown(steps, "no such section or circuit", name, self.sections)
+        return name
+
+    def gears_of(self, stated: Sequence[int] | None, steps: Steps) -> frozenset[int]:
+        """Check gears; all of the controller's where none are stated."""
+        others = sorted(set(stated or ()) - set(self.gears))
+        if others:
+            raise self.fault(steps, "unknown gear", value=others[0], expected=f"one of {list(self.gears)}")
+        return frozenset(self.gears if stated is None else stated)
+
+    def by_point(self, stated: Mapping[str, float], steps: Steps, unit: float) -> Mapping[str, float]:
+        """Check that every operating point, and nothing else, has its number."""
+        for name in stated:
+            if name not in self.points:
+                raise self.unknown(steps, "no such operating point", name, self.points)
+        missing = [name for name in self.points if name not in stated]
+        if missing:
+            expected = f"a number for {', '.join(missing)} too"
+            raise self.fault(steps, "not all operating points are stated", expected=expected)
+        return MappingProxyType({name: number * unit for name, number in stated.items()})
+
+    def set_pressure(self, stated: SetTable | None, steps: Steps, gears: Iterable[int]) -> SetPressure | None:
+        """Read what a regulator is set to."""
+        if stated is None:
+            return None
+        if isinstance(stated, FollowingTable):
+            section = self.section(stated.source, steps)
+            return SetPressure(following=Following(section, stated.ratio, stated.offset_kpa * 1e3))
+        if isinstance(stated, CurrentTable):
+            if not self.with_current:
+                problem = "the set pressure follows a solenoid's current, which an operating point does not state"
+                expected = "solenoid_current_ma in every table [[operating_points]]"
+                raise self.fault(steps, problem, expected=expected)
+            currents = tuple(current * 1e-3 for current in stated.current_ma), tuple(kpa * 1e3 for kpa in stated.kpa)
+            return SetPressure(currents=currents)
+        if isinstance(stated, ByGearTable):
+            by_gear = {int(gear): kpa * 1e3 for gear, kpa in stated.gear.items()}
+            self.gears_of(list(by_gear), steps)
+            missing = sorted(set(gears) - set(by_gear))
+            if missing:
+                expected = f"a pressure for gears {', '.join(map(str, missing))} too"
+                raise self.fault(steps, "not all gears are stated", expected=expected)
+            return SetPressure(gears=MappingProxyType(by_gear))
+        if isinstance(stated, dict):
+            return SetPressure(points=self.by_point(stated, steps, 1e3))
+        return SetPressure(number=stated * 1e3)

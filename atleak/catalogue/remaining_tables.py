@@ -1,0 +1,123 @@
+"""Set the tables of a file aside that are not well formed, so that what the others mean can be checked too."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import ValidationError
+
+from atleak.errors import CatalogueError
+from atleak.faults import place_of
+
+Steps = tuple[str | int, ...]
+
+# What stands for a head, a pump, a material or a default that is wrong: none of it matters to the other tables.
+_STAND_INS: dict[str, Any] = {
+    "id": "unnamed",
+    "name": "unnamed",
+    "source": "none",
+    "date": "2000-01-01",
+    "pump": {"displacement_mm3": 1.0, "volumetric_efficiency": 1.0, "source": "none"},
+}
+_MATERIAL: dict[str, Any] = {"expansion_per_k": 1e-5, "source": "none"}
+_DEFAULTS: dict[str, Any] = {"contact_length_mm": 1.0, "mounting_clearance_um": 10.0, "mounting_tolerance_um": 1.0}
+
+
+@dataclass
+class Remaining:
+    """The tables of a controller's file that are well formed."""
+
+    data: dict[str, Any]
+    kept: dict[Steps, list[int]] = field(default_factory=dict)  # by list: the places that its entries had before
+    names: set[str] = field(default_factory=set)  # of the tables that were set aside
+    lands: set[tuple[str, int]] = field(default_factory=set)  # likewise
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any], error: ValidationError) -> Remaining:
+        """Set aside what pydantic calls wrong: an unknown key alone, else the table or the land in which it stands."""
+        remaining = cls(copy.deepcopy(dict(data)))
+        aside: dict[Steps, set[int]] = {}
+        for fault in error.errors(include_url=False):
+            steps = tuple(step for step in fault["loc"] if step != "[key]")
+            if fault["type"] == "extra_forbidden":
+                remaining._holder(steps).pop(steps[-1], None)  # type: ignore[arg-type]
+            elif len(steps) > 1 and isinstance(steps[1], int):
+                of_land = len(steps) > 3 and steps[2] == "lands" and isinstance(steps[3], int)
+                entry = steps[:4] if of_land else steps[:2]
+                aside.setdefault(entry[:-1], set()).add(int(entry[-1]))
+            else:
+                remaining._stand_in(steps)
+        for path in sorted(aside, key=len, reverse=True):  # lands before the components that they stand in
+            remaining._drop(path, aside[path])
+        return remaining
+
+    def _holder(self, steps: Steps) -> Any:
+        holder: Any = self.data
+        for step in steps[:-1]:
+            holder = holder[step]
+        return holder
+
+    def _stand_in(self, steps: Steps) -> None:
+        top = str(steps[0]) if steps else ""
+        if top == "defaults" and len(steps) > 1 and steps[1] in _DEFAULTS:
+            self.data["defaults"] = {**self.data["defaults"], steps[1]: _DEFAULTS[str(steps[1])]}
+        elif top in _STAND_INS:
+            self.data[top] = copy.deepcopy(_STAND_INS[top])
+        elif top == "materials" and len(steps) > 1 and isinstance(self.data[top], dict):
+            self.data[top] = {**self.data[top], steps[1]: copy.deepcopy(_MATERIAL)}
+        elif len(steps) > 1 and isinstance(self.data.get(top), dict):  # a pressure relation
+            self.data[top].pop(steps[1], None)
+            self.names.add(str(steps[1]))
+        else:
+            self.data.pop(top, None)
+
+    def _drop(self, path: Steps, numbers: set[int]) -> None:
+        holder = self._holder(path)
+        entries: list[Any] = holder[path[-1]]
+        for number in numbers:
+            self._remember(path, entries[number])
+        self.kept[path] = [number for number in range(len(entries)) if number not in numbers]
+        holder[path[-1]] = [entries[number] for number in self.kept[path]]
+
+    def _remember(self, path: Steps, table: Any) -> None:
+        """Keep the names under which others may refer to a table that is set aside."""
+        if not isinstance(table, dict):
+            return
+        self.names |= {str(table[key]) for key in ("id", "name") if key in table}
+        if path[0] != "components":
+            return
+        component = table if len(path) == 1 else self._holder((*path[:2], ""))
+        for land in table.get("lands", []) if len(path) == 1 else [table]:
+            if isinstance(land, dict) and isinstance(land.get("land"), int):
+                self.lands.add((str(component.get("id")), land["land"]))
+
+    def follows(self, fault: CatalogueError) -> bool:
+        """Tell whether something is only wrong because a table to which it refers was set aside."""
+        steps = fault.place.steps
+        if str(fault.value) in self.names:
+            return True
+        if fault.value in {f"{component}/{land}" for component, land in self.lands}:
+            return True
+        if steps[0] in ("gaps", "repairs"):
+            table = self.data[str(steps[0])][steps[1]]
+            lands = [table["land"]] if "land" in table else table.get("lands") or []
+            return any((table["component"], land) in self.lands for land in lands)
+        if steps[0] == "components" and steps[-1] == "lands":
+            return bool(self.lands)
+        return steps[0] == "pressures" and str(steps[1]) in self.names
+
+    def in_full(self, fault: CatalogueError, data: Mapping[str, Any], file: str) -> CatalogueError:
+        """Return a fault with its place in all the tables, those that were set aside too."""
+        steps: Sequence[str | int] = fault.place.steps
+        full: Steps = ()
+        before: Steps = ()  # the same place among the tables as they were, under which `kept` knows its lists
+        for step in steps:
+            whole = self.kept.get(before)
+            full = (*full, whole[step] if whole is not None and isinstance(step, int) else step)
+            before = full
+        fault.place = place_of(full, data, file)
+        fault.args = (str(fault),)
+        return fault

@@ -1,0 +1,90 @@
+"""Describe how a component can be repaired: with which part, at what price, and what clearance that leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from pydantic import Field, model_validator
+
+from atleak.catalogue.entries import Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
+from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.mounting import MountingClearance
+
+RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
+REPAIR_KINDS: tuple[RepairKind, ...] = get_args(RepairKind)
+
+
+class RepairTable(Strict):
+    id: Identifier
+    component: NonEmptyText
+    lands: list[int] | None = Field(default=None, min_length=1)
+    kind: RepairKind
+    name: NonEmptyText
+    part_number: NonEmptyText | None = None
+    price: NonNegative | None = None
+    currency: NonEmptyText | None = None
+    hours: NonNegative | None = None
+    tool: NonEmptyText | None = None
+    nominal_diameter_mm: float | None = Field(default=None, gt=0.5, lt=200)
+    mounting_clearance_um: MountingClearance | None = None
+    mounting_tolerance_um: Positive | None = None
+    source: NonEmptyText
+    evidence: StatedEvidence = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> RepairTable:
+        if self.price is not None and self.currency is None:
+            raise ValueError("the currency of the price")
+        new, tolerance = self.mounting_clearance_um, self.mounting_tolerance_um
+        if tolerance is not None and not (isinstance(new, float) and tolerance < new):
+            raise ValueError("mounting_tolerance_um beside a single mounting_clearance_um, and less than that")
+        return self
+
+
+@dataclass(frozen=True)
+class Repair:
+    """One way to repair a component, or some of its lands."""
+
+    id: str
+    component: str
+    lands: frozenset[int]
+    kind: RepairKind
+    name: str
+    source: str
+    part_number: str | None = None
+    price: float | None = None  # of the part, in its currency
+    currency: str | None = None
+    hours: float | None = None  # of work
+    tool: str | None = None
+    nominal_diameter: float | None = None  # [m] of the land afterwards; None: as before
+    mounting_clearance: float | tuple[float, float] | None = None  # [m] radial afterwards; None: as of new parts
+    mounting_tolerance: float | None = None  # [m]
+    evidence: Evidence | None = None
+
+
+def repair_of(table: RepairTable, lands: Sequence[int]) -> Repair:
+    """Return a repair in SI units; ``lands`` are those of its component."""
+    new = table.mounting_clearance_um
+    return Repair(
+        id=table.id,
+        component=table.component,
+        lands=frozenset(lands if table.lands is None else table.lands),
+        kind=table.kind,
+        name=table.name,
+        source=table.source,
+        part_number=table.part_number,
+        price=table.price,
+        currency=table.currency,
+        hours=table.hours,
+        tool=table.tool,
+        nominal_diameter=None if table.nominal_diameter_mm is None else table.nominal_diameter_mm * 1e-3,
+        mounting_clearance=(new[0] * 1e-6, new[1] * 1e-6)
+        if isinstance(new, list)
+        else None
+        if new is None
+        else new * 1e-6,
+        mounting_tolerance=None if table.mounting_tolerance_um is None else table.mounting_tolerance_um * 1e-6,
+        evidence=table.evidence,
+    )

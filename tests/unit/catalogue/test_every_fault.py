@@ -1,0 +1,103 @@
+"""Everything that is wrong with a controller's tables is named at once, each with its place among them."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from atleak.catalogue.controller_reading import checked_controller
+from atleak.catalogue.entries import read_tables
+from atleak.errors import CatalogueError, InputError
+
+Tables = dict[str, Any]
+
+
+@pytest.fixture
+def tables() -> Tables:
+    return copy.deepcopy(read_tables("controllers", "five_speed_2005")[0])
+
+
+def faults_of(tables: Tables) -> dict[tuple[str | int, ...], InputError]:
+    with pytest.raises(CatalogueError) as caught:
+        checked_controller(tables, "my unit")
+    faults = [caught.value, *caught.value.others]
+    assert all(fault.place.file == "my unit" for fault in faults)
+    return {fault.place.steps: fault for fault in faults}
+
+
+def test_a_fault_in_every_table_is_named_once_whether_of_type_or_of_meaning(tables: Tables) -> None:
+    tables["date"] = "yesterday"
+    tables["materials"]["aluminium"]["expansion_per_k"] = "21.3e-6"
+    tables["pump"]["volumetric_efficiency"] = 1.2
+    tables["operating_points"][1]["gear"] = 9
+    tables["circuits"][3]["feeds"][0]["from"] = "nowhere"
+    tables["circuits"][4]["feeds"][0]["diameter_mm"] = "1,5"
+    tables["components"][2]["lands"][0]["nominal_diameter_mm"] = -9.0
+    tables["components"][1]["lands"][2]["body"] = "brass"
+    tables["gaps"][0]["gears"] = [17]
+    tables["gaps"][1]["land"] = 8
+    tables["leaks"][1]["from"] = "p_x"
+    tables["consumers"][0]["flow_dm3_min"]["hot_idel"] = 1.0
+    tables["permissible_pressure"][0]["low_kpa"] = 5000.0
+    tables["complaints"][0]["conditions"] = ["reverse"]
+    tables["repairs"] = [{"id": "sleeve", "component": "none", "kind": "sleeve", "name": "a sleeve", "source": "x"}]
+    faults = faults_of(tables)
+    assert set(faults) == {
+        ("date",),
+        ("materials", "aluminium", "expansion_per_k"),
+        ("pump", "volumetric_efficiency"),
+        ("operating_points", 1, "gear"),
+        ("circuits", 3, "feeds", 0, "from"),
+        ("circuits", 4, "feeds", 0, "diameter_mm"),
+        ("components", 2, "lands", 0, "nominal_diameter_mm"),
+        ("components", 1, "lands", 2, "body"),
+        ("gaps", 0, "gears"),
+        ("gaps", 1, "land"),
+        ("leaks", 1, "from"),
+        ("consumers", 0, "flow_dm3_min"),
+        ("permissible_pressure", 0),
+        ("complaints", 0, "conditions"),
+        ("repairs", 0, "component"),
+    }
+    assert faults[("circuits", 3, "feeds", 0, "from")].place.table == "circuits[4] (overdrive_band).feeds[1]"
+    assert faults[("gaps", 1, "land")].value == 8
+
+
+def test_places_are_those_among_all_tables_where_others_before_them_were_set_aside(tables: Tables) -> None:
+    tables["gaps"][0]["gears"] = "all"
+    tables["components"][0]["lands"][0]["nominal_diameter_mm"] = "14,5"
+    tables["components"][0]["lands"][2]["spool"] = "steal"
+    tables["gaps"][5]["gears"] = [17]
+    assert set(faults_of(tables)) == {
+        ("gaps", 0, "gears"),
+        ("components", 0, "lands", 0, "nominal_diameter_mm"),
+        ("components", 0, "lands", 2, "spool"),
+        ("gaps", 5, "gears"),
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (lambda t: t["components"][1].update(lands="three"), ("components", 1, "lands")),
+        (lambda t: t["circuits"][2].update(name=3), ("circuits", 2, "name")),
+        (lambda t: t["operating_points"][1].update(temperature_c="hot"), ("operating_points", 1, "temperature_c")),
+        (lambda t: t["materials"]["aluminium"].update(source=""), ("materials", "aluminium", "source")),
+        (lambda t: t["pump"].update(colour="red"), ("pump", "colour")),
+        (lambda t: t["defaults"].update(contact_length_mm=-1.0), ("defaults", "contact_length_mm")),
+    ],
+)
+def test_what_only_follows_from_a_fault_is_no_other_fault(
+    tables: Tables, change: Callable[[Tables], None], place: tuple[str | int, ...]
+) -> None:
+    change(tables)
+    assert set(faults_of(tables)) == {place}
+
+
+def test_tables_of_which_nothing_can_be_said_name_what_is_missing() -> None:
+    assert set(faults_of({"id": "x", "gears": [1, 2]})) == {
+        (key,) for key in ("name", "source", "date", "materials", "pump", "operating_points", "components")
+    }
