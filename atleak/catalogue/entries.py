@@ -8,7 +8,9 @@ key and value.
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
+import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date
@@ -18,9 +20,10 @@ from typing import Annotated, Any, Generic, TypeVar
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from atleak.catalogue.evidence import Evidence
-from atleak.errors import CatalogueError, Place, unknown
+from atleak.errors import CatalogueError, OutputError, Place, unknown
 from atleak.faults import validated
-from atleak.system.home import home
+from atleak.system.files import replace_file
+from atleak.system.home import home, made
 
 _HERE = Path(__file__).parent
 KINDS = ("controllers", "fluids", "limits", "instruments")
@@ -120,6 +123,48 @@ def own_files(kind: str) -> dict[str, Path]:
 def catalogue_files(kind: str) -> dict[str, Path]:
     """Return ids and files of one kind, shipped and own, sorted by id; a shipped id stays the shipped file's."""
     return dict(sorted((own_files(kind) | shipped_files(kind)).items()))
+
+
+def id_from_name(name: str) -> str:
+    """Make an id from a name: small letters, digits and _; "" where nothing of the name can stand in one.
+
+    >>> id_from_name("Ford 4R44E, 1996"), id_from_name("Skrzynia żółta"), id_from_name("変速機")
+    ('ford_4r44e_1996', 'skrzynia_zolta', '')
+    """
+    plain = unicodedata.normalize("NFKD", name.replace("ł", "l").replace("Ł", "L").replace("ß", "ss"))
+    return "_".join(re.findall(r"[a-z0-9]+", plain.encode("ascii", "ignore").decode().lower()))
+
+
+def write_own(kind: str, name: str, text: str, *, over: str = "") -> Path:
+    """Write a file into the user's own catalogue, whole or not at all.
+
+    Parameters
+    ----------
+    kind, name
+        one of `KINDS`, and the id.
+    over
+        the SHA-256 of the file that may be replaced: another one that is there by now stays.
+
+    Returns
+    -------
+    Path
+        the file.
+
+    Raises
+    ------
+    OutputError
+        an id that ships with atleak, a file that is there, or a folder that cannot be written.
+    """
+    path = own_folder(kind) / f"{name}.toml"
+    place = Place(file=path.name)
+    if name in shipped_files(kind):
+        raise OutputError("has the id of an entry that ships with atleak", place=place, expected="an id of its own")
+    if path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() != over:
+        problem = "is in your catalogue already" if not over else "was changed by someone else since"
+        raise OutputError(problem, place=place, expected="another id, or a decision to replace it")
+    made(path.parent)
+    replace_file(path, text.encode("utf-8"))
+    return path
 
 
 def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
