@@ -1,0 +1,281 @@
+"""Say what the cells of a column hold, and turn a cell into a value of a controller's file and back.
+
+A cell is what a workbook's reader gives: text, a number, a truth value, a date; never empty here.
+"""
+
+from __future__ import annotations
+
+import datetime
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
+
+from atleak.controller_sheets.units import NUMBER, Measure, Units, cell_number, file_number
+from atleak.written_numbers import decimal_number
+
+REVERSE, NEUTRAL = -1, 0
+EVERY = "all"
+_GEARS = {"R": REVERSE, "N": NEUTRAL, "P": NEUTRAL}
+_LETTERS = {REVERSE: "R", NEUTRAL: "N"}
+_SEPARATED = re.compile(r"[\s,;+]+")
+_FROM_TO = re.compile(r"(\d+)[-–—‑…](\d+)|(\d+)\.{2,3}(\d+)")
+_WHOLE = re.compile(r"[-−]?\d{1,3}")
+_PLAIN = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
+_MOST_GEARS = 30
+_YES, _NO = {"yes", "y", "true", "x", "1"}, {"no", "n", "false", "0"}
+
+Cell = Any  # str, float, int, bool, date
+
+
+class NotAccepted(ValueError):
+    """A cell that does not hold what its column asks for; the message says what that is."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What the cells of a column hold: text, unless a subclass says otherwise."""
+
+    def label(self, units: Units) -> str:
+        """Return the unit that stands under the column's heading."""
+        return ""
+
+    def value(self, cell: Cell, units: Units) -> Any:
+        """Return the value of the controller's file.
+
+        Raises
+        ------
+        NotAccepted
+            with what was expected.
+        """
+        return as_text(cell)
+
+    def cell(self, value: Any, units: Units) -> str | float:
+        """Return what stands in the cell for a value of the file."""
+        return str(value)
+
+
+@dataclass(frozen=True)
+class Day(Kind):
+    """A date."""
+
+    def value(self, cell: Cell, units: Units) -> str:
+        if isinstance(cell, datetime.date):
+            return cell.isoformat()[:10]
+        text = as_text(cell)
+        try:
+            return datetime.date.fromisoformat(text[:10] if text[10:].strip("T 0:") == "" else text).isoformat()
+        except ValueError:
+            raise NotAccepted("a day such as 2026-01-31") from None
+
+
+@dataclass(frozen=True)
+class YesNo(Kind):
+    """``yes`` or ``no``."""
+
+    def value(self, cell: Cell, units: Units) -> bool:
+        text = as_text(cell).casefold()
+        if text in _YES | _NO:
+            return text in _YES
+        raise NotAccepted("yes or no")
+
+    def cell(self, value: Any, units: Units) -> str:
+        return "yes" if value else "no"
+
+
+@dataclass(frozen=True)
+class Choice(Kind):
+    """One word of a closed list; in the workbook a blank stands for each low line, unless it is a symbol."""
+
+    options: tuple[str, ...]
+    symbols: bool = False
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """Return the list as its drop-down shows it."""
+        return tuple(self.cell(option, Units()) for option in self.options)
+
+    def value(self, cell: Cell, units: Units) -> str:
+        text = as_text(cell)
+        for option in self.options:
+            if _alike(text) == _alike(option):
+                return option
+        raise NotAccepted(f"one of {', '.join(self.shown)}")
+
+    def cell(self, value: Any, units: Units) -> str:
+        return str(value) if self.symbols else str(value).replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Number(Kind):
+    """A number with a unit."""
+
+    measure: Measure = NUMBER
+
+    def label(self, units: Units) -> str:
+        return self.measure.label(units)
+
+    def value(self, cell: Cell, units: Units) -> float:
+        return file_number(self.written(cell, units), self.measure, units)
+
+    def written(self, cell: Cell, units: Units) -> float | Decimal:
+        """Return the number as it stands in the cell, in the workbook's unit."""
+        if isinstance(cell, int | float) and not isinstance(cell, bool):
+            return cell
+        text = as_text(cell).replace("−", "-").removesuffix(self.label(units)).strip()
+        if _PLAIN.fullmatch(text):
+            return Decimal(text)
+        number = decimal_number(text)
+        if number is None:
+            raise NotAccepted(self.wanted(units))
+        return Decimal(repr(number))
+
+    def wanted(self, units: Units) -> str:
+        """Say what is expected: ``a number in µm, diametral``."""
+        label = self.label(units)
+        return f"a number in {label}" if label else "a number"
+
+    def cell(self, value: Any, units: Units) -> str | float:
+        return cell_number(value, self.measure, units)
+
+
+@dataclass(frozen=True)
+class Whole(Kind):
+    """A whole number."""
+
+    unit: str = ""
+
+    def label(self, units: Units) -> str:
+        return self.unit
+
+    def value(self, cell: Cell, units: Units) -> int:
+        return _whole(cell, "a whole number")
+
+    def cell(self, value: Any, units: Units) -> float:
+        return int(value)
+
+
+@dataclass(frozen=True)
+class Gear(Kind):
+    """One gear: a number, R for reverse, N or P for neutral."""
+
+    def value(self, cell: Cell, units: Units) -> int:
+        gears = gears_written(cell)
+        if len(gears) != 1:
+            raise NotAccepted("one gear: R, N or a number")
+        return gears[0]
+
+    def cell(self, value: Any, units: Units) -> str | float:
+        return gear_shown(value)
+
+
+@dataclass(frozen=True)
+class Gears(Kind):
+    """Several gears, as people write them: ``R N 1 2 3`` or ``1-5``; `EVERY` stands for all of the head's."""
+
+    or_every: bool = True
+
+    def value(self, cell: Cell, units: Units) -> list[int] | str:
+        if self.or_every and as_text(cell).casefold() in {EVERY, "every", "every gear", "all gears"}:
+            return EVERY
+        return gears_written(cell)
+
+    def cell(self, value: Any, units: Units) -> str:
+        return " ".join(str(gear_shown(gear)) for gear in value)
+
+
+@dataclass(frozen=True)
+class Names(Kind):
+    """Several names, or words of a closed list, with commas between."""
+
+    options: tuple[str, ...] = ()
+
+    def value(self, cell: Cell, units: Units) -> list[str]:
+        names = [name.strip() for name in re.split(r"[,;\n]", as_text(cell)) if name.strip()]
+        if self.options:
+            names = [word for name in names for word in name.split()]
+            known = {option.casefold(): option for option in self.options}
+            if not all(name.casefold() in known for name in names):
+                raise NotAccepted(f"of {', '.join(self.options)}, with blanks or commas between")
+            return [known[name.casefold()] for name in names]
+        return names
+
+    def cell(self, value: Any, units: Units) -> str:
+        return ", ".join(value)
+
+
+@dataclass(frozen=True)
+class Wholes(Kind):
+    """Several whole numbers, with blanks or commas between."""
+
+    def value(self, cell: Cell, units: Units) -> list[int]:
+        wanted = "whole numbers with blanks between, such as 1 2 3"
+        if isinstance(cell, str):
+            return [_whole(part, wanted) for part in _SEPARATED.split(cell.strip()) if part]
+        return [_whole(cell, wanted)]
+
+    def cell(self, value: Any, units: Units) -> str:
+        return " ".join(map(str, value))
+
+
+def gears_written(cell: Cell) -> list[int]:
+    """Return the gears that a cell names.
+
+    Raises
+    ------
+    NotAccepted
+        where it names none, or something else beside them.
+
+    >>> gears_written("P R N 1-3, 5"), gears_written(4.0)
+    ([0, -1, 1, 2, 3, 5], [4])
+    """
+    wanted = "gears such as R N 1 2 3, with blanks between, or 1-3"
+    if not isinstance(cell, str):
+        return [_whole(cell, wanted)]
+    gears: list[int] = []
+    for word in _SEPARATED.split(re.sub(r"(?<=\d)\s*([-–—‑…]|\.\.\.?)\s*(?=\d)", r"\1", cell.strip())):
+        if word.upper() in _GEARS:
+            if _GEARS[word.upper()] not in gears or word.upper() == "R":  # people write both P and N
+                gears.append(_GEARS[word.upper()])
+        elif ends := _FROM_TO.fullmatch(word):
+            first, last = (int(end) for end in ends.groups() if end is not None)
+            if not first < last <= first + _MOST_GEARS:
+                raise NotAccepted(wanted)
+            gears += range(first, last + 1)
+        elif _WHOLE.fullmatch(word):
+            gears.append(int(word.replace("−", "-")))
+        else:
+            raise NotAccepted(wanted)
+    return gears
+
+
+def gear_shown(gear: int) -> str | int:
+    """Return a gear as a workbook shows it: R and N by their letters."""
+    return _LETTERS.get(gear, gear)
+
+
+def as_text(cell: Cell) -> str:
+    """Return a cell as text: a whole number without its decimal point, a day as it is written in a file.
+
+    >>> as_text(8.0), as_text(" 12' "), as_text(0.5)
+    ('8', "12'", '0.5')
+    """
+    if isinstance(cell, bool):
+        return "yes" if cell else "no"
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    if isinstance(cell, datetime.date):
+        return cell.isoformat()
+    return str(cell).strip()
+
+
+def _whole(cell: Cell, wanted: str) -> int:
+    if isinstance(cell, str):
+        cell = decimal_number(cell.replace("−", "-"))
+    if isinstance(cell, int | float) and not isinstance(cell, bool) and float(cell).is_integer():
+        return int(cell)
+    raise NotAccepted(wanted)
+
+
+def _alike(text: str) -> str:
+    return re.sub(r"[\s_-]+", " ", text).strip().casefold()

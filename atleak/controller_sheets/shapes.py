@@ -1,0 +1,288 @@
+"""Turn the rows of each sheet into tables of a controller's file, and those tables into rows.
+
+Every shape does both: `Sheet.rows` writes what `Sheet.fill` reads. Rows are dictionaries by the heading of a column, in
+the units of the controller's file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from atleak.controller_sheets.description import Description, Row, Steps
+from atleak.controller_sheets.kinds import EVERY, Gears, Kind
+
+Values = dict[str, Any]
+_LISTS = ("measured", "published", "representative")  # keys that list which values of a table are known how
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a sheet, or a line of a form: one key of the file, and what its cells hold.
+
+    ``end`` is 0 and 1 for the ends of a range that may also be one number; ``how_known`` names the key whose
+    origin (measured, published, representative) the column states.
+    """
+
+    heading: str
+    keys: tuple[str, ...]
+    kind: Kind = Kind()  # noqa: RUF009  frozen, so safe to share
+    required: bool = False
+    help: str = ""
+    names: str = ""  # whose names its drop-down offers: one of `layout.NAMES`
+    end: int | None = None
+    how_known: str = ""
+    width: int = 14
+
+    def of(self, table: Mapping[str, Any]) -> Any:
+        """Return the column's value of a table; None where it states none."""
+        if self.how_known:
+            return next((name for name in _LISTS if self.how_known in table.get(name, ())), None)
+        value: Any = table
+        for key in self.keys:
+            value = value.get(key) if isinstance(value, Mapping) else None
+        if self.end is not None and value is not None:
+            ends = value if isinstance(value, list) else [value]
+            return ends[self.end] if self.end < len(ends) else None
+        return value
+
+    def put(self, table: Values, value: Any) -> None:
+        """Write the column's value into a table."""
+        if self.how_known:
+            table.setdefault(value, []).append(self.how_known)
+            return
+        for key in self.keys[:-1]:
+            table = table.setdefault(key, {})
+        last = self.keys[-1]
+        table[last] = [table[last], value] if self.end else value
+
+    def steps(self) -> list[Steps]:
+        """Return where in its table the column's value stands, as a fault may name it."""
+        if self.how_known:
+            return []
+        return [self.keys] if self.end is None else [(*self.keys, 1)] if self.end else [self.keys, (*self.keys, 0)]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A sheet of the workbook, declared once."""
+
+    name: str
+    about: str  # what it is for, in a sentence or two
+    columns: tuple[Column, ...]
+    at: Steps = ()  # of its table or list of tables in the file
+    needed: bool = False  # no valve body goes without it
+    examples: tuple[Mapping[str, Any], ...] = ()  # rows that show how it is filled in
+    is_form: bool = field(default=False, init=False)
+
+    def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
+        """Yield the sheet's rows for a controller's tables."""
+        raise NotImplementedError
+
+    def fill(self, rows: Sequence[Row], into: Description) -> None:
+        """Add what the rows say to a description."""
+        raise NotImplementedError
+
+    def columns_for(self, data: Mapping[str, Any]) -> tuple[Column, ...]:
+        """Return the columns to write for a controller's tables."""
+        return self.columns
+
+    def further_column(self, heading: Any) -> Column | None:
+        """Return the column of a heading that is none of the declared ones; None where there is no such column."""
+        return None
+
+    def _values(self, table: Mapping[str, Any]) -> Values:
+        """Return the row of a table."""
+        given = ((column.heading, column.of(table)) for column in self.columns if column.keys or column.how_known)
+        return {heading: value for heading, value in given if value is not None}
+
+    def _read(self, row: Row, at: Steps, into: Description) -> Values:
+        """Return the table that a row states, and remember its cells."""
+        table: Values = {}
+        into.mark(at, row.spot)
+        for column in self.columns:
+            for steps in column.steps():
+                into.mark((*at, *steps), row.at(column.heading))
+            if not (column.keys or column.how_known):
+                continue
+            value = row.values.get(column.heading)
+            if value == EVERY and isinstance(column.kind, Gears):
+                value = into.data.get("gears")  # the head is read first
+            if value is None:
+                if column.heading in row.cells:
+                    into.unread.add((*at, *column.keys))
+                continue
+            if column.end and not any(key == column.keys[-1] for key in table):
+                into.fault(row, column.heading, "the upper end of a range without its lower one", "both, or neither")
+                continue
+            column.put(table, value)
+        return table
+
+
+@dataclass(frozen=True)
+class Form(Sheet):
+    """One table, a key on each line."""
+
+    is_form: bool = field(default=True, init=False)
+
+    def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
+        table: Any = data
+        for step in self.at:
+            table = table.get(step, {})
+        yield self._values(table)
+
+    def fill(self, rows: Sequence[Row], into: Description) -> None:
+        for row in rows:
+            stated = self._read(row, self.at, into)
+            if stated:
+                into.table(self.at).update(stated)
+
+
+@dataclass(frozen=True)
+class Tables(Sheet):
+    """A list of tables, one on each row."""
+
+    def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
+        for table in data.get(self._key, ()):
+            yield self._values(table)
+
+    def fill(self, rows: Sequence[Row], into: Description) -> None:
+        for row in rows:
+            entries = into.entries(self._key)
+            entries.append(self._read(row, (self._key, len(entries)), into))
+
+    @property
+    def _key(self) -> str:
+        return str(self.at[0])
+
+
+@dataclass(frozen=True)
+class NamedTables(Sheet):
+    """Tables by name, one on each row; the first column is the name."""
+
+    def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
+        for name, table in data.get(str(self.at[0]), {}).items():
+            yield {self.columns[0].heading: name, **self._values(table)}
+
+    def fill(self, rows: Sequence[Row], into: Description) -> None:
+        heading = self.columns[0].heading
+        for row in rows:
+            name = row.values.get(heading)
+            if name is None:
+                if heading not in row.cells:
+                    into.fault(row, heading, "this row has no name", "a name, or an empty row")
+                continue
+            tables = into.table(self.at)
+            if name in tables:
+                into.fault(row, heading, "given twice", "each name once")
+                continue
+            tables[name] = self._read(row, (*self.at, name), into)
+
+
+@dataclass(frozen=True)
+class Parts(Sheet):
+    """Tables that belong to those of another sheet, whose id stands in the first column."""
+
+    under: str = ""  # key of their list: "lands"
+    mostly: str = ""  # key of the head that lists which values are representative in every one of them
+
+    def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
+        for owner in data.get(str(self.at[0]), ()):
+            for table in owner.get(self.under, ()):
+                row = {self.columns[0].heading: owner["id"], **self._values(table)}
+                for column in self.columns:
+                    if self.mostly and column.how_known in data.get(self.mostly, ()):
+                        row.setdefault(column.heading, "representative")
+                yield row
+
+    def fill(self, rows: Sequence[Row], into: Description) -> None:
+        owners = by_id(into, str(self.at[0]))
+        tables: list[Values] = []
+        for row in rows:
+            owner = owner_of(row, self.columns[0].heading, owners, into)
+            if owner is not None:
+                number, table = owners[owner]
+                listed = table.setdefault(self.under, [])
+                listed.append(self._read(row, (*self.at, number, self.under, len(listed)), into))
+                tables.append(listed[-1])
+        if self.mostly:
+            self._gather(tables, into)
+
+    def _gather(self, tables: Sequence[Values], into: Description) -> None:
+        """Say in the head what is representative; a row that says nothing beside others that do is taken as such."""
+        everywhere = []
+        for column in self.columns:
+            if column.how_known and any(column.of(table) == "representative" for table in tables):
+                everywhere.append(column.how_known)
+                silent = sum(column.of(table) is None for table in tables)
+                if silent:
+                    into.notes.append(
+                        f"sheet {self.name!r}, column {column.heading}: {silent} empty "
+                        f"{'cell is' if silent == 1 else 'cells are'} taken as representative, as others say so"
+                    )
+        for table in tables:
+            table.pop("representative", None)
+        if everywhere:
+            into.data[self.mostly] = everywhere
+
+
+@dataclass(frozen=True)
+class ValuesByPoint(Sheet):
+    """One key of tables of another sheet: a number, or one for each operating point; columns are id, point, number."""
+
+    def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
+        owner, point, number = (column.heading for column in self.columns)
+        for table in data.get(str(self.at[0]), ()):
+            stated = table.get(self._key)
+            for name, value in (stated if isinstance(stated, dict) else {None: stated}).items():
+                row = {owner: table["id"], point: name, number: value}
+                yield {heading: value for heading, value in row.items() if value is not None}
+
+    def fill(self, rows: Sequence[Row], into: Description) -> None:
+        owner, point, number = (column.heading for column in self.columns)
+        owners = by_id(into, str(self.at[0]))
+        for row in rows:
+            name = owner_of(row, owner, owners, into)
+            if name is None or (number not in row.values and number in row.cells):
+                continue
+            place, table = owners[name]
+            at = (*self.at, place, self._key)
+            into.mark(at, row.at(number))
+            where = row.values.get(point)
+            stated = table.get(self._key)
+            if number not in row.values:
+                into.fault(row, number, "no number", "a number, or an empty row")
+            elif where is None and stated is None:
+                table[self._key] = row.values[number]
+            elif where is None or not isinstance(table.setdefault(self._key, {}), dict) or where in table[self._key]:
+                expected = "one number for all operating points, or one for each of them"
+                into.fault(row, point, f"a further number of {name}", expected)
+            else:
+                into.mark((*at, where), row.at(number))
+                table[self._key][where] = row.values[number]
+
+    @property
+    def _key(self) -> str:
+        return self.columns[-1].keys[-1]
+
+
+def by_id(into: Description, key: str) -> dict[str, tuple[int, Values]]:
+    """Return the tables of a list by their ids, each with its place in the list."""
+    tables: dict[str, tuple[int, Values]] = {}
+    for place, table in enumerate(into.data.get(key, ())):
+        if "id" in table:
+            tables.setdefault(table["id"], (place, table))
+    return tables
+
+
+def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Description) -> str | None:
+    """Return the id of the table that a row belongs to; None, and a fault, where there is no such table."""
+    name = row.values.get(heading)
+    if name in owners:
+        return str(name)
+    if heading in row.values:
+        into.unknown(row, heading, "no such id in this workbook", list(owners))
+    elif heading not in row.cells:
+        into.fault(row, heading, "this row does not say to what it belongs", "an id, or an empty row")
+    return None

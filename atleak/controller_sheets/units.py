@@ -1,0 +1,109 @@
+"""Convert the numbers of a controller's file to the units that a workbook's author chose, and back without loss.
+
+Everything is computed with decimal digits, as people write them: 0.571 inch is 14.5034 mm and nothing beside it. A
+number that its cell could not hold to the last digit is written as text.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from decimal import Context, Decimal
+from typing import Literal, get_args
+
+Length = Literal["mm", "inch"]
+Clearance = Literal["radial", "diametral"]
+PressureUnit = Literal["kPa", "psi", "bar"]
+LENGTHS: tuple[Length, ...] = get_args(Length)
+CLEARANCES: tuple[Clearance, ...] = get_args(Clearance)
+PRESSURES: tuple[PressureUnit, ...] = get_args(PressureUnit)
+
+_KPA: dict[str, Decimal] = {
+    "kPa": Decimal(1),
+    "psi": Decimal("6.894757293168361336722673"),  # 4.4482216152605 N on (25.4 mm)²
+    "bar": Decimal(100),
+}
+_MM = Decimal("25.4")  # of an inch, by definition
+_EXACT = Context(prec=40)
+_CELL = Context(prec=15)  # digits that every spreadsheet program keeps of a number
+
+
+@dataclass(frozen=True)
+class Units:
+    """What a workbook's numbers are written in; chosen once, on its first sheet."""
+
+    length: Length = "mm"
+    clearance: Clearance = "radial"
+    pressure: PressureUnit = "kPa"
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A kind of number: its unit in a workbook, and how much one of it is in the unit of the controller's file."""
+
+    metric: str  # the unit, where lengths are in mm
+    inch: str = ""  # where they are in inches; "" for the same
+    factor: Decimal = Decimal(1)  # the file's value of one of the metric unit
+    inch_factor: Decimal = Decimal(1)
+    of_clearance: bool = False  # twice as much where clearances are diametral
+    of_pressure: bool = False
+    quantity: str = ""  # as the table of units calls it, where a cell may name a unit of its own: "length"
+    si: Decimal = Decimal(1)  # of one of the file's unit
+
+    def label(self, units: Units) -> str:
+        """Return the unit as the column's heading says it."""
+        if self.of_pressure:
+            return units.pressure
+        label = self.inch if self.inch and units.length == "inch" else self.metric
+        return f"{label}, {units.clearance}" if self.of_clearance else label
+
+    def to_file(self, number: Decimal, units: Units) -> Decimal:
+        """Convert a number from the workbook's unit to that of the file."""
+        return _EXACT.multiply(number, self._factor(units))
+
+    def from_file(self, number: Decimal, units: Units) -> Decimal:
+        """Convert a number of the file to the workbook's unit."""
+        return _EXACT.divide(number, self._factor(units))
+
+    def _factor(self, units: Units) -> Decimal:
+        if self.of_pressure:
+            return _KPA[units.pressure]
+        factor = self.inch_factor if self.inch and units.length == "inch" else self.factor
+        return factor / 2 if self.of_clearance and units.clearance == "diametral" else factor
+
+
+def file_number(cell: float | str | Decimal, measure: Measure, units: Units) -> float:
+    """Return what a cell's number is in the unit of the controller's file.
+
+    A number is converted to 15 digits, which is what a spreadsheet program keeps of it; digits that stand as text are
+    all taken.
+
+    >>> file_number(0.571, LENGTH, Units("inch")), file_number(14.503 / 25.4, LENGTH, Units("inch"))
+    (14.5034, 14.503)
+    """
+    number = Decimal(repr(float(cell))) if isinstance(cell, int | float) else Decimal(cell)
+    converted = measure.to_file(number, units)
+    if isinstance(cell, int | float) and converted != number:
+        converted = _CELL.plus(converted)
+    return float(converted)
+
+
+def cell_number(value: float, measure: Measure, units: Units) -> float | str:
+    """Return what stands in a cell for a number of the file, so that `file_number` gives it back to the last digit.
+
+    >>> cell_number(14.503, LENGTH, Units()), cell_number(14.5034, LENGTH, Units("inch"))
+    (14.503, 0.571)
+    """
+    exact = measure.from_file(Decimal(repr(float(value))), units)
+    number = float(f"{float(exact):.16g}")  # as a workbook keeps it
+    if file_number(number, measure, units) == float(value):
+        return number
+    return str(Context(prec=30).plus(exact))
+
+
+LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"))
+SMALL_LENGTH = Measure("µm", "inch", Decimal(1), _MM * 1000, quantity="length", si=Decimal("1e-6"))
+CLEARANCE = Measure("µm", "inch", Decimal(1), _MM * 1000, of_clearance=True, quantity="length", si=Decimal("1e-6"))
+VOLUME = Measure("mm³", "inch³", Decimal(1), _MM**3)
+PRESSURE = Measure("kPa", of_pressure=True, quantity="pressure", si=Decimal(1000))
+EXPANSION = Measure("10⁻⁶/K", factor=Decimal("1e-6"))
+NUMBER = Measure("")
