@@ -1,7 +1,7 @@
 """A valve body as it is typed on a page: tables of text, which become the tables of its file, and the faults in them.
 
-The tables and their columns are those of `atleak.controller_sheets`. What is typed stays as it was typed, sign for sign,
-whether it can be read or not.
+The tables and their columns are those of `atleak.controller_sheets`. What is typed stays as it is, sign for sign, whether it
+can be read or not.
 """
 
 from __future__ import annotations
@@ -152,7 +152,9 @@ def checked(draft: Draft) -> Checked:
         controller = checked_controller(into.data)
     except CatalogueError as error:
         faults += [
-            _in_its_cell(fault, into, draft) for fault in (error, *error.others) if not into.is_unread(fault.place.steps)
+            _in_its_cell(fault, into, draft)
+            for fault in (error, *error.others)
+            if not into.is_unread(fault.place.steps)
         ]
     order = {name: number for number, name in enumerate(_SHEETS)}
     faults = sorted(dict.fromkeys(faults), key=lambda fault: (order.get(fault.table, -1), fault.row or 0))

@@ -1,0 +1,57 @@
+"""Draw the valve body that is being described: its spools with their lands, and where its flow goes."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from atleak.catalogue.controller import Controller
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.errors import AtleakError
+from atleak.views.controller_form import Checked, sketch
+from atleak.views.drawing import controller_svg
+from atleak.views.flow_diagram import flow_diagram
+from atleak.views.flow_svg import flow_svg
+from pages.shared import show
+from pages.shared.transmission_tables import COMPONENTS
+
+_COLUMN = 135  # pixels of a column of the flows, at which its words can be read
+
+
+def draw_spools(step: str, found: Checked) -> None:
+    """Draw every component with the lands that are typed so far, beside the tables in which they are typed."""
+    with st.container():
+        if step != COMPONENTS:
+            return
+        controller = found.controller or sketch(found.data)
+        if controller is None:
+            st.caption("The picture begins with the first land that has a component and a diameter.")
+        else:
+            show.svg(controller_svg(controller, title="lands as described"), "every spool with its lands")
+
+
+def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
+    """Draw where the flow of the unit as new goes at one of its operating points, with the fluid of the job."""
+    if step == COMPONENTS:
+        return
+    st.subheader("Where its flow goes when new")
+    with st.container():
+        if found.controller is None:
+            st.caption("Drawn once nothing is missing or wrong.")
+            return
+        points = {point.name: point.label for point in found.controller.operating_points}
+        chosen = st.selectbox(
+            "At", list(points), format_func=lambda name: points.get(name, name), key="transmission-at"
+        )
+        try:
+            drawing, columns = _flow(found.controller, job, chosen or next(iter(points)))
+        except AtleakError as error:
+            st.caption(f"It cannot be drawn: {show.plain(error)}")
+            return
+        show.svg(drawing, "where the flow goes", least_width=_COLUMN * columns)
+
+
+def _flow(controller: Controller, job: Diagnosis, point: str) -> tuple[str, int]:
+    diagnosis = diagnose(controller, job.fluid, job.limits)
+    projection = next(each for each in diagnosis.presented if each.condition.name == point)
+    diagram = flow_diagram(diagnosis, projection)
+    return flow_svg(diagram, f"flow at {projection.condition.label}"), diagram.columns
