@@ -1,7 +1,7 @@
 """A valve body as it is typed on a page: tables of text, which become the tables of its file, and the faults in them.
 
-The tables and their columns are those of `atleak.controller_sheets`. What is typed stays as it is, sign for sign, whether it
-can be read or not.
+The tables and their columns are those of `atleak.controller_sheets`. What is typed stays as it is, sign for sign,
+whether or not it can be read.
 """
 
 from __future__ import annotations

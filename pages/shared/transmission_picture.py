@@ -14,6 +14,8 @@ from atleak.views.flow_svg import flow_svg
 from pages.shared import show
 from pages.shared.transmission_tables import COMPONENTS
 
+_BESIDE = 6  # components side by side
+_ROW, _HIGHEST = 130, 330  # pixels of one row of components, and of the picture; more of it scrolls
 _COLUMN = 135  # pixels of a column of the flows, at which its words can be read
 
 
@@ -26,7 +28,10 @@ def draw_spools(step: str, found: Checked) -> None:
         if controller is None:
             st.caption("The picture begins with the first land that has a component and a diameter.")
         else:
-            show.svg(controller_svg(controller, title="lands as described"), "every spool with its lands")
+            rows = -(-len({land.component for land in controller.lands}) // _BESIDE)
+            with st.container(height=min(rows * _ROW, _HIGHEST), border=False):
+                drawing = controller_svg(controller, columns=_BESIDE, title="lands as described")
+                show.svg(drawing, "every spool with its lands")
 
 
 def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:

@@ -38,7 +38,7 @@ _WRONG, _ROW = "What is wrong", "Row"
 _SPARE = 6  # empty rows at the end of a table
 _MORE = 10
 _TALL, _LINE = 20, 35  # rows that are shown at most, and pixels of one
-_LETTER = 8  # pixels
+_LETTER, _SIGN = 7, 40  # pixels of a letter, and of the sign before a heading
 _OPEN = {"pressure"}  # whose names are offered by no list: a share of one may be typed too
 _NONE = ""
 
@@ -57,7 +57,8 @@ def draw(editing: Editing, step: str, found: Checked) -> None:
     for name in STEPS[step]:
         sheet = _SHEETS[name]
         st.subheader(name)
-        st.caption(f"{sheet.about}. {'A star marks what must be filled in.' if sheet.needed else ''}")
+        star = "A star marks what must be filled in."
+        st.caption(star if sheet.is_form else f"{sheet.about}. {star}")
         if sheet.is_form:
             _form(editing, sheet, found)
         else:
@@ -131,6 +132,7 @@ def _table(editing: Editing, sheet: Sheet, found: Checked) -> None:
         key=key,
         num_rows="fixed",
         hide_index=True,
+        placeholder="",
         column_config=config,
         height=_LINE * (min(len(base), _TALL) + 1) + 3,
         on_change=_take,
@@ -174,7 +176,8 @@ def _cells(column: Column, rows: list[dict[str, str]]) -> Any:
 
 
 def _config(column: Column, editing: Editing, sheet: Sheet) -> Any:
-    label, width, tip = _label(column, editing), max(column.width * _LETTER, 76), column.help or None
+    label, tip = _label(column, editing), column.help or None
+    width = max(column.width * _LETTER, len(label) * _LETTER + _SIGN)
     if isinstance(column.kind, Mark):
         return st.column_config.CheckboxColumn(label, width=60, help=tip)
     typed = (row.get(column.heading, "") for row in editing.draft.rows(sheet.name))
