@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
-_OTHERS_SHOWN = 9
 _NAMES_SHOWN = 40  # of those that would have been valid
 
 
@@ -51,8 +50,10 @@ class Place:
 class InputError(AtleakError):
     """Something a user gave cannot be used: says where, what stood there and what was expected.
 
-    ``others`` are further faults of the same material, listed below the first.
+    ``others`` are further faults of the same material, listed below the first, ``others_shown`` of them.
     """
+
+    others_shown = 9
 
     def __init__(
         self,
@@ -78,9 +79,9 @@ class InputError(AtleakError):
         if self.nearest:
             text += f"; did you mean {self.nearest!r}?"
         if self.others:
-            text += "".join(f"\n  {other}" for other in self.others[:_OTHERS_SHOWN])
-            if len(self.others) > _OTHERS_SHOWN:
-                text += f"\n  … and {len(self.others) - _OTHERS_SHOWN} more"
+            text += "".join(f"\n  {other}" for other in self.others[: self.others_shown])
+            if len(self.others) > self.others_shown:
+                text += f"\n  … and {len(self.others) - self.others_shown} more"
         return text
 
     def rename_file(self, renamed: Callable[[str | None], str | None]) -> None:
@@ -92,6 +93,8 @@ class InputError(AtleakError):
 
 class CatalogueError(InputError):
     """A controller, fluid, limits or instrument file that does not say what it must."""
+
+    others_shown = 59  # a whole valve body described wrongly can be mended in one go
 
 
 class ReadingsError(InputError):

@@ -39,6 +39,7 @@ class Row:
     spot: Spot  # without a heading
     cells: Mapping[str, Any]  # by heading, those that are not empty
     values: Mapping[str, Any]  # in the units of the controller's file
+    absent: frozenset[str] = frozenset()  # needed columns that the sheet does not have: a fault of its own
 
     def at(self, heading: str | None) -> Spot:
         """Return one of its cells."""
@@ -87,8 +88,9 @@ class Description:
         cell = row.cells.get(heading) if heading else None
         self.faults.append(Fault(row.at(heading), problem, cell, expected))
 
-    def unknown(self, row: Row, heading: str, problem: str, known: Sequence[str]) -> None:
-        """Report a name that is none of those known."""
+    def unknown(self, row: Row, heading: str, problem: str, known: Sequence[str]) -> str | None:
+        """Report a name that is none of those known; return the nearest of them, if any."""
         cell = row.cells.get(heading)
         nearest = None if cell is None else nearest_name(str(cell), known)
         self.faults.append(Fault(row.at(heading), problem, cell, one_of(known), nearest))
+        return nearest

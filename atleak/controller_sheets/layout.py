@@ -55,3 +55,6 @@ INSTRUCTIONS = "How to fill in"
 
 NOTE_HEADING, UNIT_MARK, EXAMPLE_MARK = "Note", "unit", "e.g."
 """The first column of every sheet: it marks the row of units and of examples; all else in it is a remark, not read."""
+FIELD, VALUE, UNIT, HOW_KNOWN, ABOUT = FORM_HEADINGS = ("Field", "Value", "Unit", "How known", "About")
+LISTS = "Lists"
+"""A hidden sheet with the names that drop-downs offer."""

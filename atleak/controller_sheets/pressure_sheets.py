@@ -112,6 +112,7 @@ LINE_PRESSURES = Tables(
         evidence(),
     ),
     ("permissible_pressure",),
+    one=("gear", "gears"),
     examples=(
         {
             "Ranges": ["D"],

@@ -35,16 +35,17 @@ class Column:
     how_known: str = ""
     width: int = 14
 
-    def of(self, table: Mapping[str, Any]) -> Any:
-        """Return the column's value of a table; None where it states none."""
+    def of(self, table: Mapping[str, Any], end: int | None = None) -> Any:
+        """Return the column's value of a table, or the given end of its range; None where it states none."""
         if self.how_known:
             return next((name for name in _LISTS if self.how_known in table.get(name, ())), None)
         value: Any = table
         for key in self.keys:
             value = value.get(key) if isinstance(value, Mapping) else None
-        if self.end is not None and value is not None:
+        end = self.end if end is None else end
+        if end is not None and value is not None:
             ends = value if isinstance(value, list) else [value]
-            return ends[self.end] if self.end < len(ends) else None
+            return ends[end] if end < len(ends) else None
         return value
 
     def put(self, table: Values, value: Any) -> None:
@@ -110,10 +111,10 @@ class Sheet:
             if value == EVERY and isinstance(column.kind, Gears):
                 value = into.data.get("gears")  # the head is read first
             if value is None:
-                if column.heading in row.cells:
+                if column.heading in row.cells or column.heading in row.absent:
                     into.unread.add((*at, *column.keys))
                 continue
-            if column.end and not any(key == column.keys[-1] for key in table):
+            if column.end and column.of(table, end=0) is None:
                 into.fault(row, column.heading, "the upper end of a range without its lower one", "both, or neither")
                 continue
             column.put(table, value)
@@ -141,11 +142,14 @@ class Form(Sheet):
 
 @dataclass(frozen=True)
 class Tables(Sheet):
-    """A list of tables, one on each row."""
+    """A list of tables, one on each row. Where the file takes one value or a list of them, ``one`` names both keys."""
+
+    one: tuple[str, str] = ("", "")
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
+        single, several = self.one
         for table in data.get(self._key, ()):
-            yield self._values(table)
+            yield self._values({**table, several: [table[single]]} if single in table else table)
 
     def fill(self, rows: Sequence[Row], into: Description) -> None:
         for row in rows:
@@ -277,12 +281,15 @@ def by_id(into: Description, key: str) -> dict[str, tuple[int, Values]]:
 
 
 def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Description) -> str | None:
-    """Return the id of the table that a row belongs to; None, and a fault, where there is no such table."""
+    """Return the id of the table that a row belongs to; a fault where there is no such table.
+
+    Then it is the id that was probably meant, if any, so that what rests on the row is not called missing as well.
+    """
     name = row.values.get(heading)
     if name in owners:
         return str(name)
     if heading in row.values:
-        into.unknown(row, heading, "no such id in this workbook", list(owners))
-    elif heading not in row.cells:
+        return into.unknown(row, heading, "no such id in this workbook", list(owners))
+    if heading not in row.cells:
         into.fault(row, heading, "this row does not say to what it belongs", "an id, or an empty row")
     return None

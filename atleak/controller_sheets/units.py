@@ -48,6 +48,7 @@ class Measure:
     of_pressure: bool = False
     quantity: str = ""  # as the table of units calls it, where a cell may name a unit of its own: "length"
     si: Decimal = Decimal(1)  # of one of the file's unit
+    usual: tuple[float, float] = (0.0, 0.0)  # in the file's unit: outside of it another unit may have been meant
 
     def label(self, units: Units) -> str:
         """Return the unit as the column's heading says it."""
@@ -100,9 +101,11 @@ def cell_number(value: float, measure: Measure, units: Units) -> float | str:
     return str(Context(prec=30).plus(exact))
 
 
-LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"))
+LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"), usual=(0.5, 100.0))
 SMALL_LENGTH = Measure("µm", "inch", Decimal(1), _MM * 1000, quantity="length", si=Decimal("1e-6"))
-CLEARANCE = Measure("µm", "inch", Decimal(1), _MM * 1000, of_clearance=True, quantity="length", si=Decimal("1e-6"))
+CLEARANCE = Measure(
+    "µm", "inch", Decimal(1), _MM * 1000, of_clearance=True, quantity="length", si=Decimal("1e-6"), usual=(2.0, 100.0)
+)
 VOLUME = Measure("mm³", "inch³", Decimal(1), _MM**3)
 PRESSURE = Measure("kPa", of_pressure=True, quantity="pressure", si=Decimal(1000))
 EXPANSION = Measure("10⁻⁶/K", factor=Decimal("1e-6"))

@@ -20,7 +20,9 @@ from typing import BinaryIO, Literal, get_args
 from atleak.errors import OutputError, Place
 from atleak.version import __version__
 
-Kind = Literal["record", "report workbook", "measuring sheet", "PDF", "job file", "table"]
+Kind = Literal[
+    "record", "report workbook", "measuring sheet", "controller workbook", "PDF", "job file", "table", "TOML file"
+]  # fmt: skip
 
 KEYWORD = f"atleak {__version__}"  # of a PDF
 PROPERTY = "atleak"  # a workbook's property: its kind, and the digest of its parts
@@ -109,8 +111,8 @@ def _obstacle(path: Path, kind: Kind) -> str:
             return ""
     except OSError as error:
         return f"is there already and cannot be looked at ({error.strerror})"
-    if kind == "table":
-        return "is there already, and a table bears no mark that atleak made it"
+    if kind in {"table", "TOML file"}:
+        return f"is there already, and a {kind} bears no mark that atleak made it"
     return f"is there already and is no {kind} that atleak made, or was changed since"
 
 

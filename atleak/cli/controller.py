@@ -1,0 +1,153 @@
+"""Describe a valve body in a workbook: ``atleak controller template|from-workbook|to-workbook|check``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from atleak.cli.shared import add_command, add_force, check_targets, say_written, without_colours, write, write_text
+from atleak.errors import InputError
+
+if TYPE_CHECKING:
+    from atleak.catalogue.controller import Controller
+
+_LOST = "comments and the order of keys in a TOML file are not kept on the way through a workbook"
+
+
+def add_parser(commands: Any) -> None:
+    """Add the commands."""
+    about = "describe a valve body: in a workbook, and as the TOML file that every command takes"
+    parser = commands.add_parser("controller", help=about, description=about[0].upper() + about[1:] + ".")
+    without_colours(parser)
+    group = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    _add_template(group)
+    _add_from_workbook(group)
+    _add_to_workbook(group)
+    check = add_command(group, "check", _check, "whether a valve body is described well: lists all faults at once")
+    check.add_argument("file", metavar="FILE", help="workbook, TOML file, or id of a shipped one")
+
+
+def _add_template(group: Any) -> None:
+    template = add_command(group, "template", _template, "a workbook to fill in")
+    template.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    template.add_argument(
+        "--from",
+        dest="start",
+        metavar="ID|FILE",
+        help="start from this one: all of it is filled in but its id, name, source and date",
+    )
+    _add_units(template)
+    add_force(template)
+
+
+def _add_from_workbook(group: Any) -> None:
+    parser = add_command(group, "from-workbook", _from_workbook, "a filled workbook as TOML file")
+    parser.add_argument("workbook", metavar="FILE.xlsx")
+    parser.add_argument("-o", "--output", metavar="FILE.toml|-", required=True)
+    add_force(parser)
+
+
+def _add_to_workbook(group: Any) -> None:
+    parser = add_command(group, "to-workbook", _to_workbook, "a valve body as workbook, to change it there")
+    parser.add_argument("controller", metavar="ID|FILE")
+    parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True)
+    _add_units(parser)
+    add_force(parser)
+
+
+def _add_units(parser: argparse.ArgumentParser) -> None:
+    from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES
+
+    parser.add_argument("--units", choices=LENGTHS, default=LENGTHS[0], help="of lengths and clearances")
+    parser.add_argument(
+        "--clearance", choices=CLEARANCES, default=CLEARANCES[0], help="half of bore minus spool, or all of it"
+    )
+    parser.add_argument("--pressure", choices=PRESSURES, default=PRESSURES[0], help="unit of pressures")
+
+
+def _template(options: argparse.Namespace) -> int:
+    from atleak.catalogue.entries import Entry
+
+    _check_name(options.output, ".xlsx", "the workbook to fill in")
+    data = None
+    if options.start is not None:
+        tables = _tables(options.start)
+        data = {key: value for key, value in tables.items() if key not in Entry.model_fields}
+    return _write_workbook(options, options.start, data)
+
+
+def _to_workbook(options: argparse.Namespace) -> int:
+    _check_name(options.output, ".xlsx", "the workbook")
+    status = _write_workbook(options, options.controller, _tables(options.controller))
+    print(f"atleak: {_LOST}", file=sys.stderr)
+    return status
+
+
+def _write_workbook(options: argparse.Namespace, source: str | None, data: Mapping[str, Any] | None) -> int:
+    from atleak.controller_sheets.units import Units
+    from atleak.report.controller_workbook import write_controller_workbook
+
+    check_targets(options, [source], [("controller workbook", options.output)])
+    units = Units(options.units, options.clearance, options.pressure)
+    say_written(write(options.output, write_controller_workbook(data, units)))
+    return 0
+
+
+def _from_workbook(options: argparse.Namespace) -> int:
+    from atleak.catalogue.controller_toml import written_toml
+    from atleak.intake.controller_workbook import read_controller_workbook
+
+    if options.output != "-":
+        _check_name(options.output, ".toml", "the description")
+    check_targets(options, [options.workbook], [("TOML file", options.output)])
+    described = read_controller_workbook(options.workbook)
+    for note in described.notes:
+        print(f"atleak: {note}", file=sys.stderr)
+    say_written(write_text(options.output, written_toml(described.data)))
+    if options.output != "-":
+        print(_summary(described.controller))
+    return 0
+
+
+def _check(options: argparse.Namespace) -> int:
+    from atleak.catalogue.controller_reading import load_controller
+    from atleak.intake.controller_workbook import is_workbook, read_controller_workbook
+
+    if is_workbook(options.file) or Path(options.file).suffix.lower() == ".xlsx":
+        described = read_controller_workbook(options.file)
+        for note in described.notes:
+            print(f"atleak: {note}", file=sys.stderr)
+        controller = described.controller
+    else:
+        controller = load_controller(options.file)
+    print(f"{_summary(controller)}; nothing is wrong with it")
+    return 0
+
+
+def _summary(controller: Controller) -> str:
+    """Say what a valve body's description holds."""
+    counts = {
+        "components": len(controller.components),
+        "lands": len(controller.lands),
+        "gaps": len(controller.gaps),
+        "circuits": len(controller.circuits),
+        "operating points": len(controller.operating_points),
+    }
+    return f"{controller.name}: " + ", ".join(f"{number} {what}" for what, number in counts.items())
+
+
+def _tables(id_or_path: str) -> dict[str, Any]:
+    """Return the tables of a controller's file that is as it must be."""
+    from atleak.catalogue.controller_reading import load_controller
+    from atleak.catalogue.entries import read_tables
+
+    load_controller(id_or_path)
+    return read_tables("controllers", id_or_path)[0]
+
+
+def _check_name(name: str, suffix: str, what: str) -> None:
+    if Path(name).suffix.lower() != suffix:
+        raise InputError(f"{what} is a {suffix} file", value=name, expected=f"a name{suffix}")

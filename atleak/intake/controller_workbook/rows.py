@@ -1,0 +1,266 @@
+"""Read the rows of one sheet: columns by their headings, cells by what their columns ask for."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import Any
+
+from atleak.controller_sheets.description import Description, Fault, Row, Spot
+from atleak.controller_sheets.kinds import Cell, NotAccepted, Number, as_text
+from atleak.controller_sheets.layout import (
+    EXAMPLE_MARK,
+    FIELD,
+    HOW_KNOWN,
+    NOTE_HEADING,
+    UNIT_MARK,
+    VALUE,
+)
+from atleak.controller_sheets.shapes import Column
+from atleak.controller_sheets.shapes import Sheet as Declared
+from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
+from atleak.errors import nearest_name, one_of
+from atleak.intake.plain_words import words
+from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.units import find_unit
+
+_LOOKED_AT = 40  # rows at the top of a sheet among which its headings are sought
+_WITH_UNIT = re.compile(r"(.*?\d[.,]?)\s*([^\d\s.,][^\d]*)")
+
+
+@dataclass
+class Page:
+    """A sheet as it was read: its rows, and where the cells of each heading stand."""
+
+    sheet: Sheet
+    declared: Declared
+    rows: list[Row]
+    columns: Mapping[str, int]  # by heading; of a form none
+    lines: Mapping[str, tuple[int, int]] = field(default_factory=dict)  # row and column by heading, of a form
+
+
+def form_page(
+    sheet: Sheet,
+    declared: Declared,
+    lines: Sequence[Column],
+    units: Units,
+    into: Description,
+    others: Sequence[Column] = (),
+) -> Page | None:
+    """Read a sheet with one key on each line; None where its headings are missing.
+
+    Parameters
+    ----------
+    sheet
+        as it stands in the workbook.
+    declared
+        as it is declared.
+    lines
+        those to read.
+    units
+        in which its numbers are written.
+    into
+        takes what is wrong.
+    others
+        further lines of the sheet that are not read here.
+    """
+    top = _heading_row(sheet, [FIELD, VALUE])
+    if top is None:
+        return None
+    columns = {words(as_text(cell)): number for number, cell in reversed(list(enumerate(sheet.rows[top])))}
+    field_column, value_column, known_column = (columns.get(words(each)) for each in (FIELD, VALUE, HOW_KNOWN))
+    if field_column is None or value_column is None:
+        return None
+    by_words = {words(line.heading): line for line in lines if not line.how_known}
+    known = {line.how_known: line for line in lines if line.how_known}
+    skipped = {words(line.heading) for line in others}
+    page = Page(sheet, declared, [], {})
+    places: dict[str, tuple[int, int]] = {}
+    cells: dict[str, Any] = {}
+    values: dict[str, Any] = {}
+    for row in range(top + 1, len(sheet.rows)):
+        label = as_text(sheet.cell(row, field_column))
+        line = by_words.get(words(label))
+        if line is None:
+            if label and words(label) not in skipped and _raw(sheet, row, value_column) is not None:
+                headings = [each.heading for each in by_words.values()]
+                spot = Spot(declared.name, sheet.row_number(row))
+                into.faults.append(Fault(spot, "unknown field", label, one_of(headings), nearest_name(label, headings)))
+            continue
+        origin = known.get(line.keys[-1])
+        for column, each in ((value_column, line), (known_column, origin)):
+            if each is None or column is None:
+                continue
+            if each.heading in places and _raw(sheet, row, column) is not None:
+                spot = Spot(declared.name, sheet.row_number(row))
+                into.faults.append(Fault(spot, "field given twice", label, "each field once"))
+                continue
+            places.setdefault(each.heading, (row, column))
+            _read_cell(page, row, column, each, units, cells, values, Spot(declared.name, None, each.heading), into)
+    page.lines = places
+    if cells:
+        page.rows.append(Row(Spot(declared.name), cells, values))
+    return page
+
+
+def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description) -> Page | None:
+    """Read a sheet with one table on each row; None where its headings are missing. Parameters as of `form_page`."""
+    top = _heading_row(sheet, [column.heading for column in declared.columns])
+    if top is None:
+        return None
+    columns = _columns(sheet, top, declared, into)
+    page = Page(sheet, declared, [], {column.heading: number for number, column in columns.items()})
+    note = next((number for number in range(sheet.width) if _is(sheet.cell(top, number), NOTE_HEADING)), None)
+    missing = [column for column in declared.columns if column.required and column.heading not in page.columns]
+    for column in missing:
+        spot = Spot(declared.name, sheet.row_number(top))
+        into.faults.append(Fault(spot, f"the column {column.heading!r} is missing"))
+    for row in range(top + 1, len(sheet.rows)):
+        mark = "" if note is None else sheet.cell(row, note)
+        if row == top + 1 and _is(mark, UNIT_MARK):
+            _check_units(sheet, row, columns, declared, units, into)
+            continue
+        spot = Spot(declared.name, sheet.row_number(row))
+        cells: dict[str, Any] = {}
+        values: dict[str, Any] = {}
+        if not any(_own(sheet, row, number) for number in columns):
+            continue
+        if _is(mark, EXAMPLE_MARK):
+            stands = {column.heading: _raw(sheet, row, number) for number, column in columns.items()}
+            if not _is_example(declared, columns.values(), stands):
+                expected = f"the example as it was, or no {EXAMPLE_MARK!r} before a row of your own"
+                into.faults.append(Fault(spot, "a row marked as an example was changed", expected=expected))
+            continue
+        if as_text(mark):
+            into.notes.append(f"sheet {sheet.name!r}, row {sheet.row_number(row)}: the note is not carried over")
+        for number, column in columns.items():
+            at = Spot(declared.name, spot.row, column.heading)
+            _read_cell(page, row, number, column, units, cells, values, at, into)
+        absent = frozenset(column.heading for column in missing)
+        page.rows.append(Row(spot, cells, values, absent))
+    return page
+
+
+def _heading_row(sheet: Sheet, headings: Sequence[str]) -> int | None:
+    """Return the row in which most of the headings stand, the first of several; None where none does."""
+    wanted = {words(heading) for heading in headings}
+    best, most = None, 0
+    for row in range(min(len(sheet.rows), _LOOKED_AT)):
+        score = len({words(as_text(cell)) for cell in sheet.rows[row]} & wanted)
+        if score > most:
+            best, most = row, score
+    return best if most >= min(2, len(wanted)) else None
+
+
+def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> dict[int, Column]:
+    """Return the columns by their place; a heading that means nothing is a fault where something stands below it."""
+    by_words = {words(column.heading): column for column in declared.columns}
+    columns: dict[int, Column] = {}
+    for number in range(sheet.width):
+        heading = sheet.cell(top, number)
+        if _is(heading, NOTE_HEADING):
+            continue
+        column = by_words.get(words(as_text(heading))) or (declared.further_column(heading) if heading != "" else None)
+        spot = Spot(declared.name, sheet.row_number(top), as_text(heading) or None)
+        if column is not None and all(column.heading != each.heading for each in columns.values()):
+            columns[number] = column
+        elif any(_own(sheet, row, number) for row in range(top + 1, len(sheet.rows))):
+            if column is not None:
+                into.faults.append(Fault(spot, "column given twice", heading, "each column once"))
+                continue
+            headings = [each.heading for each in declared.columns]
+            nearest = nearest_name(as_text(heading), headings)
+            problem = "unknown column" if heading != "" else f"column {number + 1} holds something and has no heading"
+            into.faults.append(Fault(spot, problem, heading or None, one_of(headings), nearest))
+    return columns
+
+
+def _check_units(
+    sheet: Sheet, row: int, columns: Mapping[int, Column], declared: Declared, units: Units, into: Description
+) -> None:
+    """Compare the units under the headings with those of the head, where a program has worked them out."""
+    for number, column in columns.items():
+        label, stands = column.kind.label(units), as_text(sheet.cell(row, number))
+        if stands and words(stands) != words(label):
+            spot = Spot(declared.name, sheet.row_number(row), column.heading)
+            expected = f"{label}, as the first sheet says" if label else "no unit"
+            into.faults.append(Fault(spot, "another unit than that of the workbook", stands, expected))
+
+
+def _is_example(declared: Declared, columns: Any, stands: Mapping[str, Cell]) -> bool:
+    """Return whether a row is an example as it was written, in whichever units."""
+    every = [Units(*choice) for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)]
+    shown = {heading: as_text(cell) for heading, cell in stands.items() if cell is not None}
+    return any(
+        shown
+        == {
+            column.heading: as_text(column.kind.cell(example[column.heading], units))
+            for column in columns
+            if column.heading in example
+        }
+        for example in declared.examples
+        for units in every
+    )
+
+
+def _is(cell: Cell, mark: str) -> bool:
+    return isinstance(cell, str) and cell.strip().casefold().rstrip(".") == mark.casefold().rstrip(".")
+
+
+def _own(sheet: Sheet, row: int, column: int) -> bool:
+    """Return whether something stands in the cell itself, a formula without a result too."""
+    cell = sheet.cell(row, column)
+    return (row, column) in sheet.faults or (cell.strip() != "" if isinstance(cell, str) else cell is not None)
+
+
+def _raw(sheet: Sheet, row: int, column: int) -> Cell | None:
+    """Return what stands in a cell, or in the one above with which it is merged; None where it is empty."""
+    above, left = sheet.merged.get((row, column), (row, column))
+    cell = sheet.cell(above, left) if left == column else ""
+    return None if cell is None or (isinstance(cell, str) and not cell.strip()) else cell
+
+
+def _read_cell(
+    page: Page,
+    row: int,
+    number: int,
+    column: Column,
+    units: Units,
+    cells: dict[str, Any],
+    values: dict[str, Any],
+    spot: Spot,
+    into: Description,
+) -> None:
+    """Read a cell into the cells and values of its row."""
+    sheet = page.sheet
+    if (row, number) in sheet.faults:
+        cells[column.heading] = sheet.faults[row, number]
+        expected = "a value, or the workbook saved by a spreadsheet program, which works the formula out"
+        into.faults.append(Fault(spot, "a formula without a result", cells[column.heading], expected))
+        return
+    cell = _raw(sheet, row, number)
+    if cell is None:
+        return
+    cells[column.heading] = cell
+    if sheet.is_struck(row, number):
+        into.faults.append(Fault(spot, "crossed out", cell, "the value, or an empty cell"))
+        return
+    try:
+        values[column.heading] = _value(column, cell, units)
+    except NotAccepted as error:
+        into.faults.append(Fault(spot, "not accepted", cell, str(error)))
+
+
+def _value(column: Column, cell: Cell, units: Units) -> Any:
+    """Return the value of a cell in the file's unit, from a unit of its own where it names one."""
+    kind = column.kind
+    if isinstance(cell, str) and isinstance(kind, Number) and kind.measure.quantity:
+        parts = _WITH_UNIT.fullmatch(cell.strip())
+        unit = None if parts is None else find_unit(parts[2], kind.measure.quantity)
+        if parts is not None and unit is not None and not unit.offset:
+            number = Decimal(str(Number().written(parts[1], units))) * Decimal(repr(unit.factor)) / kind.measure.si
+            return float(number / 2 if kind.measure.of_clearance and units.clearance == "diametral" else number)
+    return kind.value(cell, units)

@@ -1,0 +1,62 @@
+"""Write the workbook that describes a valve body, empty or filled in.
+
+`atleak.controller_sheets.layout` declares its sheets; `atleak.intake.controller_workbook` reads it back.
+"""
+
+from __future__ import annotations
+
+import datetime
+import io
+from collections.abc import Mapping
+from typing import Any
+
+import xlsxwriter
+
+from atleak.controller_sheets.layout import INSTRUCTIONS, LISTS, SHEETS
+from atleak.controller_sheets.shapes import Form
+from atleak.controller_sheets.units import Units
+from atleak.report.controller_workbook.instructions import write_instructions
+from atleak.report.controller_workbook.offered import Places, write_names
+from atleak.report.controller_workbook.sheets import formats, write_form, write_table
+from atleak.system.marks import PROPERTY, sealed, unsealed
+
+_CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same description gives the same bytes
+
+
+def write_controller_workbook(data: Mapping[str, Any] | None = None, units: Units | None = None) -> bytes:
+    """Return the workbook of a valve body.
+
+    Parameters
+    ----------
+    data
+        the tables of a controller's file, as a TOML file of the same content gives them; without them the workbook is
+        empty, but for rows marked as examples.
+    units
+        in which its numbers are written: mm, radial and kPa unless given.
+
+    Returns
+    -------
+    bytes
+        of an .xlsx workbook; the same tables and units give the same bytes. Texts stay texts, never formulas.
+    """
+    units = units or Units()
+    buffer = io.BytesIO()
+    options = {
+        "in_memory": True,
+        "strings_to_formulas": False,
+        "strings_to_urls": False,
+        "strings_to_numbers": False,
+    }
+    with xlsxwriter.Workbook(buffer, options) as book:
+        title = "Valve body to describe" if data is None else f"Valve body: {data.get('name', '')}"[:200]
+        book.set_properties({"title": title, "created": _CREATED})
+        book.set_custom_property(PROPERTY, unsealed("controller workbook"))
+        styles = formats(book)
+        write_instructions(book.add_worksheet(INSTRUCTIONS), styles)
+        pages = {sheet.name: book.add_worksheet(sheet.name) for sheet in SHEETS}
+        places = Places()
+        for sheet in SHEETS:
+            write = write_form if isinstance(sheet, Form) else write_table
+            write(pages[sheet.name], styles, sheet, data, units, places)
+        write_names(book, book.add_worksheet(LISTS), places)
+    return sealed(buffer.getvalue())
