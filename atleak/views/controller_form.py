@@ -15,9 +15,10 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.entries import id_from_name
-from atleak.controller_sheets.description import Description, Fault, Row, Spot, Steps
+from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.kinds import Kind, NotAccepted
 from atleak.controller_sheets.layout import HEAD, SHEETS
+from atleak.controller_sheets.meaning import fault_of_cell
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError, InputError
@@ -141,21 +142,19 @@ def read_draft(text: str) -> Draft | None:
 
 def checked(draft: Draft) -> Checked:
     """Read a draft and check it as its file would be, and name everything that is wrong in one list."""
-    into = Description()
+    into, rows = Description(), {}
     for sheet in SHEETS:
-        sheet.fill(_rows(draft, sheet, into), into)
-    if "id" not in into.data and "name" in into.data and (made := id_from_name(into.data["name"])):
+        rows[sheet.name] = _rows(draft, sheet, into)
+        sheet.fill(rows[sheet.name], into)
+    if "id" not in into.data and (made := id_from_name(into.data.get("name", "unnamed"))):
         into.data["id"] = made
     faults = [_of_cell(fault) for fault in into.faults]
     controller = None
     try:
         controller = checked_controller(into.data)
     except CatalogueError as error:
-        faults += [
-            _in_its_cell(fault, into, draft)
-            for fault in (error, *error.others)
-            if not into.is_unread(fault.place.steps)
-        ]
+        further = [fault for fault in (error, *error.others) if not into.is_unread(fault.place.steps)]
+        faults += [_of_cell(_in_its_cell(fault, into, rows, draft.units)) for fault in further]
     order = {name: number for number, name in enumerate(_SHEETS)}
     faults = sorted(dict.fromkeys(faults), key=lambda fault: (order.get(fault.table, -1), fault.row or 0))
     return Checked(into.data, None if faults else controller, tuple(faults), tuple(into.notes))
@@ -264,17 +263,16 @@ def _of_cell(fault: Fault) -> FormFault:
     return FormFault(fault.spot.sheet, fault.spot.row, fault.spot.heading, said)
 
 
-def _in_its_cell(fault: InputError, into: Description, draft: Draft) -> FormFault:
-    """Return a fault of the tables where it stands on the page, with what was typed there."""
-    spot = into.spot(fault.place.steps) or _sheet_of(fault.place.steps)
-    typed = fault.value
-    if spot.row is not None and spot.heading is not None:
-        typed = draft.rows(spot.sheet)[spot.row - 1].get(spot.heading, fault.value)
-    problem = fault.problem if spot.heading or fault.place.key is None else f"{fault.place.key}: {fault.problem}"
-    said = str(InputError(problem, value=typed, expected=fault.expected, nearest=fault.nearest))
-    return FormFault(spot.sheet, spot.row, spot.heading, said)
-
-
-def _sheet_of(steps: Steps) -> Spot:
-    """Return the table in which something is missing altogether."""
-    return Spot(next((sheet.name for sheet in SHEETS if sheet.at[:1] == steps[:1]), HEAD.name))
+def _in_its_cell(error: InputError, into: Description, rows: Mapping[str, Sequence[Row]], units: Units) -> Fault:
+    """Return a fault of the tables where it stands on the page."""
+    spot = into.spot(error.place.steps)
+    if spot is None:
+        sheet = next((sheet for sheet in SHEETS if sheet.at[:1] == error.place.steps[:1]), HEAD)
+        problem = "nothing is filled in yet" if len(error.place.steps) == 1 else error.problem
+        return Fault(Spot(sheet.name), problem, error.value, error.expected, error.nearest)
+    row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), None)
+    column = None if spot.heading is None else _column(_SHEETS[spot.sheet], spot.heading)
+    if row is not None and column is not None:
+        return fault_of_cell(error, column, row, units)
+    problem = error.problem if row is None or row.cells else "nothing is filled in yet"
+    return Fault(spot, problem, error.value, error.expected, error.nearest)

@@ -15,6 +15,8 @@ from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import own_files, read_tables, write_own
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.errors import CatalogueError, OutputError
+from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.report.controller_workbook import write_controller_workbook
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
 from atleak.views.controller_form import Checked, Draft, checked, copy_of, draft_of, read_draft
 from pages.shared import panel, show
@@ -102,7 +104,7 @@ def choose_start() -> None:
             help="A shipped valve body is copied under another name; an own one is edited itself.",
         )
         st.button("Start", type="primary", on_click=_start, args=(start,))
-        upload = st.file_uploader("or read a file (TOML)", ["toml"], key="transmission-file")
+        upload = st.file_uploader("or read a workbook or a TOML file", ["xlsx", "toml"], key="transmission-file")
         if upload is not None:
             _read_file(upload.name, upload.getvalue())
     with right, st.container(border=True):
@@ -154,12 +156,17 @@ def _close() -> None:
 
 def _read_file(name: str, content: bytes) -> None:
     try:
-        data = tomllib.loads(content.decode("utf-8-sig"))
-        checked_controller(data, name)
+        if content.startswith(b"PK"):
+            workbook = read_controller_workbook(content, name=name)
+            draft = draft_of(workbook.data, workbook.units)
+        else:
+            data = tomllib.loads(content.decode("utf-8-sig"))
+            checked_controller(data, name)
+            draft = draft_of(data)
     except (CatalogueError, ValueError, RecursionError) as error:
         st.error(f"**{show.plain(name)} was not taken.** {show.plain(error)}")
         return
-    st.session_state[_STATE] = Editing(draft_of(data))
+    st.session_state[_STATE] = Editing(draft)
     st.rerun()
 
 
@@ -237,7 +244,15 @@ def draw_saving(editing: Editing, found: Checked) -> None:
             args=("controller", name),
             help="Chooses it as the valve body in the sidebar. Save it first.",
         )
-        st.download_button("This file (TOML)", text, f"{name or 'unnamed'}.toml", on_click="ignore")
+        st.download_button("TOML file", text, f"{name or 'unnamed'}.toml", on_click="ignore")
+        st.download_button(
+            "Workbook",
+            lambda: write_controller_workbook(found.data, editing.draft.units),
+            f"{name or 'unnamed'}.xlsx",
+            on_click="ignore",
+            disabled=found.controller is None,
+            help="The same tables as sheets, to be filled in elsewhere and read here again.",
+        )
     with st.container():
         if refused := st.session_state.pop(editing.key("refused"), None):
             st.error(show.plain(refused))
