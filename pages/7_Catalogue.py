@@ -3,6 +3,7 @@
 import streamlit as st
 
 from atleak.catalogue.entries import own_folder
+from atleak.figures.fluid_figures import viscosity_curve
 from atleak.views import catalogue_rows as rows
 from pages.shared import panel, show
 from pages.shared.cases import catalogue_list, shown_name
@@ -33,6 +34,10 @@ for tab, kind in zip(st.tabs(["Valve bodies", "Fluids", "Limits"]), rows.FOLDERS
             st.markdown(show.plain(entry.note))
         if getattr(entry, "representative", None):
             st.info(f"**Representative:** {show.plain(rows.representative(entry))}")
+        if kind == "fluid":
+            st.subheader("Viscosity over temperature")
+            show.chart(viscosity_curve(entry), "viscosity-curve")
+            st.caption("ASTM D341 through the points of the data sheet; dashed where it goes beyond them.")
         for title, table in rows.TABLES[kind](entry).items():
             st.subheader(title)
             show.table(table)
