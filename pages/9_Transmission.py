@@ -7,8 +7,8 @@ from pages.shared import panel, transmission, transmission_picture, transmission
 case, diagnosis = panel.shown()
 st.title("Transmission")
 st.write(
-    "Describe any valve body in tables and keep it in your own catalogue. Numbers may have a decimal comma or point. "
-    "Shipped files stay as they are: a copy is edited."
+    "Describe any valve body in tables and keep it in your own catalogue. Numbers may have a decimal comma or point; "
+    "rows can be pasted from a spreadsheet. Shipped files stay as they are: a copy is edited."
 )
 editing = transmission.current()
 if editing is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_toml import written_toml
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import AtleakError
 from atleak.views.controller_form import Checked, sketch
@@ -48,15 +49,18 @@ def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
             "At", list(points), format_func=lambda name: points.get(name, name), key="transmission-at"
         )
         try:
-            drawing, columns = _flow(found.controller, job, chosen or next(iter(points)))
+            key = written_toml(found.data), job.fluid.origin.sha256, job.fluid.state, job.limits.origin.sha256
+            drawing, columns = _flow(key, chosen or next(iter(points)), found.controller, job)
         except AtleakError as error:
             st.caption(f"It cannot be drawn: {show.plain(error)}")
             return
         show.svg(drawing, "where the flow goes", least_width=_COLUMN * columns)
 
 
-def _flow(controller: Controller, job: Diagnosis, point: str) -> tuple[str, int]:
-    diagnosis = diagnose(controller, job.fluid, job.limits)
+@st.cache_resource(max_entries=8, show_spinner=False)
+def _flow(key: tuple[str, ...], point: str, _controller: Controller, _job: Diagnosis) -> tuple[str, int]:
+    """Return the drawing of the flows at an operating point, and how many columns it has."""
+    diagnosis = diagnose(_controller, _job.fluid, _job.limits)
     projection = next(each for each in diagnosis.presented if each.condition.name == point)
     diagram = flow_diagram(diagnosis, projection)
     return flow_svg(diagram, f"flow at {projection.condition.label}"), diagram.columns

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from atleak.catalogue.controller_reading import controllers, load_controller
-from atleak.catalogue.entries import KINDS, catalogue_files, listed, own_folder, shipped_files
+from atleak.catalogue.entries import KINDS, catalogue_files, listed, own_folder, shipped_files, write_own
 from atleak.catalogue.fluid import load_fluid
-from atleak.errors import CatalogueError
+from atleak.errors import CatalogueError, OutputError
 from atleak.job.case import Case
 from atleak.job.file import read_job_file, write_job_file
 from atleak.system.home import made
@@ -104,3 +105,17 @@ def test_a_job_file_takes_the_own_valve_body_with_it(put: Put, own_home: Path, m
     opened = read_job_file(content).diagnose()
     assert opened.controller.id == "my_box"
     assert opened.projection.share == pytest.approx(diagnosis.projection.share, abs=1e-12)
+
+
+def test_an_own_file_is_written_once_and_replaced_only_by_who_knows_it(own_home: Path) -> None:
+    path = write_own("fluids", "drum", "first = 1\n")
+    assert path == own_home / "catalogue" / "fluids" / "drum.toml"
+    known = hashlib.sha256(path.read_bytes()).hexdigest()
+    with pytest.raises(OutputError, match=r"drum\.toml: is in your catalogue already"):
+        write_own("fluids", "drum", "second = 2\n")
+    write_own("fluids", "drum", "second = 2\n", over=known)
+    with pytest.raises(OutputError, match="changed by someone else"):
+        write_own("fluids", "drum", "third = 3\n", over=known)
+    assert path.read_text(encoding="utf-8") == "second = 2\n"
+    with pytest.raises(OutputError, match="ships with atleak"):
+        write_own("fluids", "mobil_atf_220", "")
