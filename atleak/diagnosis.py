@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.complaints import Complaint
-from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, OperatingPoint
+from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Controller, Land, OperatingPoint
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
@@ -20,6 +20,7 @@ from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message, RoadTestError
 from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.pressure_table import PressureTable
+from atleak.provisional import Basis, representative_bases
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
 from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings, road_findings
@@ -285,6 +286,31 @@ class Diagnosis:
         every: list[LandDiagnosis | Rule] = [*self.lands, *self.unit_rules]
         return max((self._decision_on(each) for each in every), key=_certainty, default=None)
 
+    @property
+    def provisional(self) -> tuple[Basis, ...]:
+        """Return which representative values the verdict rests on; none where it is not provisional.
+
+        A unit past a limit rests on what the rule rests on that decided; one within all limits on what any rule does.
+        """
+        if self.verdict == Verdict.NOT_MEASURED:
+            return ()
+        decided_by = self.decided_by
+        rules: list[tuple[Rule, Iterable[Land]]] = []
+        for land in self.lands if decided_by is None else [decided_by]:
+            if not isinstance(land, Rule):
+                mine = land.rules if decided_by is None else [land.deciding]
+                rules += [(rule, [land.state.land]) for rule in mine if rule is not None]
+        for rule in self.unit_rules if decided_by is None else [decided_by]:
+            if isinstance(rule, Rule):
+                rules.append((rule, self.controller.lands))
+        measured = [land.state.land for land in self.lands if land.state.status == "measured"]
+        return representative_bases(rules, self.controller, self.fluid, measured)
+
+    @property
+    def upper_bound(self) -> bool:
+        """Tell whether leakage is an upper bound, as the controller's file does not say where its lands leak."""
+        return not self.controller.gaps_described
+
     def _decision_on(self, each: LandDiagnosis | Rule) -> Decision | None:
         if not isinstance(each, Rule):
             return each.decision
@@ -406,6 +432,8 @@ def diagnose(
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
+    if readings is not None:
+        controller = readings.own_lands.applied(controller)
     condition = condition or controller.operating_points[0]
     fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
     fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)

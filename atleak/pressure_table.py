@@ -102,15 +102,15 @@ def gear_in(selected: SelectorRange, gears: Iterable[int]) -> int | None:
     """Return the gear that is engaged in a range while the vehicle stands; None where the gears do not tell.
 
     A forward range stands in the lowest forward gear (a choice of this project: some units start in second where 2 is
-    selected). A file counts neutral as 0 and reverse as a negative number; park is no gear.
+    selected). A file counts neutral and park as 0, both without a clutch that drives, and reverse as a negative number.
 
     >>> [gear_in(selected, (-1, 1, 2, 3)) for selected in ("P", "R", "N", "D", "2")]
     [None, -1, None, 1, 1]
+    >>> gear_in("P", (-1, 0, 1)), gear_in("N", (-1, 0, 1))
+    (0, 0)
     """
     known = sorted(gears)
-    if selected == "P":
-        return None
-    if selected == "N":
+    if selected in {"P", "N"}:
         return 0 if 0 in known else None
     if selected == "R":
         return max((gear for gear in known if gear < 0), default=None)

@@ -18,6 +18,7 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message, Place, ReadingsError
+from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
@@ -67,6 +68,24 @@ class Readings:
     temperature: float | None = None  # [°C] of gauge and parts, as the sheet's head states it
     date: dt.date | None = None  # of the measurement, as the sheet's head states it
     pressures: PressureTable | None = None  # of the sheet's own tab, where it is filled in
+    own_lands: OwnLands = OwnLands()  # noqa: RUF009  frozen, so safe to share; lengths measured, repairs fitted
+    unworn: tuple[Reading, ...] = ()  # marked as taken at an unworn end: of the pair when new, none of ``readings``
+
+    @property
+    def when_new(self) -> Readings:
+        """Return the readings that tell what pairs were when new.
+
+        Those of a sheet without marks are of a new unit, all of them. Of a used unit they are those at unworn ends,
+        and of lands whose bore has such readings also the spool as it is, where it has no unworn end of its own.
+        """
+        if not self.unworn:
+            return self
+        bores = {(each.component, each.plane) for each in self.unworn if each.part == "sleeve"}
+        spools = {(each.component, each.plane) for each in self.unworn if each.part == "spool"}
+        beside = (each for each in self.readings if each.part == "spool")
+        beside = (each for each in beside if (each.component, each.plane) in bores - spools)
+        taken = (each for each in self.unworn if (each.component, each.plane) in bores)
+        return replace(self, readings=(*beside, *taken), unworn=())
 
     def measured_at(self, stated: float | None = None) -> MeasuringTemperature:
         """Return the temperature of measuring: as stated for the job [°C], else as in the sheet, else 20 °C."""
@@ -285,7 +304,7 @@ def _land_clearance(
     if gauges is not None and sleeve_diameter < spool_diameter:
         raise ReadingsError(
             f"component {land.component} land {land.land}: corrected from {temperature:g} to "
-            f"{REFERENCE_TEMPERATURE:g} °C the sleeve is smaller than the {land.part}",
+            f"{REFERENCE_TEMPERATURE:g} °C the sleeve is smaller than the {land.part_name}",
             place=place,
             value=f"{_mm(sleeve_diameter)} and {_mm(spool_diameter)} mm",
             expected="the temperature that gauge and parts had when they were measured",
@@ -396,7 +415,7 @@ def _part_messages(
     land: Land, part: Part, readings: list[Reading], groups: Collection[list[Reading]], mean: _PartMean
 ) -> Iterable[Message]:
     name = f"component {land.component} land {land.land}"
-    word = land.part if part == "spool" else "sleeve"
+    word = land.part_name if part == "spool" else "sleeve"
     for group in groups:
         first = group[0]
         where = f"{name}, {word}, plane {first.plane}{_direction(first.direction)}"
@@ -464,8 +483,8 @@ def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Messag
         yield Message(
             "warning",
             "spool_missing",
-            f"{name}: {land.part} not measured; its nominal diameter {_mm(state.spool_diameter)} mm was taken, so its "
-            "wear is not seen",
+            f"{name}: {land.part_name} not measured; its nominal diameter {_mm(state.spool_diameter)} mm was taken, so "
+            "its wear is not seen",
             place,
         )
     elif state.status == "measured" and state.min_clearance < 0.0 <= state.radial_clearance:
@@ -473,7 +492,7 @@ def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Messag
             "warning",
             "tight_direction",
             f"{name}: in one direction the sleeve measures {_um(-2.0 * state.min_clearance)} µm smaller than the "
-            f"{land.part}",
+            f"{land.part_name}",
             place,
         )
 

@@ -58,10 +58,17 @@ def messages_of(
             Message("warning", "controller_representative", f"{controller.name}: {controller.representative}")
         )
     leaking = {gap.key for gap in controller.gaps}
-    silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking]
+    silent = [f"{land.component}/{land.land}" for land in controller.lands if land.key not in leaking and not land.seal]
     if silent:
         text = f"{controller.name} names no gap of lands {', '.join(silent)}: they are taken to leak nothing."
         messages.append(Message("warning", "land_without_gap", text))
+    sealed = [f"{land.component}/{land.land}" for land in controller.lands if land.seal]
+    if sealed:
+        text = (
+            f"A ring seals lands {', '.join(sealed)}: they leak nothing through their clearance, which is not judged. "
+            "What passes a ring is a leak of its own."
+        )
+        messages.append(Message("info", "land_sealed", text))
     gears = {projection.condition.gear for projection in projections}
     nowhere = [circuit.name for circuit in controller.circuits if not circuit.gears & gears]
     if nowhere:

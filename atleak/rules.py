@@ -211,6 +211,8 @@ def _share_rule(kind: RuleKind, at: Projection, share: float, new: float, steps:
 
 def _land_rules(state: LandClearance, at: Sequence[tuple[Projection, Projection]], limits: Limits) -> tuple[Rule, ...]:
     land, rules = state.land, []
+    if land.seal:  # its ring parts the pressures, not its clearance
+        return ()
     if limits.wear is not None:
         wear = replace(limits.wear, levels=limits.wear.of_wear(land.mounting_high, land.mounting_tolerance or 0.0))
         rules.append(Rule(RuleKind.WEAR, None, state.wear, wear))

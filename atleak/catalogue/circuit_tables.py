@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, field_validator, model_validator
@@ -11,6 +12,7 @@ from atleak.catalogue.entries import Finite, Identifier, NonEmptyText, NonNegati
 State = Literal["idle", "stall", "driving"]
 StandingState = Literal["idle", "fast_idle", "stall", "driving"]  # fast idle: of gauge readings alone
 SelectorRange = Literal["P", "R", "N", "D", "S", "1", "2", "3", "4", "5", "6", "7", "8", "9"]  # of the lever
+Percent = Annotated[float, Field(ge=0, le=100)]
 DISCHARGE_COEFFICIENT = 0.62  # of a sharp-edged orifice, where a feed states none
 
 
@@ -37,11 +39,28 @@ class CurrentTable(Strict):
 
     @model_validator(mode="after")
     def _rising(self) -> CurrentTable:
-        if len(self.current_ma) != len(self.kpa):
-            raise ValueError(f"as many pressures as currents ({len(self.current_ma)})")
-        if any(high <= low for low, high in zip(self.current_ma, self.current_ma[1:], strict=False)):
-            raise ValueError("current_ma rising")
+        _check_curve("current_ma", "currents", self.current_ma, self.kpa)
         return self
+
+
+class DutyTable(Strict):
+    """A set pressure by the duty of a pulsed solenoid, as lock-up has one: straight lines between the points."""
+
+    duty_percent: list[Percent] = Field(min_length=2)
+    kpa: list[NonNegative] = Field(min_length=2)
+
+    @model_validator(mode="after")
+    def _rising(self) -> DutyTable:
+        _check_curve("duty_percent", "duties", self.duty_percent, self.kpa)
+        return self
+
+
+def _check_curve(key: str, name: str, values: list[float], kpa: list[float]) -> None:
+    """Check that each of some rising values has its pressure."""
+    if len(values) != len(kpa):
+        raise ValueError(f"as many pressures as {name} ({len(values)})")
+    if any(high <= low for low, high in pairwise(values)):
+        raise ValueError(f"{key} rising")
 
 
 class ByGearTable(Strict):
@@ -58,7 +77,7 @@ class ByGearTable(Strict):
         return gears
 
 
-SetTable = float | FollowingTable | CurrentTable | ByGearTable | dict[str, float]
+SetTable = float | FollowingTable | CurrentTable | DutyTable | ByGearTable | dict[str, float]
 
 
 def _kpa(value: object) -> float:
@@ -68,12 +87,14 @@ def _kpa(value: object) -> float:
 
 
 def _set_table(value: object) -> SetTable:
-    """Take a number, a table by operating point, by gear or by current, or one that follows another circuit."""
+    """Take a number, a table by operating point, by gear, by current or duty, or one that follows another circuit."""
     if isinstance(value, dict):
         if "from" in value or "ratio" in value:
             return FollowingTable.model_validate(value)
         if "current_ma" in value:
             return CurrentTable.model_validate(value)
+        if "duty_percent" in value:
+            return DutyTable.model_validate(value)
         if isinstance(value.get("gear"), dict):
             return ByGearTable.model_validate(value)
         if not value:

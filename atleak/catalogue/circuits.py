@@ -35,12 +35,13 @@ class Following:
 
 @dataclass(frozen=True)
 class SetPressure:
-    """What a regulator is set to: a number, by operating point, gear or solenoid current, or following a circuit."""
+    """What a regulator is set to: a number, by operating point, gear or a solenoid's signal, or following a circuit."""
 
     number: float | None = None  # [Pa]
     points: Mapping[str, float] | None = None  # [Pa] by the name of an operating point
     gears: Mapping[int, float] | None = None  # [Pa]
     currents: tuple[tuple[float, ...], tuple[float, ...]] | None = None  # [A] rising, [Pa]
+    duties: tuple[tuple[float, ...], tuple[float, ...]] | None = None  # [-] rising, of the lock-up solenoid; [Pa]
     following: Following | None = None
 
     def at(self, point: OperatingPoint) -> float | None:
@@ -59,6 +60,8 @@ class SetPressure:
             return self.gears.get(point.gear, 0.0)
         if self.currents is not None and point.solenoid_current is not None:
             return float(np.interp(point.solenoid_current, *self.currents))
+        if self.duties is not None and point.lockup_duty is not None:
+            return float(np.interp(point.lockup_duty, *self.duties))
         return None
 
     def with_pressures(self, point: OperatingPoint, pressures: Mapping[str, Any]) -> Any:

@@ -23,10 +23,11 @@ from atleak.catalogue.circuits import (
     StandingPressure,
 )
 from atleak.catalogue.complaints import Complaint, find_complaint
-from atleak.catalogue.controller_tables import ControllerFile, NewOrigin, PartKind, Seal
+from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
 from atleak.catalogue.entries import Origin
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.instruments import Part
+from atleak.catalogue.pump import Pump
 from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
@@ -59,8 +60,12 @@ class Land:
     representative: tuple[str, ...]  # which of its values are representative
     mounting_tolerance: float | None = None
     new_origin: NewOrigin = NewOrigin.PAIR
+    learned_from_units: int | None = None  # of whose measuring sheets the mounting clearance was made
     position: float | None = None  # [m] of its near edge from the end of the spool that the drawing shows left
     seal: Seal | None = None  # the ring on it, which alone it leaks past
+    sleeved: bool = False  # whether its bore was sleeved
+    contact_length_measured: bool = False  # on this very unit; else as the file states it
+    fitted: str | None = None  # id of the repair that this unit was given earlier
 
     @property
     def key(self) -> tuple[str, int]:
@@ -106,6 +111,37 @@ class Land:
         return np.clip(clearance, self.new_clearance, self.widest_new)
 
     @property
+    def part_name(self) -> str:
+        """Name the part that moves in the bore, or closes it."""
+        return PART_NAMES[self.part]
+
+    @property
+    def built(self) -> tuple[str, ...]:
+        """Say what is there that a plain spool in its bore has not."""
+        said = (
+            self.part_name if self.part == "end_plug" else "",
+            "bore sleeved" if self.sleeved else "",
+            f"sealed by {SEALS[self.seal]}: its clearance leaks nothing and is not judged" if self.seal else "",
+        )
+        return tuple(filter(None, said))
+
+    def with_repair(self, repair: Repair) -> Land:
+        """Return the land as a repair leaves it: with the nominal diameter and mounting clearance that this states."""
+        diameter, new = repair.nominal_diameter, repair.mounting_clearance
+        stated = {"nominal_diameter_mm": diameter, "mounting_clearance_um": new}
+        changed = {name for name, value in stated.items() if value is not None}
+        kept = [name for name in self.representative if name not in changed]
+        kept += sorted(changed) if repair.evidence is Evidence.REPRESENTATIVE else []
+        land = replace(self, fitted=repair.id, representative=tuple(kept))
+        if diameter is not None:
+            land = replace(land, nominal_diameter=diameter)
+        if new is None:
+            return land
+        single = NewOrigin.PAIR if repair.mounting_tolerance is None else NewOrigin.TYPE
+        origin = NewOrigin.RANGE if isinstance(new, tuple) else single
+        return replace(land, mounting_clearance=new, mounting_tolerance=repair.mounting_tolerance, new_origin=origin)
+
+    @property
     def nominal_sleeve_diameter(self) -> float:
         """Return the nominal spool diameter plus twice the clearance of a new pair [m]."""
         return self.nominal_diameter + 2.0 * self.new_clearance
@@ -144,16 +180,6 @@ class Gap:
 
 
 @dataclass(frozen=True)
-class Pump:
-    """The fixed-displacement pump on the engine's shaft."""
-
-    displacement: float  # [m³/rev]
-    volumetric_efficiency: float
-    slip_coefficient: float | None  # Wilson's C_s, None where the controller states none
-    representative: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class OperatingPoint:
     """A stated condition at which leakage and pump are compared."""
 
@@ -167,6 +193,7 @@ class OperatingPoint:
     source: str
     stated_state: State | None = None  # where the file says it
     solenoid_current: float | None = None  # [A]
+    lockup_duty: float | None = None  # [-] of the lock-up solenoid, 0 to 1
     values_of: str = ""  # name of the file's point whose set pressures and flows hold here; "" for its own
 
     @property
@@ -207,6 +234,7 @@ class Controller:
     permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
     standing: tuple[StandingPressure, ...] = ()  # of main pressure, for gauge readings of a standing vehicle
     repairs: tuple[Repair, ...] = ()
+    gaps_described: bool = True  # else every land is taken to leak from main pressure to the sump: an upper bound
     entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
 
     @property
@@ -237,6 +265,10 @@ class Controller:
 
     def lands_of(self, component: str) -> tuple[Land, ...]:
         return tuple(land for land in self.lands if land.component == component)
+
+    def repairs_of(self, component: str) -> tuple[Repair, ...]:
+        """Return the repairs that the file names for a component."""
+        return tuple(repair for repair in self.repairs if repair.component == component)
 
     def complaint(self, wanted: str | None) -> Complaint | None:
         """Return the complaint of that id; None where none is wanted.

@@ -23,23 +23,22 @@ from atleak.catalogue.circuit_reading import (
     read_standing,
 )
 from atleak.catalogue.complaints import Complaint, ComplaintTable, LandKey, written_land
-from atleak.catalogue.controller import STATED, Controller, Gap, Land, OperatingPoint, Pump
+from atleak.catalogue.controller import STATED, Controller, Gap, Land, OperatingPoint
 from atleak.catalogue.controller_tables import (
     ComponentTable,
     ControllerFile,
     GapTable,
     LandTable,
     NewOrigin,
-    PumpGears,
-    PumpTable,
 )
 from atleak.catalogue.entries import Origin, listed, read_tables
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.pump import Pump
+from atleak.catalogue.pump_reading import read_pump
 from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Repair, RepairTable, repair_of
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
-from atleak.equations import pump as pump_equations
 from atleak.errors import CatalogueError, DomainError
 from atleak.faults import in_words, together
 
@@ -111,13 +110,15 @@ def _read(
         entry.gears,
         [point.name for point in entry.operating_points],
         all(point.solenoid_current_ma is not None for point in entry.operating_points),
+        all(point.lockup_duty_percent is not None for point in entry.operating_points),
         [*SECTIONS, *(table.id for table in entry.circuits)],
     )
     twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
     if twice:
         reading.faults.append(reading.fault(("gears",), "gear given twice", value=twice[0]))
     lands = tuple(_lands(entry, reading))
-    gaps = tuple(_gaps(entry, lands, reading))
+    sealed = {land.key for land in lands if land.seal}
+    gaps = tuple(gap for gap in _gaps(entry, lands, reading) if gap.key not in sealed)
     points = tuple(_operating_points(entry, reading))
     standing = read_standing(entry.permissible_pressure, reading)
     controller = Controller(
@@ -132,7 +133,7 @@ def _read(
         lands=lands,
         gaps=gaps,
         relations=MappingProxyType(_relations(entry, gaps, reading)),
-        pump=_pump(entry.pump),
+        pump=read_pump(entry.pump, reading) or _NO_PUMP,
         operating_points=points,
         complaints=_complaints(entry.complaints, [land.key for land in lands], entry.source, reading),
         origin=origin,
@@ -144,6 +145,7 @@ def _read(
         permissible=permissible_in_gear(standing),
         standing=standing,
         repairs=tuple(_repairs(entry.repairs, lands, reading)),
+        gaps_described=bool(entry.gaps),
         entry=entry,
     )
     if not reading.faults:
@@ -236,12 +238,16 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         representative=tuple(name for name in entry.representative_values if entry.known_from(table, name) is _ASSUMED),
         mounting_tolerance=new.tolerance,
         new_origin=new.origin,
+        learned_from_units=table.learned_from_units,
         position=None if table.position_mm is None else table.position_mm * 1e-3,
         seal=table.seal,
+        sleeved=component.bore == "sleeved",
     )
 
 
+_OVERSIZE = 2.0e-3  # [m] by which a repair changes a nominal diameter at most: choice of this project
 _ASSUMED = Evidence.REPRESENTATIVE
+_NO_PUMP = Pump(1.0, 1.0, None, ())  # of a file whose own is refused
 
 
 class _Mounting(NamedTuple):
@@ -341,20 +347,20 @@ def _repairs(tables: Sequence[RepairTable], lands: Sequence[Land], reading: Read
                 raise reading.fault((*where, "id"), "repair given twice", value=table.id)
             mine = [land for component, land in known if component == table.component]
             _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
+            _check_diameter(table, lands, where, reading)
             repairs.append(repair_of(table, mine))
     return repairs
 
 
-def _pump(table: PumpTable) -> Pump:
-    size = table.size
-    displacement = (
-        pump_equations.displacement(
-            size.module_mm * 1e-3, size.teeth, size.width_mm * 1e-3, size.tooth_height_mm * 1e-3
-        )
-        if isinstance(size, PumpGears)
-        else size * 1e-9
-    )
-    return Pump(displacement, table.volumetric_efficiency, table.slip_coefficient, tuple(table.representative))
+def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, reading: Reading) -> None:
+    """Refuse a repair whose nominal diameter cannot be that of one of its lands."""
+    diameter = table.nominal_diameter_mm
+    for land in lands if diameter is not None else ():
+        mine = land.component == table.component and (table.lands is None or land.land in table.lands)
+        if mine and abs(diameter * 1e-3 - land.nominal_diameter) > _OVERSIZE:
+            problem = f"land {land.land} is {land.nominal_diameter * 1e3:g} mm: no oversize of it"
+            expected = "lands = [..] with the lands that get this diameter, and another repair for the rest"
+            raise reading.fault((*where, "nominal_diameter_mm"), problem, value=diameter, expected=expected)
 
 
 def _operating_points(entry: ControllerFile, reading: Reading) -> list[OperatingPoint]:
@@ -382,6 +388,7 @@ def _operating_points(entry: ControllerFile, reading: Reading) -> list[Operating
                     source=table.source,
                     stated_state=table.state,
                     solenoid_current=None if table.solenoid_current_ma is None else table.solenoid_current_ma * 1e-3,
+                    lockup_duty=None if table.lockup_duty_percent is None else table.lockup_duty_percent * 1e-2,
                 )
             )
     return points

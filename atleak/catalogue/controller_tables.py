@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from types import MappingProxyType
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from atleak.catalogue.circuit_tables import (
     CircuitTable,
     ConsumerTable,
     LeakTable,
     LineTable,
+    Percent,
     PermissiblePressureTable,
     State,
 )
@@ -29,12 +32,15 @@ from atleak.catalogue.entries import (
 )
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.mounting import MountingClearance
+from atleak.catalogue.pump_tables import PumpTable
 from atleak.catalogue.repairs import RepairTable
 
 ContactLength = Annotated[float, Field(gt=0, lt=200)]
 LandValue = Literal["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
 PartKind = Literal["spool", "piston", "end_plug"]
+PART_NAMES: Mapping[PartKind, str] = MappingProxyType({"spool": "spool", "piston": "piston", "end_plug": "end plug"})
 Seal = Literal["o_ring", "teflon_ring"]  # a ring on the land: it leaks past its ring alone
+SEALS: Mapping[Seal, str] = MappingProxyType({"o_ring": "an O-ring", "teflon_ring": "a Teflon ring"})
 Bore = Literal["plain", "sleeved"]
 
 
@@ -115,59 +121,6 @@ class GapTable(Strict):
         return self.evidence or (Evidence.PUBLISHED if self.published else None)
 
 
-@dataclass(frozen=True)
-class PumpGears:
-    """The gears of a pump, from which its displacement follows."""
-
-    module_mm: float
-    teeth: int
-    width_mm: float
-    tooth_height_mm: float
-
-
-class PumpTable(Strict):
-    module_mm: Positive | None = None
-    teeth: int | None = Field(default=None, gt=0)
-    width_mm: Positive | None = None
-    tooth_height_mm: Positive | None = None
-    displacement_mm3: Positive | None = None
-    volumetric_efficiency: float = Field(gt=0, le=1)
-    slip_coefficient: Positive | None = None
-    source: NonEmptyText
-    representative: list[str] = []
-    measured: list[str] = []
-
-    @field_validator("representative", "measured")
-    @classmethod
-    def _known(cls, names: list[str]) -> list[str]:
-        for name in names:
-            if name not in cls.model_fields:
-                raise ValueError(f"keys of this table, not {name!r}")
-        return names
-
-    @property
-    def size(self) -> float | PumpGears:
-        """Return what the pump displaces [mm³/rev], or the gears from which the displacement follows.
-
-        Raises
-        ------
-        ValueError
-            if the table states neither, both, or not all of the gears.
-        """
-        module, teeth, width, height = self.module_mm, self.teeth, self.width_mm, self.tooth_height_mm
-        if self.displacement_mm3 is None:
-            if module is not None and teeth is not None and width is not None and height is not None:
-                return PumpGears(module, teeth, width, height)
-        elif module is None and teeth is None and width is None and height is None:
-            return self.displacement_mm3
-        raise ValueError("either displacement_mm3 or all of module_mm, teeth, width_mm and tooth_height_mm, not both")
-
-    @model_validator(mode="after")
-    def _gears_or_displacement(self) -> PumpTable:
-        _ = self.size
-        return self
-
-
 class SpringTable(Strict):
     shear_modulus_mpa: Positive
     wire_diameter_mm: Positive
@@ -240,6 +193,7 @@ class OperatingPointTable(Strict):
     p_k_kpa: float = Field(ge=0, le=5_000)
     state: State | None = None
     solenoid_current_ma: float | None = Field(default=None, ge=0, le=10_000)
+    lockup_duty_percent: Percent | None = None
     source: NonEmptyText
     evidence: StatedEvidence = None
 
@@ -258,6 +212,8 @@ class DefaultsTable(Strict):
 
     body: NonEmptyText | None = None
     spool: NonEmptyText | None = None
+    published: list[LandValue] = []
+    measured: list[LandValue] = []
 
 
 class ControllerFile(Entry):
@@ -281,8 +237,9 @@ class ControllerFile(Entry):
 
     def known_from(self, land: LandTable, value: LandValue) -> Evidence | None:
         """Return what a value of a land is known from: as the land says, or else the file for all lands."""
-        if value in land.measured:
-            return Evidence.MEASURED
-        if value in land.published:
-            return Evidence.PUBLISHED
+        for table in (land, self.defaults):
+            if value in table.measured:
+                return Evidence.MEASURED
+            if value in table.published:
+                return Evidence.PUBLISHED
         return Evidence.REPRESENTATIVE if value in self.representative_values else None

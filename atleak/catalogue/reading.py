@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from atleak.catalogue.circuit_tables import ByGearTable, CurrentTable, FollowingTable, SetTable
+from atleak.catalogue.circuit_tables import ByGearTable, CurrentTable, DutyTable, FollowingTable, SetTable
 from atleak.catalogue.circuits import Following, SetPressure
 from atleak.catalogue.section_pressures import Pressure
 from atleak.errors import CatalogueError, nearest_name, one_of
@@ -27,6 +27,7 @@ class Reading:
     gears: Sequence[int]
     points: Sequence[str]
     with_current: bool  # every operating point states a solenoid's current
+    with_duty: bool  # every operating point states the lock-up solenoid's duty
     sections: Sequence[str]  # those that pressures may name, circuits included
     faults: list[CatalogueError] = field(default_factory=list)  # gathered so far
 
@@ -42,9 +43,9 @@ class Reading:
         """Return a fault of the key that the steps lead to."""
         return CatalogueError(problem, place=place_of(steps, self.data, self.path.name), value=value, expected=expected)
 
-    def fault_of_table(self, steps: Steps, problem: str) -> CatalogueError:
+    def fault_of_table(self, steps: Steps, problem: str, *, expected: str | None = None) -> CatalogueError:
         """Return a fault of the whole table that the steps lead to."""
-        return CatalogueError(problem, place=place_of_table(steps, self.data, self.path.name))
+        return CatalogueError(problem, place=place_of_table(steps, self.data, self.path.name), expected=expected)
 
     def unknown(self, steps: Steps, problem: str, value: object, known: Collection[str]) -> CatalogueError:
         """Return the fault of a name that is none of the known ones; it lists them and gives the nearest."""
@@ -108,11 +109,12 @@ class Reading:
             return SetPressure(following=Following(section, stated.ratio, stated.offset_kpa * 1e3))
         if isinstance(stated, CurrentTable):
             if not self.with_current:
-                problem = "the set pressure follows a solenoid's current, which an operating point does not state"
-                expected = "solenoid_current_ma in every table [[operating_points]]"
-                raise self.fault(steps, problem, expected=expected)
-            currents = tuple(current * 1e-3 for current in stated.current_ma), tuple(kpa * 1e3 for kpa in stated.kpa)
-            return SetPressure(currents=currents)
+                raise self._without_signal(steps, "a solenoid's current", "solenoid_current_ma")
+            return SetPressure(currents=(_scaled(stated.current_ma, 1e-3), _scaled(stated.kpa, 1e3)))
+        if isinstance(stated, DutyTable):
+            if not self.with_duty:
+                raise self._without_signal(steps, "the duty of the lock-up solenoid", "lockup_duty_percent")
+            return SetPressure(duties=(_scaled(stated.duty_percent, 1e-2), _scaled(stated.kpa, 1e3)))
         if isinstance(stated, ByGearTable):
             by_gear = {int(gear): kpa * 1e3 for gear, kpa in stated.gear.items()}
             self.gears_of(list(by_gear), steps)
@@ -124,3 +126,11 @@ class Reading:
         if isinstance(stated, dict):
             return SetPressure(points=self.by_point(stated, steps, 1e3))
         return SetPressure(number=stated * 1e3)
+
+    def _without_signal(self, steps: Steps, signal: str, key: str) -> CatalogueError:
+        problem = f"the set pressure follows {signal}, which an operating point does not state"
+        return self.fault(steps, problem, expected=f"{key} in every table [[operating_points]]")
+
+
+def _scaled(values: Sequence[float], unit: float) -> tuple[float, ...]:
+    return tuple(value * unit for value in values)

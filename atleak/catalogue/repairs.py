@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal, get_args
 
 from pydantic import Field, model_validator
@@ -14,6 +15,16 @@ from atleak.catalogue.mounting import MountingClearance
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
 REPAIR_KINDS: tuple[RepairKind, ...] = get_args(RepairKind)
+_KIND_NAMES: Mapping[RepairKind, str] = MappingProxyType(
+    {
+        "clean_and_reuse": "clean and reuse",
+        "oversize_valve": "oversize valve, bore reamed",
+        "sleeve": "bore sleeved",
+        "new_valve": "new valve",
+        "new_casting": "new casting",
+        "other": "other",
+    }
+)
 
 
 class RepairTable(Strict):
@@ -62,6 +73,32 @@ class Repair:
     mounting_clearance: float | tuple[float, float] | None = None  # [m] radial afterwards; None: as of new parts
     mounting_tolerance: float | None = None  # [m]
     evidence: Evidence | None = None
+
+    @property
+    def label(self) -> str:
+        """Name it with its part number."""
+        return f"{self.name} ({self.part_number})" if self.part_number else self.name
+
+    @property
+    def kind_name(self) -> str:
+        """Say its kind in plain words."""
+        return _KIND_NAMES[self.kind]
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """Return the clearance that it leaves [m]: one number, the two ends of a range, or nothing where not stated."""
+        new = self.mounting_clearance
+        return new if isinstance(new, tuple) else () if new is None else (new,)
+
+    @property
+    def keeps_clearance(self) -> bool:
+        """Tell whether a land keeps the clearance that was measured: it is cleaned, and nothing else is stated."""
+        return self.kind == "clean_and_reuse" and self.mounting_clearance is None
+
+    def changes(self, key: tuple[str, int]) -> bool:
+        """Tell whether it is a repair of that land."""
+        component, land = key
+        return component == self.component and land in self.lands
 
 
 def repair_of(table: RepairTable, lands: Sequence[int]) -> Repair:

@@ -46,6 +46,8 @@ def _path(options: argparse.Namespace) -> int:
 def _controllers(options: argparse.Namespace) -> int:
     from atleak.catalogue.controller_reading import load_controller
     from atleak.catalogue.entries import listed
+    from atleak.catalogue.evidence import Evidence
+    from atleak.views.evidence_rows import evidence_counts, still_to_measure
 
     known = listed("controllers", load_controller)
     rows = [
@@ -60,12 +62,23 @@ def _controllers(options: argparse.Namespace) -> int:
             "operating_points": [point.name for point in controller.operating_points],
             "complaints": [complaint.record for complaint in controller.complaints],
             "representative": bool(controller.representative),
+            "known_from": evidence_counts(controller),
+            "still_to_measure": still_to_measure(controller),
             "source": controller.source,
             "sha256": controller.sha256,
         }
         for controller in known.entries.values()
     ]
-    return _list(known, rows, ["id", "name", "lands", "gaps", "representative"], options)
+    counts = [{evidence: row["known_from"][evidence] for evidence in Evidence} for row in rows]
+    shown = [{**row, **count} for row, count in zip(rows, counts, strict=True)]
+    status = _list(known, rows, ["id", "name", "lands", "gaps", *Evidence], options, shown)
+    if options.json != "-":
+        for row in rows:
+            if row["still_to_measure"]:
+                print(
+                    f"{row['id']}: representative, to be measured or looked up: {'; '.join(row['still_to_measure'])}."
+                )
+    return status
 
 
 def _fluids(options: argparse.Namespace) -> int:
@@ -124,16 +137,26 @@ def _instruments(options: argparse.Namespace) -> int:
     return _list(known, rows, ["id", "name", "measures", "resolution_um", "calibration_um", "common_part"], options)
 
 
-def _list(known: Listed[Any], rows: list[dict[str, Any]], columns: list[str], options: argparse.Namespace) -> int:
-    """Show the rows of the entries, which of them are the user's own, and own files that cannot be used."""
+def _list(
+    known: Listed[Any],
+    rows: list[dict[str, Any]],
+    columns: list[str],
+    options: argparse.Namespace,
+    shown: list[dict[str, Any]] | None = None,
+) -> int:
+    """Write the rows as JSON where that is asked for, and print them, or others that are shorter.
+
+    Each says whether its entry is the user's own; own files that cannot be used are named.
+    """
     check_targets(options, [], [("record", options.json)])
-    own = [{**row, "own": entry.origin.own} for row, entry in zip(rows, known.entries.values(), strict=True)]
+    own = [{"own": entry.origin.own} for entry in known.entries.values()]
     if options.json is not None:
-        say_written(write_json(options.json, [{**row, "atleak": __version__} for row in own]))
+        records = [{**row, **mine, "atleak": __version__} for row, mine in zip(rows, own, strict=True)]
+        say_written(write_json(options.json, records))
     if options.json != "-":
         from atleak.report.terminal import print_table
 
-        print_table([*columns, "own"], own)
+        print_table([*columns, "own"], [{**row, **mine} for row, mine in zip(shown or rows, own, strict=True)])
     for fault in known.faults:
         print(f"atleak: left aside: {fault}", file=sys.stderr)
     return 0

@@ -1,4 +1,4 @@
-"""Describe a valve body in a workbook: ``atleak controller template|from-workbook|to-workbook|check``."""
+"""Describe a valve body in a workbook: ``atleak controller template|from-workbook|to-workbook|learn|check``."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from atleak.cli.learn import add_learn
 from atleak.cli.shared import add_command, add_force, check_targets, say_written, without_colours, write, write_text
 from atleak.errors import InputError
 
@@ -26,6 +27,7 @@ def add_parser(commands: Any) -> None:
     _add_template(group)
     _add_from_workbook(group)
     _add_to_workbook(group)
+    add_learn(group)
     check = add_command(group, "check", _check, "whether a valve body is described well: lists all faults at once")
     check.add_argument("file", metavar="FILE", help="workbook, TOML file, or id of a shipped one")
 

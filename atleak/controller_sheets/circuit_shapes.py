@@ -17,7 +17,7 @@ from atleak.controller_sheets.kinds import (
     gear_shown,
     gears_written,
 )
-from atleak.controller_sheets.shapes import Column, Sheet, Values, by_id, owner_of
+from atleak.controller_sheets.shapes import Column, Sheet, Values, by_id, owner_of, point_of
 from atleak.controller_sheets.units import Units
 
 LINE = "p_g"  # stands for the line where a circuit is named
@@ -62,6 +62,10 @@ class SetPressures(Sheet):
             value = self._stated(stated, (*at, "set_kpa"), into)
             if value is not None:
                 table["set_kpa"] = value
+            else:  # it has a fault already
+                into.unread.add((*at, "set_kpa"))
+                if name != LINE:
+                    table["set_kpa"] = 0.0  # stands in, so that the circuit is not called one without supply
 
     @property
     def _headings(self) -> tuple[str, ...]:
@@ -100,12 +104,15 @@ class SetPressures(Sheet):
                 into.mark((*at, "kpa", number), row.at(pressure))
             return {_LISTED[way]: [row.values[level] for row in rows], "kpa": [row.values[pressure] for row in rows]}
         named: Values = {}
+        known = len(into.faults)
         for row in rows:
-            for name in [row.values[which]] if way == BY_POINT else self._gears(row, which, into):
+            for name in [point_of(row, which, into)] if way == BY_POINT else self._gears(row, which, into):
                 if name in named:
                     into.fault(row, which, "given twice", "each once")
                 named[name] = row.values[pressure]
                 into.mark((*at, *(("gear",) if way == BY_GEAR else ()), name), row.at(which))
+        if len(into.faults) > known:
+            return None
         return {"gear": named} if way == BY_GEAR else named
 
     def _gears(self, row: Row, heading: str, into: Description) -> list[str]:

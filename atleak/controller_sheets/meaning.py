@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from atleak.controller_sheets.description import Fault, Row
-from atleak.controller_sheets.kinds import Number
+from atleak.controller_sheets.kinds import NotAccepted, Number
 from atleak.controller_sheets.shapes import Column
 from atleak.controller_sheets.units import Units
 from atleak.errors import InputError
@@ -21,7 +21,7 @@ def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> 
         spot,
         error.problem + _converted(column, row, units),
         row.cells[column.heading],
-        f"{error.expected or 'another value'}{_other_unit(column, row, units)}",
+        "; ".join(filter(None, (error.expected, _other_unit(column, row, units)))) or None,
         error.nearest,
     )
 
@@ -42,7 +42,10 @@ def _other_unit(column: Column, row: Row, units: Units) -> str:
     low, high = kind.measure.usual
     if low <= row.values[column.heading] <= high:
         return ""
-    number = float(kind.written(cell, units))
+    try:
+        number = float(kind.written(cell, units))
+    except NotAccepted:  # a unit stands in the cell already
+        return ""
     sides = 2.0 if kind.measure.of_clearance and units.clearance == "diametral" else 1.0
     names = [name for name, si in _LENGTHS.items() if low <= number * si / float(kind.measure.si) / sides <= high]
-    return f"; was it in {' or '.join(names)}?" if names else ""
+    return f"was it in {' or '.join(names)}?" if names else ""

@@ -253,7 +253,7 @@ class ValuesByPoint(Sheet):
             place, table = owners[name]
             at = (*self.at, place, self._key)
             into.mark(at, row.at(number))
-            where = row.values.get(point)
+            where = point_of(row, point, into) if point in row.values else None
             stated = table.get(self._key)
             if number not in row.values:
                 into.fault(row, number, "no number", "a number, or an empty row")
@@ -293,3 +293,10 @@ def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Descriptio
     if heading not in row.cells:
         into.fault(row, heading, "this row does not say to what it belongs", "an id, or an empty row")
     return None
+
+
+def point_of(row: Row, heading: str, into: Description) -> str:
+    """Return the operating point that a cell names; a fault where there is none, and then the one probably meant."""
+    name = str(row.values[heading])
+    points = [str(table["name"]) for table in into.data.get("operating_points", ()) if "name" in table]
+    return name if name in points else into.unknown(row, heading, "no such operating point", points) or name

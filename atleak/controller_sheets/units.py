@@ -24,7 +24,7 @@ _KPA: dict[str, Decimal] = {
 }
 _MM = Decimal("25.4")  # of an inch, by definition
 _EXACT = Context(prec=40)
-_CELL = Context(prec=15)  # digits that every spreadsheet program keeps of a number
+_CELL = Context(prec=13)  # digits of a converted number: two fewer than every spreadsheet program keeps
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,8 @@ class Measure:
 def file_number(cell: float | str | Decimal, measure: Measure, units: Units) -> float:
     """Return what a cell's number is in the unit of the controller's file.
 
-    A number is converted to 15 digits, which is what a spreadsheet program keeps of it; digits that stand as text are
-    all taken.
+    A number is converted to 13 digits, since a spreadsheet program keeps 15 of it; digits that stand as text are all
+    taken.
 
     >>> file_number(0.571, LENGTH, Units("inch")), file_number(14.503 / 25.4, LENGTH, Units("inch"))
     (14.5034, 14.503)

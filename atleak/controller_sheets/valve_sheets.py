@@ -178,7 +178,6 @@ POINTS = Tables(
         Column("Converter pressure", ("p_k_kpa",), KPA, required=True, help="Likewise"),
         Column("State", ("state",), Choice(get_args(State)), help="Idle under 1000 rpm, else driving, unless stated"),
         Column("Solenoid current", ("solenoid_current_ma",), in_unit("mA"), help="Where a set pressure follows it"),
-        Column("Lock-up duty", ("lockup_duty_percent",), in_unit("%"), help="Where a set pressure follows it"),
         source(),
         evidence(),
     ),

@@ -24,8 +24,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap, Land, OperatingPoint, Pump
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap, Land, OperatingPoint
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.pump import Pump
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine import circuits, restrictions
 from atleak.engine.profile import UNKNOWN, Profile

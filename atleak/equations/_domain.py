@@ -2,6 +2,9 @@
 
 A check costs one ``min()`` or ``max()`` over the array and copies nothing; only where that fails, or meets a
 NaN, the array is looked through for the first offending value. NaN passes every check.
+
+A single number stays a number: a diagnosis checks tens of thousands of them, and an array of one costs several times as
+much.
 """
 
 from __future__ import annotations
@@ -14,9 +17,17 @@ from numpy.typing import ArrayLike, NDArray
 from atleak.errors import DomainError
 
 
-def values(given: ArrayLike) -> NDArray[np.float64]:
-    """Return the given number or numbers as a float array; float arrays are not copied."""
-    return np.asarray(given, dtype=np.float64)
+def values(given: ArrayLike) -> Any:
+    """Return the given number as NumPy's float, numbers as a float array; float arrays are not copied."""
+    return np.float64(given) if isinstance(given, float) else np.asarray(given, dtype=np.float64)
+
+
+def _least(value: Any) -> Any:
+    return value.min() if value.ndim else value
+
+
+def _most(value: Any) -> Any:
+    return value.max() if value.ndim else value
 
 
 def result(computed: Any) -> Any:
@@ -38,7 +49,7 @@ def refuse(name: str, value: NDArray[np.float64], bad: NDArray[np.bool_], expect
 def positive(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return the values, all of them above zero."""
     value = values(given)
-    if value.size and not value.min() > 0.0:
+    if value.size and not _least(value) > 0.0:
         refuse(name, value, value <= 0.0, "positive", unit)
     return value
 
@@ -46,7 +57,7 @@ def positive(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]
 def not_negative(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return the values, none of them below zero."""
     value = values(given)
-    if value.size and not value.min() >= 0.0:
+    if value.size and not _least(value) >= 0.0:
         refuse(name, value, value < 0.0, "zero or positive", unit)
     return value
 
@@ -54,7 +65,7 @@ def not_negative(name: str, given: ArrayLike, unit: str = "") -> NDArray[np.floa
 def within(name: str, given: ArrayLike, low: float, high: float, unit: str = "") -> NDArray[np.float64]:
     """Return the values, all of them between low and high, both included."""
     value = values(given)
-    if value.size and not (value.min() >= low and value.max() <= high):
+    if value.size and not (_least(value) >= low and _most(value) <= high):
         refuse(name, value, (value < low) | (value > high), f"between {low:g} and {high:g} {unit}".rstrip(), unit)
     return value
 
@@ -62,7 +73,7 @@ def within(name: str, given: ArrayLike, low: float, high: float, unit: str = "")
 def above(name: str, given: ArrayLike, low: float, unit: str = "") -> NDArray[np.float64]:
     """Return the values, all of them above low."""
     value = values(given)
-    if value.size and not value.min() > low:
+    if value.size and not _least(value) > low:
         refuse(name, value, value <= low, f"above {low:g} {unit}".rstrip(), unit)
     return value
 

@@ -262,6 +262,7 @@ class Condition(_Strict):
     source: str
     stated_state: State | None = None
     solenoid_current: float | None = None
+    lockup_duty: float | None = None
     values_of: str = ""
 
 

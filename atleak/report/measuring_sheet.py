@@ -20,8 +20,10 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Part
 from atleak.look import SHEET_COLOURS
+from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
+from atleak.report.lands_sheet import LANDS, write_lands
 from atleak.report.pressure_sheet import PRESSURES, write_pressures
 from atleak.system.marks import PROPERTY, sealed, unsealed
 
@@ -44,6 +46,7 @@ _HEADINGS = (  # heading, width in characters
     ("Mounting\nclearance [µm]", 13),
     ("Nominal values\nare", 24),
     ("Deviation from\nnominal [µm]", 14),
+    ("Taken at", 13),
 )
 _FIELD_PLACES = {  # row, column of the label, first and last column of the field; from 0
     "Job": (3, 0, 1, 1),
@@ -56,6 +59,8 @@ _FIELD_PLACES = {  # row, column of the label, first and last column of the fiel
 }
 FIELDS = tuple(_FIELD_PLACES)
 _HEADER = 6  # row of the headings, from 0
+_TAKEN_AT = 13  # column, from 0
+UNWORN_END = "unworn end"  # what marks a reading there; the intake's vocabulary knows it
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
 _CREATED = datetime.datetime(2000, 1, 1)  # fixed, so that the same controller gives the same bytes
 
@@ -87,6 +92,12 @@ _HOW_TO = (
         "that the clearance is a lower bound.",
     ),
     (
+        "Unworn ends",
+        "A bore is as new where its spool never runs. A diameter from there tells what the pair was when new: add a "
+        f"row for it and choose {UNWORN_END!r} in its last column. It does not count for wear; the mounting clearance "
+        "is learned from it, beside the spool as it is.",
+    ),
+    (
         "Not measured",
         "Leave the cells empty, or delete the rows. Such a pair is computed with its mounting clearance and marked "
         "as not measured. With only one part measured the other one's nominal diameter is taken, and that is said too.",
@@ -95,6 +106,11 @@ _HOW_TO = (
         "More rows",
         "For a third repeat or another direction insert a row inside the block and number the repeat. Columns may "
         "stand in any order; their headings must stay.",
+    ),
+    (
+        "Lands",
+        "The tab Lands takes the contact length of a land and where it begins on its spool, if you measured them, and "
+        "which repair a component was given earlier. Left empty, what the valve body's file states counts.",
     ),
     (
         "Pressures",
@@ -152,6 +168,7 @@ def write_readings(
     fields: Mapping[str, str] | None = None,
     blank_rows: bool = True,
     pressures: PressureTable | None = None,
+    own_lands: OwnLands = OwnLands(),  # noqa: B008  frozen, so safe to share
 ) -> bytes:
     """Return a measuring sheet with readings filled in.
 
@@ -168,6 +185,8 @@ def write_readings(
         whether planes, directions and repeats without a reading get an empty row.
     pressures
         gauge readings to fill in on the tab of pressures, the first of each cell.
+    own_lands
+        lengths and fitted repairs to fill in on the tab of lands.
 
     Returns
     -------
@@ -175,7 +194,7 @@ def write_readings(
         of an .xlsx workbook. Texts stay texts: nothing a user wrote becomes a formula.
     """
     readings = list(readings)
-    empty = not readings and not fields and pressures is None
+    empty = not readings and not fields and pressures is None and own_lands == OwnLands()
     rows = list(_rows(controller, readings, blank_rows))
     buffer = io.BytesIO()
     options = {
@@ -193,6 +212,7 @@ def write_readings(
         sheet.head(fields or {})
         sheet.body(rows)
         sheet.set_up(len(rows))
+        write_lands(book.add_worksheet(LANDS), formats, controller, own_lands)
         write_pressures(book.add_worksheet(PRESSURES), formats, controller, pressures)
         _instructions(book.add_worksheet(INSTRUCTIONS), formats, controller)
     return sealed(buffer.getvalue()) if empty else buffer.getvalue()
@@ -245,6 +265,7 @@ def _formats(book: xlsxwriter.Workbook) -> dict[str, Format]:
         "number": book.add_format({**given, "align": "center"}),
         "angle": book.add_format({**given, "align": "center", "num_format": '0"°"'}),
         "input": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.000", "locked": False}),
+        "choice": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "locked": False}),
         "nominal": book.add_format({**given, "num_format": "0.000", "font_color": SHEET_COLOURS["soft"]}),
         "clearance": book.add_format({**given, "num_format": "0.0", "font_color": SHEET_COLOURS["soft"]}),
         "pressure": book.add_format({**cell, "bg_color": SHEET_COLOURS["entry"], "num_format": "0.0", "locked": False}),
@@ -286,7 +307,7 @@ class _Sheet:
             self._label(first, last, 0, entry.land.component, "text")
             self._label(first, last, 1, self.controller.components[entry.land.component], "text")
         for first, last, entry in _blocks(numbered, _part):
-            self._label(first, last, 2, entry.land.part if entry.part == "spool" else "sleeve", "text")
+            self._label(first, last, 2, entry.land.part_name if entry.part == "spool" else "sleeve", "text")
         for first, last, entry in _blocks(numbered, _plane):
             self._label(first, last, 3, entry.plane, "number")
             self._label(first, last, 9, _mm(entry.nominal), "nominal")
@@ -298,6 +319,7 @@ class _Sheet:
             self._label(first, last, 4, entry.direction, "angle")
         for row, entry in numbered:
             self.sheet.write_number(row, 5, entry.repeat, self.formats["number"])
+            self.sheet.write_blank(row, _TAKEN_AT, None, self.formats["choice"])
             for column, metres in zip((6, 7, 8), _values(entry.reading), strict=True):
                 if metres is None:
                     self.sheet.write_blank(row, column, None, self.formats["input"])
@@ -343,6 +365,7 @@ class _Sheet:
                 "Leave empty what was not measured.",
             },
         )
+        sheet.data_validation(first, _TAKEN_AT, last, _TAKEN_AT, {"validate": "list", "source": [UNWORN_END]})
         alarm = {"type": "cell", "criteria": "not between", "minimum": -_FAR, "maximum": _FAR}
         empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER($M{first + 1}))", "stop_if_true": True}
         sheet.conditional_format(first, 12, last, 12, empty)

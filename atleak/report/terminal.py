@@ -15,6 +15,7 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.look import look_of
+from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.repair import RepairStep, plan_repairs
 from atleak.road_findings import RoadFindings
 from atleak.rules import Rule
@@ -22,11 +23,13 @@ from atleak.system.printable import printable, unguarded
 from atleak.uncertainty import UnitUncertainty
 from atleak.variants import VariantResult
 from atleak.verdicts import Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import LandAtCondition, leaking_worst_first
 from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
+from atleak.views.repair_options import option_rows, planned
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
@@ -77,10 +80,13 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
     if readings is not None:
         measured += f" in {readings.file}; temperature of measuring: {measuring_temperature(diagnosis, say)}"
     console.print(Text(say("findings.alone") if diagnosis.without_sheet else measured))
+    for message in readings.messages if readings is not None else ():
+        if message.code in (LENGTHS_MEASURED, REPAIR_FITTED):
+            console.print(Text(message.text))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
-    tight = tighter_than_new(diagnosis, wording("en"))
-    if tight is not None:
-        console.print(Text(tight))
+    for line in (*caveats(diagnosis, say), tighter_than_new(diagnosis, say)):
+        if line is not None:
+            console.print(Text(line))
     for line in _complaint(diagnosis):
         console.print(Text(line))
     if not diagnosis.without_sheet:
@@ -226,7 +232,8 @@ def _between(record: dict[str, Any], name: str, digits: int) -> str:
 
 def _verdict(diagnosis: Diagnosis) -> str:
     """Return the verdict of the unit, and which land or total gave it."""
-    decided_by, sentence = diagnosis.decided_by, f"unit: {signed(diagnosis.verdict)}"
+    decided_by, marks = diagnosis.decided_by, caveat_marks(diagnosis, wording("en"))
+    sentence = f"unit: {signed(diagnosis.verdict)}" + (f" ({', '.join(marks)})" if marks else "")
     if decided_by is None:
         alone = diagnosis.without_sheet and diagnosis.verdict != Verdict.NOT_MEASURED
         return f"{sentence}, by the main pressure of {_measured_by(diagnosis)} alone" if alone else sentence
@@ -336,11 +343,16 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[RenderableType]:
 def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
     """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
     plan = plan_repairs(diagnosis)
+    rows = option_rows(plan)
     if plan.steps:
-        yield "Order of repair, each land as new after those before it:"
+        as_left = "as its repair leaves it" if rows else "as new"
+        yield f"Order of repair, each land {as_left} after those before it:"
     for number, step in enumerate(plan.steps, start=1):
         component, land = step.land.key
         yield f"{number:3}. {component}/{land} {diagnosis.controller.components[component]}: {_helps(step)}"
+        for row in rows:
+            if row.step is step:
+                yield f"       {'→' if row.chosen else 'or'} {planned(row)}"
     yield from plan_ends(plan)
 
 

@@ -20,7 +20,8 @@ class Assumptions:
     """
 
     room_temperature: float = 0.5  # [K] half width about the temperature of measuring, any value alike likely
-    contact_length: float = 0.1e-3  # [m]
+    contact_length: float = 0.1e-3  # [m] as the valve body's file states it
+    measured_contact_length: float = 0.03e-3  # [m] by calliper on this unit: its error, and both edges
     mounting_clearance: float = 0.5e-6  # [m] of the catalogue's value, for this one pair
     nominal_diameter: float = 3.0e-6  # [m] of a part that was not measured
     unseen_ovality: float = 4.0e-6  # [m] of a part measured in one direction, where no other land shows it
@@ -34,6 +35,10 @@ class Assumptions:
     converter_pressure: float = 0.02  # relative
     volumetric_efficiency: float = 0.02  # where the profile takes it as constant
     slip_coefficient: float = 0.2  # relative, where the profile lets the pump slip
+
+    def of_contact_length(self, *, measured: bool) -> float:
+        """Return the standard uncertainty of a contact length [m]: measured on this unit, or as the file states it."""
+        return self.measured_contact_length if measured else self.contact_length
 
     @property
     def settings(self) -> dict[str, float]:
@@ -75,6 +80,7 @@ _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
     {
         "room_temperature": ("k", 1.0),
         "contact_length": ("mm", 1e-3),
+        "measured_contact_length": ("mm", 1e-3),
         "mounting_clearance": ("um", 1e-6),
         "nominal_diameter": ("um", 1e-6),
         "unseen_ovality": ("um", 1e-6),

@@ -215,9 +215,10 @@ def _land_draws(
         unworn = unworn_bore(land, measured, new)
     nominal = land.state.land.contact_length
     length: float | np.ndarray = nominal
-    if assumptions.contact_length:
+    uncertain = assumptions.of_contact_length(measured=land.state.land.contact_length_measured)
+    if uncertain:
         lengths = stream.standard_normal(draws)
-        lengths *= assumptions.contact_length
+        lengths *= uncertain
         lengths += nominal
         length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
     return _LandDraws(land, bore, new, unworn, length, position)
@@ -352,8 +353,9 @@ def _probe(probe: Drawn, land: LandSources, assumptions: Assumptions, position: 
     length = np.full(_PROBES, state.land.contact_length)
     clearance[-5] += step
     clearance[-4] -= step
-    length[-3] += _SMALL * assumptions.contact_length
-    length[-2] -= _SMALL * assumptions.contact_length
+    uncertain = assumptions.of_contact_length(measured=state.land.contact_length_measured)
+    length[-3] += _SMALL * uncertain
+    length[-2] -= _SMALL * uncertain
     bore = Bore(clearance, *_one_side_probes(probe.condition.model, land, assumptions))
     flow, drawn_flow = probe.leakage(land, bore, length)
     share = _ratio(drawn_flow, probe.capacity)

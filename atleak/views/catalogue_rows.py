@@ -10,6 +10,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.views.circuit_rows import MILLIAMPERE, circuit_tables
+from atleak.views.evidence_rows import evidence_rows
 from atleak.wording import value_names
 from atleak.workshop_units import G_CM3, KPA, MM, MM2_S, PERCENT, RPM, UM
 
@@ -27,6 +28,7 @@ def controller_tables(controller: Controller) -> Tables:
     """Return the tables of operating points, circuits, lands, gaps, pump and complaints; none without a row."""
     labels = {point.name: point.label for point in controller.operating_points}
     tables: Tables = {
+        "What the values are known from": evidence_rows(controller),
         "Operating points": [
             {
                 "name": point.label,
@@ -37,6 +39,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "p_k [kPa]": point.converter_pressure * KPA,
                 "state": point.state,
                 "solenoid [mA]": None if point.solenoid_current is None else point.solenoid_current * MILLIAMPERE,
+                "lock-up [% duty]": None if point.lockup_duty is None else point.lockup_duty * PERCENT,
                 "source": point.source,
             }
             for point in controller.operating_points
@@ -53,10 +56,28 @@ def controller_tables(controller: Controller) -> Tables:
                 "tolerance ± [µm]": None if land.mounting_tolerance is None else land.mounting_tolerance * UM,
                 "known from": land.new_origin.label,
                 "own limit [µm]": None if land.clearance_limit is None else land.clearance_limit * UM,
+                "is": "; ".join(land.built),
                 "body / spool": f"{land.body_material} / {land.spool_material}",
                 "representative": value_names(land.representative),
             }
             for land in controller.lands
+        ],
+        "Repairs": [
+            {
+                "component": f"{repair.component} · {controller.components[repair.component]}",
+                "lands": ", ".join(map(str, sorted(repair.lands))),
+                "repair": repair.label,
+                "id": repair.id,
+                "kind": repair.kind_name,
+                "price": None if repair.price is None else f"{repair.price:.2f} {repair.currency}",
+                "hours": repair.hours,
+                "tool": repair.tool or "",
+                "nominal diameter [mm]": None if repair.nominal_diameter is None else repair.nominal_diameter * MM,
+                "clearance left [µm]": "–".join(f"{end * UM:.1f}" for end in repair.ends) or "as new parts",
+                "known from": repair.evidence or "not stated",
+                "source": repair.source,
+            }
+            for repair in controller.repairs
         ],
         "Gaps": [
             {
@@ -67,7 +88,7 @@ def controller_tables(controller: Controller) -> Tables:
                 "to": str(gap.low),
                 "gears": ", ".join(map(str, sorted(gap.gears))),
                 "ends in": "sump" if gap.into_sump else "another section",
-                "is": "published" if gap.published else "representative",
+                "is": gap.evidence or "not stated",
             }
             for gap in controller.gaps
         ],

@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.catalogue.circuits import Circuit, SetPressure
 from atleak.catalogue.controller import Controller
-from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM
+from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, PERCENT
 
 Rows = list[dict[str, Any]]
 MILLIAMPERE = 1.0e3
@@ -70,8 +70,12 @@ def set_pressure_words(stated: SetPressure | None, labels: dict[str, str]) -> st
         return "; ".join(f"{labels[name]}: {pressure * KPA:g} kPa" for name, pressure in stated.points.items())
     if stated.gears is not None:
         return "; ".join(f"gear {gear}: {pressure * KPA:g} kPa" for gear, pressure in stated.gears.items())
-    pairs = zip(*(stated.currents or ((), ())), strict=True)
-    return "; ".join(f"{current * MILLIAMPERE:g} mA: {pressure * KPA:g} kPa" for current, pressure in pairs)
+    curve, unit, scale = stated.currents or ((), ()), "mA", MILLIAMPERE
+    if stated.duties is not None:
+        curve, unit, scale = stated.duties, "% duty", PERCENT
+    return "; ".join(
+        f"{value * scale:g} {unit}: {pressure * KPA:g} kPa" for value, pressure in zip(*curve, strict=True)
+    )
 
 
 def _line_row(controller: Controller, labels: dict[str, str]) -> Iterable[dict[str, Any]]:

@@ -18,6 +18,7 @@ from atleak.views.condition_record import condition_record, finite, scaled
 from atleak.views.gauge_rows import gauge_record
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.message_record import message_record
+from atleak.views.repair_options import cost_record, option_record
 from atleak.views.repair_words import plan_ends
 from atleak.views.road_record import road_record
 from atleak.workshop_units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
@@ -91,7 +92,13 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
 def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the verdict of the unit, how sure it is, and the land, total or pressure that gave it."""
     decided_by = diagnosis.decided_by
-    verdict = {"verdict": diagnosis.verdict, "decision": diagnosis.decision}
+    verdict = {
+        "verdict": diagnosis.verdict,
+        "decision": diagnosis.decision,
+        "provisional": bool(diagnosis.provisional),
+        "provisional_because": list(diagnosis.provisional),
+        "upper_bound": diagnosis.upper_bound,
+    }
     if decided_by is None:
         return {**verdict, "decided_by": None}
     rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding
@@ -191,6 +198,11 @@ def _land(row: MatrixRow) -> dict[str, Any]:
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
         "uncertainty_um": scaled(uncertainty.u_clearance, UM) if uncertainty else None,
+        "contact_length_mm": nominal.contact_length * MM,
+        "contact_length_measured": nominal.contact_length_measured,
+        "position_mm": scaled(nominal.position, MM),
+        "seal": nominal.seal,
+        "fitted_repair": nominal.fitted,
         "mounting_clearance_um": nominal.mounting_high * UM,
         "mounting_clearance_low_um": nominal.mounting_range[0] * UM,
         "mounting_tolerance_um": scaled(nominal.mounting_tolerance, UM),
@@ -276,6 +288,9 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
         "land": land,
         "verdict": step.land.verdict,
         "for_total": step.for_total,
+        "together": [{"component": each.key[0], "land": each.key[1]} for each in step.together],
+        "options": [option_record(option, step.land.key) for option in step.options],
+        "chosen": None if step.chosen is None else step.chosen.repair.id,
         "at": step.at.condition.name,
         "at_label": step.at.condition.label,
         "share_before_percent": finite(step.at.before.share * PERCENT),
@@ -310,6 +325,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
         ],
         "pressures_past": [rule.id for rule in plan.pressures_past],
         "lands_not_measured": plan.unmeasured,
+        "cost": cost_record(plan.cost),
         "text": " ".join(plan_ends(plan)),
     }
 

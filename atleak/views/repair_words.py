@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.repair import Remainder, RepairPlan, RepairStep
+from atleak.views.repair_options import costs
 from atleak.wording import Wording, wording
 from atleak.workshop_units import MM2_S
 
@@ -50,6 +51,7 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label
         yield say("plan.pressure_stays", condition=condition, what=what, level=say.level(rule.level))
     if plan.unmeasured:
         yield say("plan.unmeasured", count=plan.unmeasured)
+    yield from costs(plan, say)
 
 
 def _remains(left: Remainder, say: Wording, named: Named) -> str:

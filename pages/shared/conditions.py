@@ -17,6 +17,7 @@ from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
+from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import covered_from, shares_add_up
 from atleak.wording import signed, wording
@@ -138,11 +139,34 @@ def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
             for number, step in enumerate(plan.steps, start=1)
         ]
         show.verdict_table(rows, dict.fromkeys(("Before [%]", "After [%]"), 1))
-        st.caption("Total share before and after, when each land is made as new, one after another.")
+        as_left = "is as its repair leaves it" if plan.cost else "is made as new"
+        st.caption(f"Total share before and after, when each land {as_left}, one after another.")
+        _options(plan)
     st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan)))
     if plan.steps and len(diagnosis.projections) > 1:
         with st.expander("Every step at every condition"):
             _steps_at_conditions(diagnosis, plan)
+
+
+def _options(plan: RepairPlan) -> None:
+    """Show the repairs that the valve body's file names for the plan's lands."""
+    say = wording("en")
+    rows = [
+        {
+            "No.": row.number,
+            "Repair": row.name(say),
+            "Use": row.use(say),
+            "Leaves [µm]": row.leaves(say),
+            "Price": row.price(say),
+            "Hours": row.hours(say),
+            "Tool": row.option.repair.tool or "",
+            "Lands": row.lands,
+        }
+        for row in option_rows(plan)
+    ]
+    if rows:
+        show.table(rows)
+        st.caption("Planned is the cheapest repair of the valve body's file that leaves a land within its limit.")
 
 
 def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan) -> None:

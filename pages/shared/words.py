@@ -11,11 +11,12 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Band, Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow
 from atleak.views.measured_words import measured_sentence
 from atleak.views.pressures import worst_pressure
 from atleak.views.sentences import because_of, covered_from, replace_at
-from atleak.wording import signed, wording
+from atleak.wording import Wording, signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared.show import plain
 
@@ -43,6 +44,12 @@ DIGITS = {
 def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     """Return the verdict in one paragraph, in markdown; without a sheet what gauges and log say."""
     say = wording("en")
+    marks = [f"**{mark.capitalize()}.** " for mark in caveat_marks(diagnosis, say)]
+    reasons = [f" {plain(each)}" for each in caveats(diagnosis, say)]
+    return "".join([*marks, _verdict_sentence(diagnosis, record, say), *reasons])
+
+
+def _verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any], say: Wording) -> str:
     measured = measured_sentence(diagnosis, say)
     if measured is not None and diagnosis.without_sheet:
         return f"**{signed(diagnosis.verdict)}** {plain(measured)} {plain(say('findings.alone'))}"
@@ -155,7 +162,7 @@ def pair(controller: Controller, component: str, land: int) -> str:
 
 def _decided_by(land: LandDiagnosis, rule: Rule | None) -> str | None:
     """Return the rule, and which part of the pair was taken at its nominal diameter."""
-    missing = {"spool_only": "sleeve", "sleeve_only": land.state.land.part}.get(land.state.status)
+    missing = {"spool_only": "sleeve", "sleeve_only": land.state.land.part_name}.get(land.state.status)
     reasons = [] if rule is None else [rule_text(rule)]
     return "; ".join([*reasons, *([f"{missing} not measured"] if missing else [])]) or None
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from atleak.equations.pump import capacity, displacement, minimum_speed, slip_flow
+from atleak.equations.pump import capacity, displacement, gear_pair_displacement, minimum_speed, slip_flow
 from atleak.equations.referees import wilson_efficiency
 
 STUDY_PUMP = (0.0045, 12, 0.012, 0.0084)
@@ -36,3 +36,13 @@ def test_wilson_slip_worked_by_hand() -> None:
 def test_minimum_speed_of_the_study_pump() -> None:
     # W8 leaks 11.23 dm³/min: 657 revolutions per minute are needed for the leakage alone.
     assert minimum_speed(11.23 / 60e3, 0.0, displacement(*STUDY_PUMP)) * 60 == pytest.approx(656.7, abs=0.05)
+
+
+def test_a_gear_pump_of_19_cm3_by_the_calliper() -> None:
+    # UHE, Formula to calculate gear pump displacement: 50.39 mm over the tips, centres 42.06 mm apart, 16.14 mm wide;
+    # π/2 b (D² − a²) gives 19.52 cm³, "the gear set in the photo is actually 19cc". It does not say how many teeth:
+    # with 12 to 14, as such sets mostly have, what the mesh carries back takes off a little more than the difference.
+    sizes = (0.05039, 0.04206, 0.01614)
+    assert math.pi / 2 * sizes[2] * (sizes[0] ** 2 - sizes[1] ** 2) * 1e6 == pytest.approx(19.52, abs=0.005)
+    for teeth, low in ((12, 0.979), (13, 0.986), (14, 0.992)):
+        assert gear_pair_displacement(*sizes, teeth) * 1e6 / 19.0 == pytest.approx(low, abs=0.002)

@@ -34,7 +34,14 @@ def known_by_range() -> Controller:
 
 
 UNITS = {each.id: each for each in (*controllers(), known_by_range())}
-every_unit = pytest.mark.parametrize("controller", UNITS.values(), ids=UNITS)
+IN_EVERY_ROUND = ("four_speed_2023", "five_speed_2005", "minimal_example", "known_by_range")
+every_unit = pytest.mark.parametrize(  # test_units_with_circuits judges all of them without the draws
+    "controller",
+    [
+        pytest.param(unit, id=name, marks=() if name in IN_EVERY_ROUND else pytest.mark.slow)
+        for name, unit in UNITS.items()
+    ],
+)
 
 
 def widened(controller: Controller, times: float, readings_of: Build) -> Readings:

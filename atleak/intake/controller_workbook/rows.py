@@ -76,7 +76,7 @@ def form_page(
         return None
     by_words = {words(line.heading): line for line in lines if not line.how_known}
     known = {line.how_known: line for line in lines if line.how_known}
-    skipped = {words(line.heading) for line in others}
+    skipped = {words(line.heading): line for line in others}
     page = Page(sheet, declared, [], {})
     places: dict[str, tuple[int, int]] = {}
     cells: dict[str, Any] = {}
@@ -85,7 +85,9 @@ def form_page(
         label = as_text(sheet.cell(row, field_column))
         line = by_words.get(words(label))
         if line is None:
-            if label and words(label) not in skipped and _raw(sheet, row, value_column) is not None:
+            if words(label) in skipped:
+                places.setdefault(skipped[words(label)].heading, (row, value_column))
+            elif label and _raw(sheet, row, value_column) is not None:
                 headings = [each.heading for each in by_words.values()]
                 spot = Spot(declared.name, sheet.row_number(row))
                 into.faults.append(Fault(spot, "unknown field", label, one_of(headings), nearest_name(label, headings)))

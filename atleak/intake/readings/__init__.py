@@ -16,6 +16,8 @@ What happens to a file:
 7. `unread` looks at all cells again: what has the size of a diameter (`sizes`) and was not read is named or refused.
 8. `agreement` compares the diameters with clearances and means on the sheet, `checks` with the controller.
 9. `head` reads the measuring temperature and the date that stand above the headings.
+10. `land_values` reads what stands there of lands themselves: contact lengths, positions, repairs that are fitted. A
+    fitted repair comes first: the diameters are compared with its nominal ones.
 """
 
 from __future__ import annotations
@@ -36,6 +38,7 @@ from atleak.intake.readings.columns import count_values
 from atleak.intake.readings.controller_names import ControllerNames
 from atleak.intake.readings.head import read_head
 from atleak.intake.readings.headings import best_header
+from atleak.intake.readings.land_values import LandValues, read_land_values
 from atleak.intake.readings.problems import ReadingsRefused
 from atleak.intake.readings.rows import Rows, read_rows
 from atleak.intake.readings.sheet_tables import Table
@@ -47,7 +50,7 @@ from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
 from atleak.pressure_table import PressureTable
-from atleak.readings import Readings
+from atleak.readings import Reading, Readings
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
@@ -83,7 +86,8 @@ def read_readings(
     -------
     Readings
         diameters in metres, each with its place in the file; ``messages`` say what was assumed. Its ``pressures`` are
-        those of a tab of gauge readings; where only that is filled in, there are no diameters.
+        those of a tab of gauge readings; where only that is filled in, there are no diameters. Its ``own_lands`` are
+        contact lengths, positions and fitted repairs, where the sheet states them.
 
     Raises
     ------
@@ -108,6 +112,9 @@ def read_readings(
         return _of_gauges_alone(pressures)
     chosen = choose(sheets, file, names, sheet)
     require_known(chosen.tables, where or {})
+    of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
+    controller = of_lands.own.with_fitted(controller)
+    names = ControllerNames(controller)
     read = [read_rows(table, names, given_unit, where) for table in chosen.tables]
     read = [rows for rows in read if not rows.columns.problems or count_values(rows.table.sheet, rows.table.header)]
     problems = [problem for rows in read for problem in rows.problems]
@@ -115,7 +122,7 @@ def read_readings(
     first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
     converted = convert([entry for rows in read for entry in rows.entries], controller, first.headings)
     head = read_head([rows.table for rows in read if rows.entries], sheets)
-    account = _account(chosen, read, names, converted, given_unit)
+    account = _account(chosen, of_lands, read, names, converted, given_unit)
     account.take(head.cells)
     account.close([each for each in sheets if not each.hidden])
     read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
@@ -134,12 +141,17 @@ def read_readings(
             *converted.messages,
             *_about_sheet(read, first.sheet),
             *account.messages,
+            *of_lands.messages,
             *_contradictions(read, converted),
+            *_at_unworn_ends(converted.unworn),
         ),
         temperature=head.temperature,
         date=head.date,
         pressures=pressures,
+        own_lands=of_lands.own,
+        unworn=tuple(converted.unworn),
     )
+    problems += of_lands.problems
     problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
     for table in chosen.tables:
         other = agreement.other_controller(table.sheet, table.header, controller)
@@ -147,7 +159,7 @@ def read_readings(
             problems = [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
-    if not result.readings and pressures is None:
+    if not (result.readings or result.unworn) and pressures is None:
         raise _none_left(result) or _not_filled_in(first)
     return result
 
@@ -171,6 +183,17 @@ def _contradictions(read: Sequence[Rows], converted: Converted) -> list[Message]
     return list(dict.fromkeys(repeated))  # a message about what stands above several tables is given once
 
 
+def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
+    if not unworn:
+        return []
+    lands = dict.fromkeys(f"{each.component}, plane {each.plane}" for each in unworn)
+    text = (
+        f"{len(unworn)} reading{'s' if len(unworn) > 1 else ''} at an unworn end (component {'; '.join(lands)}): of "
+        "the pair when new, not of its wear. `atleak controller learn` makes mounting clearances of them"
+    )
+    return [Message("info", "unworn_ends", text, unworn[0].place)]
+
+
 def _none_left(result: Readings) -> ReadingsError | None:
     """Return the error where every reading was left aside, else None."""
     reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
@@ -189,11 +212,19 @@ def _score(sheet: Sheet) -> float:
 
 
 def _account(
-    chosen: Choice, read: Sequence[Rows], names: ControllerNames, converted: Converted, given_unit: Unit | None
+    chosen: Choice,
+    of_lands: LandValues,
+    read: Sequence[Rows],
+    names: ControllerNames,
+    converted: Converted,
+    given_unit: Unit | None,
 ) -> Account:
     account = Account(names, [*converted.units, *([given_unit.name] if given_unit else [])])
+    account.take(of_lands.cells)
     for rows in read:
         account.enter(rows)
+    for table in chosen.of_lands:
+        account.enter_lands(table)
     for table in chosen.doubtful:
         if account.holds_sizes(table):
             account.problems += read_rows(table, names, given_unit).problems

@@ -51,6 +51,10 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     for gap in clearances(readings, controller):
         if gap.measured and gap.land.key not in doubtful:
             problems += _clearance(gap, by_land[gap.land.key], readings)
+    if readings.unworn:
+        places = {problem.place for problem in problems}
+        of_new = check(readings.when_new, controller)
+        problems += [problem for problem in of_new if problem.place not in places]
     problems.sort(key=lambda problem: problem.place.row or 0)
     return problems
 
@@ -186,7 +190,7 @@ def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readin
     if gap.radial_clearance > CLEARANCE_LIMIT:
         return [
             ReadingsError(
-                f"{name}: radial clearance {gap.radial_clearance * 1e3:.3f} mm between {land.part} {spool} and "
+                f"{name}: radial clearance {gap.radial_clearance * 1e3:.3f} mm between {land.part_name} {spool} and "
                 f"sleeve {sleeve}{_unmeasured(gap)}",
                 place=place,
                 value=sleeve if gap.status != "spool_only" else spool,
@@ -215,7 +219,7 @@ def _swapped_rows(gap: LandClearance, readings: list[Reading], all_readings: Rea
     name = f"component {gap.land.component} land {gap.land.land}"
     where = f"plane {sleeve.plane}" + ("" if sleeve.direction is None else f", {sleeve.direction:g}°")
     return ReadingsError(
-        f"{name}, {where}: the sleeve measures smaller than the {gap.land.part} in row {spool.place.row} "
+        f"{name}, {where}: the sleeve measures smaller than the {gap.land.part_name} in row {spool.place.row} "
         f"({_written(all_readings, spool.diameter)}): spool and sleeve swapped there?",
         place=sleeve.place,
         value=_written(all_readings, sleeve.diameter),
@@ -227,7 +231,7 @@ def _smaller(gap: LandClearance, name: str, spool: str, sleeve: str, place: Plac
     land = gap.land
     if gap.status == "spool_only":
         return ReadingsError(
-            f"{name}: the {land.part} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the "
+            f"{name}: the {land.part_name} ({spool}) measures larger than the nominal sleeve ({sleeve}), and the "
             "sleeve was not measured",
             place=place,
             value=spool,
@@ -235,15 +239,15 @@ def _smaller(gap: LandClearance, name: str, spool: str, sleeve: str, place: Plac
         )
     if gap.status == "sleeve_only":
         return ReadingsError(
-            f"{name}: the sleeve ({sleeve}) measures smaller than the nominal {land.part} ({spool}), and the "
-            f"{land.part} was not measured",
+            f"{name}: the sleeve ({sleeve}) measures smaller than the nominal {land.part_name} ({spool}), and the "
+            f"{land.part_name} was not measured",
             place=place,
             value=sleeve,
-            expected=f"the readings of the {land.part} too, or the right nominal diameter in the valve body's file",
+            expected=f"readings of the {land.part_name} too, or the right nominal diameter in the valve body's file",
         )
     swapped = -gap.radial_clearance
     return ReadingsError(
-        f"{name}: the sleeve ({sleeve}) measures smaller than the {land.part} ({spool})"
+        f"{name}: the sleeve ({sleeve}) measures smaller than the {land.part_name} ({spool})"
         + (
             f": spool and sleeve swapped? The other way round the radial clearance would be {swapped * 1e6:.1f} µm"
             if _looks_swapped(gap)
@@ -261,7 +265,7 @@ def _looks_swapped(gap: LandClearance) -> bool:
 
 
 def _unmeasured(gap: LandClearance) -> str:
-    missing = {"spool_only": "sleeve", "sleeve_only": gap.land.part}.get(gap.status)
+    missing = {"spool_only": "sleeve", "sleeve_only": gap.land.part_name}.get(gap.status)
     return f" (nominal: the {missing} was not measured)" if missing else ""
 
 

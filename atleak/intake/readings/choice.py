@@ -22,10 +22,12 @@ from atleak.intake.sheets.sheet import Sheet
 class Choice:
     """The tables to read, those beside them that hold no readings, and the sheets that were not asked for.
 
-    ``doubtful`` hold values of which no column says the component.
+    ``of_lands`` hold what lands themselves have, also on a sheet of their own beside the one asked for. ``doubtful``
+    hold values of which no column says the component.
     """
 
     tables: tuple[Table, ...]
+    of_lands: tuple[Table, ...]
     doubtful: tuple[Table, ...]
     aside: tuple[Table, ...]
     sheets_aside: tuple[Sheet, ...]
@@ -56,16 +58,28 @@ def choose(sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: s
     readable = [table for sheet in looked_at for table in tables[sheet.name] if table.readable]
     if not readable:
         raise _no_readings(sheets, tables, file)
-    rest = [table for sheet in looked_at for table in tables[sheet.name] if not table.readable]
+    beside = [
+        sheet
+        for sheet in sheets
+        if sheet not in looked_at and not sheet.hidden and not any(table.header.values for table in tables[sheet.name])
+    ]
+    of_lands = [table for sheet in (*looked_at, *beside) for table in tables[sheet.name] if table.is_of_lands]
+    with_lands = {table.sheet.name for table in of_lands}
+    rest = [
+        table for sheet in looked_at for table in tables[sheet.name] if not table.readable and not table.is_of_lands
+    ]
     read = {table.sheet.name for table in readable if _is_filled(table)}
     others = [
         sheet.name for sheet in sheets if sheet.name not in read and any(table.readable for table in tables[sheet.name])
     ]
     return Choice(
         tables=tuple(readable),
+        of_lands=tuple(of_lands),
         doubtful=tuple(table for table in rest if not table.aside),
         aside=tuple(table for table in rest if table.aside),
-        sheets_aside=tuple(sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden),
+        sheets_aside=tuple(
+            sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden and sheet.name not in with_lands
+        ),
         messages=tuple(_about_sheets(file, [sheet.name for sheet in sheets if sheet.name in read], others, wanted)),
     )
 

@@ -26,10 +26,11 @@ from atleak.intake.units import Unit, find_unit
 
 Role = Literal[
     "component", "part", "plane", "land", "direction", "repeat", "unit", "diameter", "coordinate", "mean",
-    "raw", "specification", "quantity", "remark", "gauge",
+    "raw", "specification", "quantity", "remark", "gauge", "contact length", "position", "fitted repair",
 ]  # fmt: skip
 KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction", "repeat")
-_SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark", "gauge")
+OF_LANDS: tuple[Role, ...] = ("contact length", "position", "fitted repair")  # of a land itself, beside its diameters
+_SAYS_NOTHING: tuple[Role, ...] = ("raw", "specification", "quantity", "remark", "gauge", *OF_LANDS)
 
 EXPECTED = (
     "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
@@ -69,6 +70,16 @@ _GENERIC = vocabulary("generic")
 _NUMBERED = vocabulary("number", "generic")
 _UNIT = vocabulary("unit")
 _GAUGE = vocabulary("gauge")
+_CONTACT_LENGTH = vocabulary("contact_length")
+_CONTACT = vocabulary("contact")
+_LENGTH = vocabulary("length")
+_BESIDE_CONTACT_LENGTH = vocabulary("contact_length", "contact", "length", "beside_contact_length", "actual", "reading")
+_POSITION = vocabulary("axial_position")
+_LEFT = vocabulary("left")
+_BESIDE_POSITION = vocabulary("axial_position", "left", "beside_position", "actual", "reading")
+_FITTED = vocabulary("fitted")
+_REPAIR = vocabulary("repair")
+_FITTED_REPAIR = vocabulary("fitted", "repair")
 _TRAILING_UNITS = {
     *("mm", "um", "µm", "μm", "micron", "microns", "micrometre", "micrometer", "inch", "inches", "in", "mil", "mils"),
     *("thou", "cm", "мм", "мкм"),
@@ -143,6 +154,11 @@ class Header:
         return tuple(column for column in self.columns if column.holds_value)
 
     @property
+    def of_lands(self) -> tuple[Column, ...]:
+        """Return the columns of what a land itself has, or its component: contact length, position, fitted repair."""
+        return tuple(column for column in self.columns if column.role in OF_LANDS)
+
+    @property
     def roles(self) -> set[Role]:
         """Return what the headings name, of all that makes a reading."""
         return {column.role for column in self.columns}.difference(_SAYS_NOTHING)
@@ -174,6 +190,7 @@ class Header:
         """Return whether this can only be headings: two sizes, or a size beside what it is of."""
         sizes = [column for column in self.columns if column.holds_size and _is_named_size(column)]
         others = [column for column in self.columns if column.role == "quantity" and column.unit is not None]
+        others += self.of_lands
         keys = {column.role for column in self.columns}.intersection(KEYS)
         several = sum(column.holds_value for column in self.columns) > 1  # "spool" and "bore", or "0°" and "90°"
         return (len(sizes) or several) + bool(keys) > 1 or (bool(others) and len(keys) > 1)
@@ -307,6 +324,9 @@ def read_heading(text: str, index: int = 0) -> Column | None:
     words = set(tokens)
     if not words:
         return None
+    of_land = _of_land(words, unit)
+    if of_land is not None:
+        return Column(index, text, of_land, unit=unit)
     role, rank = _role(words, rest, unit)
     if role is None:
         return None
@@ -325,6 +345,26 @@ def read_heading(text: str, index: int = 0) -> Column | None:
         tentative=tentative,
         besides=besides_numbers(words),
     )
+
+
+def _of_land(words: set[str], unit: Unit | None) -> Role | None:
+    """Return what a heading says of a land itself; only where it says so and nothing else.
+
+    A plain "position" is as often the number of a row, or the depth at which a diameter was measured.
+
+    >>> read_heading("Contact length [mm]").role, read_heading("Contact length tolerance [mm]").role
+    ('contact length', 'specification')
+    >>> read_heading("Position from left end [mm]").role, read_heading("Position").role
+    ('position', 'component')
+    """
+    contact = words & _CONTACT_LENGTH or (words & _CONTACT and words & _LENGTH)
+    if contact and all(word in _BESIDE_CONTACT_LENGTH for word in words):
+        return "contact length"
+    if unit is not None and words & _POSITION and words & _LEFT and all(word in _BESIDE_POSITION for word in words):
+        return "position"
+    if words & _FITTED and words & _REPAIR and all(word in _FITTED_REPAIR for word in words):
+        return "fitted repair"
+    return None
 
 
 def _role(words: set[str], text: str, unit: Unit | None) -> tuple[Role | None, int]:

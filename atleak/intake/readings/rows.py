@@ -27,6 +27,7 @@ from atleak.intake.readings.words import (
     part_words,
     plain,
     repeat_of,
+    says_unworn,
     summary_of,
     text_of,
 )
@@ -292,7 +293,12 @@ class _Reader:
         repeat, explicit, countable = self._repeat(row, column)
         if component is None or part is None or plane is None or not known or not countable:
             return None
-        return Key(component, part, plane, direction, repeat, explicit)
+        return Key(component, part, plane, direction, repeat, explicit, self._is_unworn(row))
+
+    def _is_unworn(self, row: int) -> bool:
+        """Return whether a cell of its own says that the row's diameter was taken at an unworn end."""
+        cells = (self.sheet.filled(row, index) for index in range(self.sheet.width) if index not in self.columns.read)
+        return any(isinstance(cell, str) and says_unworn(cell) for cell in cells)
 
     def _required(self, row: int, column: Column) -> Cell | None:
         cell = self.sheet.filled(row, column.index)

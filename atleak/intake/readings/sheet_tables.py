@@ -109,6 +109,11 @@ class Table:
         return 2 * sum(part_of(text_of(cell)) is not None for cell in cells) > len(cells)
 
     @property
+    def is_of_lands(self) -> bool:
+        """Return whether it holds no diameters, and what lands themselves have: lengths, repairs that are fitted."""
+        return not self.header.values and bool(self.header.of_lands) and not self.aside
+
+    @property
     def readable(self) -> bool:
         """Return whether readings can be read from the table at all."""
         known = self.header.of("component") or self.component is not None
@@ -285,7 +290,7 @@ def _said(table: Table, lines: Sequence[tuple[str, str]], names: ControllerNames
 
 def _why_aside(table: Table, titles: Sequence[str]) -> str:
     header = table.header
-    if not header.values:
+    if not header.values and not header.of_lands:
         return "no measured diameter by its headings"
     for title in titles:
         words = set(_WORD.findall(plain(title)))

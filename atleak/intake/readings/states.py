@@ -34,7 +34,7 @@ _FEWEST = 2  # rows that make a block
 _AS_ONE = 3e-6  # [m] within which rows that return pass for repeats without a warning: choice of this project
 _COUNTING = vocabulary("repeat", "reading", "number", "generic")
 
-StationKey = tuple[str, str, str, float | None, int | None]
+StationKey = tuple[str, str, str, float | None, bool, int | None]
 Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
 
 
@@ -81,13 +81,16 @@ def _several(entries: Sequence[DiameterCell]) -> dict[StationKey, list[int]]:
 
 def _station(entry: DiameterCell) -> StationKey:
     key = entry.key
-    return key.component, key.part, key.plane, key.direction, key.repeat
+    return key.component, key.part, key.plane, key.direction, key.unworn, key.repeat
 
 
 def _name(station: StationKey) -> str:
-    component, part, plane, direction, repeat = station
+    component, part, plane, direction, unworn, repeat = station
     angle = "" if direction is None else f", {direction:g}°"
-    return f"component {component}, {part}, plane {plane}{angle}" + ("" if repeat is None else f", repeat {repeat},")
+    end = ", unworn end" if unworn else ""
+    return f"component {component}, {part}, plane {plane}{angle}{end}" + (
+        "" if repeat is None else f", repeat {repeat},"
+    )
 
 
 def _also(stations: int) -> str:
@@ -222,7 +225,7 @@ def messages(
         return
     rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
     for entry in entries:
-        rows[*_station(entry)[:4], None][entry.row] = None
+        rows[*_station(entry)[:5], None][entry.row] = None
     several = {station: list(each) for station, each in rows.items() if len(each) > 1}
     for index, splits in _splitting(several, sheet, header, columns):
         if set(letters(header.text(index))) & STATES:
@@ -243,7 +246,7 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet) -> Iterator[Mes
     runs: list[list[tuple[int, int]]] = []
     rows: dict[int, list[tuple[object, float, int]]] = defaultdict(list)
     for entry in entries:
-        rows[entry.row].append((_station(entry)[:4], entry.raw.size, entry.column))
+        rows[entry.row].append((_station(entry)[:5], entry.raw.size, entry.column))
     order = list(rows)
     for at, row in enumerate(order):
         earlier = seen.setdefault(tuple(rows[row]), at)

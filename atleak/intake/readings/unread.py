@@ -65,7 +65,7 @@ class Account:
         done |= rows.cells
         for column in rows.columns.keys:
             done.update((row, column.index) for row in table.rows if not self._is_size(table.sheet, row, column.index))
-        used = {column.index for column in (*rows.columns.keys, *table.header.values)}
+        used = {column.index for column in (*rows.columns.keys, *table.header.values, *table.header.of_lands)}
         unread = [index for index in range(table.sheet.width) if index not in used]
         unread = [index for index in unread if not self._is_figure(rows, index)]
         self._slipped(rows)
@@ -80,6 +80,13 @@ class Account:
             self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
         elif rivals:
             self.problems.append(_which(table, rivals))
+
+    def enter_lands(self, table: Table) -> None:
+        """Account for a table of what lands themselves have: its numbers and names, and its other quantities."""
+        self._tables[table.sheet.name].append((table.block, table))
+        self._headings(table)
+        known = [column.index for column in table.header.columns if not column.holds_size]
+        self._done[table.sheet.name].update((row, index) for row in table.block for index in known)
 
     def leave_table(self, table: Table) -> None:
         """Leave aside a table that holds no readings of this valve body."""

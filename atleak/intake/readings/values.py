@@ -27,6 +27,7 @@ class Key:
     direction: float | None
     repeat: int | None  # None: the next free one
     explicit: bool  # whether a column of its own says it
+    unworn: bool = False  # marked as taken at an unworn end
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ class Converted:
     """Readings, their units, and the problems and messages that came up."""
 
     readings: list[Reading] = field(default_factory=list)
+    unworn: list[Reading] = field(default_factory=list)
     units: list[str] = field(default_factory=list)  # names in order of appearance
     unit_assumed: bool = False
     problems: list[ReadingsError] = field(default_factory=list)
@@ -83,7 +85,7 @@ def convert(entries: Sequence[DiameterCell], controller: Controller, headings: P
         if unit.name not in result.units:
             result.units.append(unit.name)
         reading = _reading(key, raw, unit)
-        station, repeat = reading.station, key.repeat
+        station, repeat = (reading.station, key.unworn), key.repeat
         if key.explicit and repeat is not None and (station, repeat) in taken:
             result.problems.append(_twice(reading, raw, repeat, taken[station, repeat]))
             continue
@@ -91,7 +93,7 @@ def convert(entries: Sequence[DiameterCell], controller: Controller, headings: P
             counted[station] += 1
             repeat = counted[station]
         taken[station, repeat] = replace(reading, repeat=repeat)
-        result.readings.append(taken[station, repeat])
+        (result.unworn if key.unworn else result.readings).append(taken[station, repeat])
     return result
 
 

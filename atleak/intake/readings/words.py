@@ -360,6 +360,26 @@ def is_rejected(cell: Cell) -> bool:
     return text in COUNTS_NOT or text in {"do not use", "not valid", "nicht verwenden", "nie uzywac", "nie uwzgledniac"}
 
 
+_UNWORN = vocabulary("unworn")
+_END = vocabulary("end")
+_BESIDE_AN_END = vocabulary("beside_end", "spool", "sleeve")
+
+
+@lru_cache(maxsize=4096)
+def says_unworn(text: str) -> bool:
+    """Return whether a cell says that its row was measured at an unworn end, and says nothing else.
+
+    >>> says_unworn("unworn end"), says_unworn("at the new end of the bore"), says_unworn("looks unworn")
+    (True, True, False)
+    >>> says_unworn("niezużyty koniec"), says_unworn("no unworn end")
+    (True, False)
+    """
+    words = set(letters(text))
+    return bool(words & _UNWORN and words & _END) and all(
+        word in _UNWORN or word in _END or word in _BESIDE_AN_END for word in words
+    )
+
+
 # --- what tells two states apart --------------------------------------------------------------------------------------
 
 STATES = vocabulary("state")

@@ -15,7 +15,7 @@ _INK, _SOFT = SHEET_COLOURS["heading"], SHEET_COLOURS["soft"]
 _BODY, _SPOOL = "#D5DCE3", "#F7D774"
 _LANDS = ((1.6, 2.4), (6.6, 2.0))  # start and length of the two lands
 _RADIUS, _BORE, _ROD = 1.0, 1.13, 0.42
-_PORTS = ((0.35, 1.0), (4.35, 1.9), (8.95, 0.9))  # start and length of the openings in the bore
+_PORTS = ((0.35, 0.9), (3.4, 2.6), (8.95, 0.9))  # start and length of the openings in the bore
 
 
 @cache
@@ -27,29 +27,28 @@ def spool_picture() -> bytes:
     axes.set_ylim(-2.75, 2.75)
     axes.set_axis_off()
     _bore_and_spool(axes)
-    (first, length), (second, _) = _LANDS
-    _length(axes, first, first + length, -1.62, "contact length:\nspool and bore face each other")
+    (first, _), (second, _) = _LANDS
+    _length(axes, first, _PORTS[1][0], -1.78, "contact length:\nspool and bore face each other")
     _length(axes, 0.0, first, 2.15, "position: from the left end\nto the near edge of the land")
     axes.plot([first, first], [_RADIUS, 2.3], color=_SOFT, lw=0.8)
     axes.plot([0.0, 0.0], [_ROD, 2.3], color=_SOFT, lw=0.8)
-    _height(axes, second + 1.0, -_RADIUS, _RADIUS, "diameter\nof the spool")
+    _height(axes, second + 1.0, -_RADIUS, _RADIUS, "diameter")
     axes.annotate(
         "clearance, drawn too wide:\nradial here, diametral both sides together",
         (second + 1.6, (_RADIUS + _BORE) / 2), (second + 1.2, 2.25),
         fontsize=15, color=_INK, arrowprops={"arrowstyle": "->", "color": _INK}, va="center", ha="left",
     )  # fmt: skip
     axes.annotate(
-        "from: the higher pressure", (4.9, -1.15), (4.9, -2.2),
+        "from: the higher pressure", (5.1, -1.0), (6.0, -2.3),
         fontsize=15, color=_INK, arrowprops={"arrowstyle": "->", "color": _INK}, ha="center", va="center",
     )  # fmt: skip
     axes.annotate(
-        "to: the lower one, or the drain", (9.4, -1.15), (9.7, -2.2),
+        "to: the lower one, or the drain", (9.4, -1.1), (9.7, -2.3),
         fontsize=15, color=_INK, arrowprops={"arrowstyle": "<-", "color": _INK}, ha="center", va="center",
     )  # fmt: skip
-    for number, (start, width) in enumerate(_LANDS, start=1):
-        x = start + 0.42 * width if number == 1 else start + 0.42
-        axes.text(x, 0.0, f"land {number}", fontsize=17, color=_INK, ha="center", va="center", weight="bold")
-    axes.text(10.25, 1.75, "valve body", fontsize=15, color=_SOFT)
+    for number, (start, _) in enumerate(_LANDS, start=1):
+        axes.text(start + 0.12, 0.72, f"land {number}", fontsize=16, color=_INK, ha="left", va="center", weight="bold")
+    axes.text(10.15, 1.38, "valve body", fontsize=15, color=_SOFT, va="center")
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()

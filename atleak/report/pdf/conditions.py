@@ -6,11 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from atleak.diagnosis import LandDiagnosis
-from atleak.repair import RepairStep, Total, plan_repairs
+from atleak.repair import RepairPlan, RepairStep, Total, plan_repairs
 from atleak.report.pdf.blocks import Block, PrintedColumn, joined, table, text
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.views.condition_matrix import LandAtCondition, MatrixRow, leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
+from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import replace_at, shares_add_up
 from atleak.workshop_units import PERCENT
@@ -100,7 +101,7 @@ class Conditions:
         say, plan = self.say, plan_repairs(self.diagnosis)
         steps = list(enumerate(plan.steps, start=1))
         if steps:
-            yield text(say("texts.repair_order"), leads=True)
+            yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)
             yield table(
                 [
                     PrintedColumn("", lambda step: str(step[0]), side="r"),
@@ -116,12 +117,33 @@ class Conditions:
                 steps,
                 empty=False,
             )
+            yield from self._options(plan)
             if any(step.land.replace_mileage for step in plan.steps):
                 yield text(f"{say('columns.replace_at')}: {say('texts.replace_at')}.", small=True)
             if len(self.diagnosis.projections) > 1:
                 yield from self._totals_after(plan.steps)
         for sentence in plan_ends(plan, say, self.names.condition):
             yield text(sentence)
+
+    def _options(self, plan: RepairPlan) -> Iterable[Block]:
+        """Return the repairs that the valve body's file names for the plan's lands."""
+        say, rows = self.say, option_rows(plan)
+        if rows:
+            yield text(say("texts.repair_options"), leads=True)
+            yield table(
+                [
+                    PrintedColumn("", lambda row: str(row.number), side="r"),
+                    PrintedColumn(say("columns.repair"), lambda row: row.name(say), width=6),
+                    PrintedColumn(say("columns.use"), lambda row: row.use(say), width=3),
+                    PrintedColumn(say("columns.leaves"), lambda row: row.leaves(say), "µm", side="r"),
+                    PrintedColumn(say("columns.price"), lambda row: row.price(say), width=2, side="r"),
+                    PrintedColumn(say("columns.hours"), lambda row: row.hours(say), "h", side="r"),
+                    PrintedColumn(say("columns.tool"), lambda row: row.option.repair.tool or "–", width=3),
+                    PrintedColumn(say("columns.land"), lambda row: row.lands, width=2),
+                ],
+                rows,
+                empty=False,
+            )
 
     def _helps(self, step: RepairStep) -> str:
         if step.helps:

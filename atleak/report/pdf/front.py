@@ -12,6 +12,7 @@ from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.rules import Rule
 from atleak.verdicts import Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import position_band
 from atleak.views.pressures import lowest_first, pressures_at
@@ -80,9 +81,9 @@ class Front:
         alone = diagnosis.without_sheet
         return {
             "key": diagnosis.verdict,
-            "word": say.level(diagnosis.verdict),
+            "word": ", ".join([say.level(diagnosis.verdict), *caveat_marks(diagnosis, say)]),
             "sentence": self._sentence(),
-            "more": " ".join(self._without_sheet() if alone else self._more()),
+            "more": " ".join([*caveats(diagnosis, say), *(self._without_sheet() if alone else self._more())]),
             "complaint": Conditions(self.names).complaint(),
             "totals": None if alone else self._totals(),
         }

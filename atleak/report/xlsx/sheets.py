@@ -10,7 +10,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, Record
-from atleak.repair import RepairStep, plan_repairs
+from atleak.repair import RepairPlan, RepairStep, plan_repairs
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.live import LiveSheets
@@ -25,10 +25,12 @@ from atleak.report.xlsx.live_cells import (
 from atleak.report.xlsx.road_sheet import RoadSheets
 from atleak.rules import Rule
 from atleak.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.condition_matrix import condition_matrix
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import spools_taken
+from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.sentences import because_of, fluid_in_state, measuring_temperature
 from atleak.wording import signed, wording
@@ -127,7 +129,9 @@ class Sheets:
             put(sheet, row, 1, signed(diagnosis.verdict), book.bold)
         book.colour_words(sheet, (row, 1), (row, 1), VERDICTS)
         put(sheet, row + 1, 0, "as issued", book.bold)
-        put(sheet, row + 1, 1, self._sentence())
+        marks = caveat_marks(diagnosis, wording("en"))
+        marked = f"{', '.join(marks).capitalize()}. " if marks else ""
+        put(sheet, row + 1, 1, " ".join([f"{marked}{self._sentence()}", *caveats(diagnosis, wording("en"))]))
 
     def _sentence(self) -> str:
         diagnosis, flagged = self.diagnosis, self.diagnosis.flagged
@@ -223,7 +227,8 @@ class Sheets:
 
     def _repair(self, sheet: Worksheet, row: int) -> int:
         plan, book = plan_repairs(self.diagnosis), self.book
-        put(sheet, row, 0, "Order of repair as issued: each land is made as new after those before it", book.bold)
+        as_left = "as its repair leaves it, or as new," if plan.cost else "made as new"
+        put(sheet, row, 0, f"Order of repair as issued: each land is {as_left} after those before it", book.bold)
         row += 1
         if plan.steps:
             names = ["component", "name", "verdict", "land", "total before [%]", "total after [%]", "band after"]
@@ -234,11 +239,27 @@ class Sheets:
                 self._step(sheet, row, step)
             book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
             book.colour_words(sheet, (first, 6), (row, 6), BANDS)
-            row += 1
+            row = self._options(sheet, row + 1, plan)
         for sentence in plan_ends(plan):
             put(sheet, row, 0, sentence)
             row += 1
         return row
+
+    def _options(self, sheet: Worksheet, row: int, plan: RepairPlan) -> int:
+        """Write the repairs that the valve body's file names for the plan's lands; return the next free row."""
+        rows, book, say = option_rows(plan), self.book, wording("en")
+        if not rows:
+            return row
+        names = ["step", "repair", "use", "id", "leaves [µm]", "price", "currency", "hours", "tool", "lands", "source"]
+        book.headings(sheet, row, names)
+        for at, each in enumerate(rows, start=row + 1):
+            repair = each.option.repair
+            values = (each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price)
+            values += (repair.currency, repair.hours, repair.tool, each.lands, repair.source)
+            for column, value in enumerate(values):
+                if value is not None:
+                    put(sheet, at, column, value, book.form(align="left"))
+        return row + len(rows) + 1
 
     def _step(self, sheet: Worksheet, row: int, step: RepairStep) -> None:
         book, (component, land) = self.book, step.land.key

@@ -151,6 +151,19 @@ def test_a_set_pressure_by_current_runs_straight_between_its_points(edited: Edit
     assert regulator.at(strong) == pytest.approx(20e3, abs=1e-6)
 
 
+def test_a_set_pressure_by_duty_runs_straight_between_its_points(edited: Edited) -> None:
+    path = with_circuits(edited, ("set_kpa = 400.0", "set_kpa = { duty_percent = [0, 100], kpa = [0, 600] }"))
+    assert "lockup_duty_percent in every table" in str(refused(path))
+    text = path.read_text(encoding="utf-8").replace("p_k_kpa", "lockup_duty_percent = 35.0\np_k_kpa")
+    path.write_text(text, encoding="utf-8")
+    controller = load_controller(path)
+    regulator = controller.circuits[0].set_pressure
+    assert regulator is not None
+    assert regulator.at(controller.operating_points[0]) == pytest.approx(210e3, abs=1e-6)
+    open_wide = replace(controller.operating_points[0], lockup_duty=1.0)
+    assert regulator.at(open_wide) == pytest.approx(600e3, abs=1e-6)
+
+
 def test_the_line_follows_a_circuit(edited: Edited) -> None:
     controller = loaded(edited)
     assert controller.line is not None

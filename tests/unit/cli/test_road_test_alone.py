@@ -30,7 +30,7 @@ def test_a_road_test_alone_is_judged_by_its_main_pressure(run: Run, sample_log: 
     said = " ".join(out.split())
     assert status == 0
     assert "No measuring sheet was given and no land was measured." in said
-    assert "unit: ● ok, by the main pressure of the log alone" in said
+    assert "unit: ● ok (provisional), by the main pressure of the log alone" in said
     assert "green" not in said
     assert "Order of repair" not in said
 
@@ -46,7 +46,10 @@ def test_a_log_of_two_fifths_of_the_pressure_is_critical_because_of_it(
     status, out, _ = run("diagnose", *sheet, *options)
     said = " ".join(out.split())
     assert status == 1
-    assert "unit: ✖ critical, decided by the main pressure below the permissible, gear 4, driving, at 11.0 s" in said
+    assert (
+        "unit: ✖ critical (provisional), decided by the main pressure below the permissible, gear 4, driving, at 11.0 s"
+        in said
+    )
     record = json.loads(record_file.read_text(encoding="utf-8"))
     assert record["verdict"] == record["unit"]["verdict"] == "critical"
     assert record["unit"]["decision"] == "fail"
@@ -69,7 +72,9 @@ def test_a_log_without_main_pressure_is_a_job_alone(run: Run, sample_log: Path, 
     assert "Gauge it at the main pressure tap in P R N D 3 2 1" in " ".join(out.split())
     record = json.loads(record_file.read_text(encoding="utf-8"))
     road = record["road_test"]
-    assert record["unit"] == {"verdict": "not_measured", "decision": None, "decided_by": None}
+    unit = record["unit"]
+    assert (unit["verdict"], unit["decision"], unit["decided_by"]) == ("not_measured", None, None)
+    assert (unit["provisional"], unit["provisional_because"]) == (False, [])
     assert (road["permissible_pressure"], road["permissible_pressure_not_judged"]) == (None, "no_main_pressure")
     assert road["max_leakage"] is road["max_share"] is None
     assert road["gears"] == [1, 2, 3, 4]

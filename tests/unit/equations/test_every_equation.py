@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import clearance, fluid, gap, orifice, pressure, pump, referees
+from atleak.equations import clearance, fluid, gap, orifice, pressure, pump, referees, small_samples
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -60,10 +60,19 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (pressure.regulated_pressure, (8e5, 0.5, 1e4, 5e5)),
     (referees.modulated_pressure, (8e5, 0.5, 5e5)),
     (pump.displacement, (0.0045, 12.0, 0.012, 0.0084)),
+    (pump.gerotor_displacement, (0.060, 0.050, 0.012, 8.0)),
+    (pump.vane_displacement, (0.070, 0.006, 0.018, 13.0)),
+    (pump.gear_pair_displacement, (0.050, 0.042, 0.016, 12.0)),
+    (pump.crescent_displacement, (0.0775, 0.0825, 0.0075, 0.012, 24.0, 29.0)),
+    (pump.face_slip, (40e-6, 0.066, 0.048)),
+    (pump.tip_slip, (120e-6, 0.012, 0.002, 3.0)),
+    (pump.slip_coefficient, (2e-13, 1.7e-5)),
     (pump.capacity, (1.7e-5, 40.0, 0.95)),
     (referees.wilson_efficiency, (1e-7, 8e5, 8.5e-3, 40.0)),
     (pump.slip_flow, (1.7e-5, 1e-7, 8e5, 8.5e-3)),
     (pump.minimum_speed, (1e-4, 2e-5, 1.7e-5)),
+    (small_samples.student_tail, (2.2, 10.5)),
+    (small_samples.student_quantile, (0.975, 10.5)),
 ]
 # These give a pair, words, truth values or reduce an axis; the tests of their own rooms cover them.
 OTHERS = {
@@ -71,11 +80,12 @@ OTHERS = {
     referees.circumferential_cube,
     referees.axial_cube,
     gap.obliteration,
+    small_samples.one_sided_squares_tail,
     gap.entry_loss_terms,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
-ROOMS = [clearance, fluid, gap, orifice, pressure, pump, referees]
+ROOMS = [clearance, fluid, gap, orifice, pressure, pump, referees, small_samples]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 

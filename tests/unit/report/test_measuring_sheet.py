@@ -13,6 +13,7 @@ from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.pressure_table import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of
 from atleak.readings import Reading, clearances
+from atleak.report.lands_sheet import LANDS
 from atleak.report.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
 from atleak.report.pressure_sheet import PRESSURES
 
@@ -89,14 +90,16 @@ def test_the_published_diameters_of_spool_6_are_not_called_representative():
 def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     book = opened(template)
     sheet = book[SHEET]
-    assert book.sheetnames == [SHEET, PRESSURES, INSTRUCTIONS]
+    assert book.sheetnames == [SHEET, LANDS, PRESSURES, INSTRUCTIONS]
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
     assert sheet.page_setup.orientation == "landscape"
     assert sheet.sheet_properties.pageSetUpPr.fitToPage
     assert sheet.page_setup.fitToWidth in (None, 1)  # 1 is what a missing attribute means
     assert sheet.page_setup.fitToHeight == 0  # as many pages as it takes
-    (validation,) = sheet.data_validations.dataValidation
+    validation, taken_at = sheet.data_validations.dataValidation
+    assert (taken_at.type, taken_at.formula1) == ("list", '"unworn end"')
+    assert str(taken_at.sqref) == f"N{HEADER + 1}:N{sheet.max_row}"
     assert (validation.type, validation.operator, validation.formula1) == ("decimal", "greaterThan", "0")
     assert str(validation.sqref) == f"G{HEADER + 1}:I{sheet.max_row}"
     inputs = {sheet.cell(HEADER + 1, column).fill.fgColor.rgb for column in (X1, X2, DIAMETER)}

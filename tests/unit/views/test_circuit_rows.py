@@ -26,6 +26,7 @@ def five_speed() -> Controller:
         (SetPressure(points={"hot_idle": 150e3, "stall": 400e3}), "hot idle: 150 kPa; stall in drive: 400 kPa"),
         (SetPressure(gears={1: 300e3, -1: 500e3}), "gear 1: 300 kPa; gear -1: 500 kPa"),
         (SetPressure(currents=((0.1, 1.0), (620e3, 20e3))), "100 mA: 620 kPa; 1000 mA: 20 kPa"),
+        (SetPressure(duties=((0.0, 0.35), (0.0, 210e3))), "0 % duty: 0 kPa; 35 % duty: 210 kPa"),
         (SetPressure(following=Following("epc", 2.5, 740e3)), "2.5 × epc + 740 kPa"),
         (SetPressure(following=Following("epc", 1.0, -50e3)), "1 × epc − 50 kPa"),
         (SetPressure(following=Following("epc", 2.0, 0.0)), "2 × epc"),

@@ -132,7 +132,13 @@ def column_numbers(candidate: Candidate, frame: pd.DataFrame, decimal: Decimal, 
             )
             return np.full(len(values), np.nan)
         values = values.copy()
-        values[column.index.get_indexer(unreadable.index)] = words_as_numbers.as_numbers(candidate.quantity, unreadable)
+        in_words = words_as_numbers.as_numbers(candidate.quantity, unreadable)
+        values[column.index.get_indexer(unreadable.index)] = in_words
+        drive = unreadable[np.isnan(in_words)]
+        if candidate.quantity == "gear" and len(drive) and words_as_numbers.only_positions(drive):
+            shown = ", ".join(sorted({str(word).strip() for word in drive}))
+            text = f"{shown} names no gear, so it is not known at {len(drive)} of {len(values)} samples"
+            assigner.say("gear_not_named", f"{candidate.label!r}: {text}", "info", candidate.label)
         return values
     destroyed = next((text for text in unreadable.head(50) if is_destroyed(text)), None)
     if destroyed is not None or len(unreadable) > 0.02 * len(values):

@@ -215,6 +215,7 @@ CASES: dict[str, Case] = {
     "destroyed by thousands signs": Case(table("Time (s);RPM;Speed (km/h)", "{t:.2f};-583.206.639;{kmh}"), absent=("engine_speed",), has={"vehicle_speed": (KMH, "km/h")}, codes=("column_refused",)),
     "thousands sign taken for a decimal": Case("Time (s);RPM\n" + "".join(f"{i};{'' if 700 + 37 * i < 1000 else '1.' if 700 + 37 * i < 2000 else '2.'}{(700 + 37 * i) % 1000 if 700 + 37 * i < 1000 else f'{(700 + 37 * i) % 1000:03d}'}\n" for i in range(40)), duration=39.0, absent=("engine_speed",), codes=("column_refused",)),
     "gears in words": Case("Time (s),RPM,Gear\n" + "".join(f"{i / 10:.1f},{800 + 37 * i},{['Park', 'First', 'Second', 'Third'][i // 10]}\n" for i in range(40)), has={"gear": (3.0, "")}),
+    "letters beside gears": Case("Time (s),RPM,Gear\n" + "".join(f"{i / 10:.1f},{800 + 37 * i},{'PNRD1D23'[i // 5]}\n" for i in range(40)), has={"gear": (3.0, "")}, codes=("gear_not_named",)),
     "gear is a selector": Case("Time (s),RPM,Gear\n" + "".join(f"{i / 10:.1f},{800 + 37 * i},{'PRND'[i // 10]}\n" for i in range(40)), absent=("gear",), codes=("gear_is_selector",)),
     "negative gears": Case(table("Time (s),RPM,Gear", "{t:.2f},{rpm},-1"), has={"gear": (-1.0, "")}),
     "two gears": Case(table("Time (s),RPM,Current Gear,Detected Gear,TCU: Desired Gear", "{t:.2f},{rpm},{gear},2,{gear}"), absent=("gear",), ambiguous=("gear",)),

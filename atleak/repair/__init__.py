@@ -1,7 +1,8 @@
 """Plan the repairs of a unit: which lands, in which order, what each brings at every condition, and where that ends.
 
-A repaired land is as new. What a repair saves depends on those before it where lands share a circuit, so every stage of
-the plan is computed as a whole: leakage, line pressure and what each circuit holds.
+A repaired land is as its repair leaves it where the controller's file names one, and as new otherwise. What a repair
+saves depends on those before it where lands share a circuit, so every stage of the plan is computed as a whole:
+leakage, line pressure and what each circuit holds.
 """
 
 from __future__ import annotations
@@ -15,17 +16,31 @@ from functools import cached_property
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
 from atleak.engine.repaired import WORTH_NAMING, with_new
+from atleak.repair.fewest import fewest
+from atleak.repair.options import Cost, Option, Options, cost_of
 from atleak.rules import LandKey, Rule, permissible_low
 from atleak.verdicts import BANDS, Band
+
+__all__ = [
+    "Cost",
+    "Option",
+    "Remainder",
+    "RepairPlan",
+    "RepairStep",
+    "RepairedAt",
+    "Total",
+    "fewest",
+    "plan_repairs",
+]
 
 _NEARLY = 1e-8  # relative: a total must be under its limit by more than floating point can tell
 _WORTH_A_REPAIR = (
     0.01  # of how far pressures are past their limits, that one more land must help: choice of this project
 )
-_NODES = 20_000  # of the search for the fewest lands; beyond it a few more than the fewest may be named
 
 
 @dataclass(frozen=True)
@@ -113,10 +128,13 @@ class RepairedAt:
 
 @dataclass(frozen=True)
 class RepairStep:
-    """The repair of one land, after the steps before it."""
+    """The repair of one land, and of what is mended together with it, after the steps before it."""
 
     land: LandDiagnosis
     conditions: tuple[RepairedAt, ...]  # in the order of the diagnosis, the stated one first
+    options: tuple[Option, ...] = ()  # of the controller's file for this land, in its order
+    chosen: Option | None = None  # None: as new, as no option mends the land
+    together: tuple[LandDiagnosis, ...] = ()  # further lands of the component that the chosen one changes
 
     @property
     def for_total(self) -> bool:
@@ -166,6 +184,11 @@ class RepairPlan:
     judged: bool = True  # whether any land was measured: else there is nothing to plan
 
     @property
+    def cost(self) -> Cost | None:
+        """Return what the chosen options cost together; None where the controller's file names none for any step."""
+        return cost_of([step.chosen for step in self.steps]) if any(step.options for step in self.steps) else None
+
+    @property
     def reached(self) -> bool:
         """Tell whether the plan ends green at every condition, with every pressure within its limits."""
         return self.judged and not self.remaining and not self.pressures_past
@@ -183,9 +206,15 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     most, measured by the limit of the condition at which it saves most. Where totals are still not green, the fewest
     lands within their limits follow that bring each into the best band that repairs can bring it into. Where a pressure
     is still past a limit, those follow that help it most, one after the other.
+
+    Where the controller's file names repairs, a land is mended by the cheapest option that leaves it within its limit
+    of clearance, with the clearance that this option leaves; where none does, or none is named, it is made as new. An
+    option that changes several lands mends them in one step.
     """
+    options = Options(diagnosis)
+    mended = options.model(options.single)
     lands = [land for land in diagnosis.lands if land.state.measured]
-    totals, *alone = _totals(diagnosis, [[], *([land] for land in lands)])
+    totals, *alone = _totals(diagnosis, mended, [[], *([land] for land in lands)])
     single = {land.key: _both(totals, after) for land, after in zip(lands, alone, strict=True)}
 
     def saving(land: LandDiagnosis) -> float:
@@ -194,17 +223,22 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     flagged = sorted(
         (land for land in lands if land.verdict.flagged), key=lambda land: (-land.verdict.rank, -saving(land))
     )
-    ends = _totals(diagnosis, [flagged])[0]
+    ends = _totals(diagnosis, mended, [flagged])[0]
     others = [land for land in lands if not land.verdict.flagged]
     more = _best_bands([land for land in others if saving(land) > 0.0], ends, single)
-    more += _for_pressures(diagnosis, [*flagged, *more], [land for land in others if land not in more])
-    chosen = [*flagged, *sorted(more, key=lambda land: -saving(land))]
-    stages = _totals(diagnosis, [chosen[:count] for count in range(len(chosen) + 1)])
+    more += _for_pressures(diagnosis, mended, [*flagged, *more], [land for land in others if land not in more])
+    chosen = options.by_component([*flagged, *sorted(more, key=lambda land: -saving(land))])
+    jobs = _jobs(diagnosis, chosen)
+    done: list[LandDiagnosis] = []
+    after_each = [done := [*done, *job] for job in jobs]
+    stages = _totals(diagnosis, options.model(chosen), [[], *after_each])
     ends = stages[-1]
     return RepairPlan(
         steps=tuple(
-            RepairStep(land, _both(before, after))
-            for land, before, after in zip(chosen, stages, stages[1:], strict=False)
+            RepairStep(
+                job[0], _both(before, after), options.of(job[0].key), chosen[job[0].key], together=tuple(job[1:])
+            )
+            for job, before, after in zip(jobs, stages, stages[1:], strict=False)
         ),
         ends=ends,
         remaining=tuple(
@@ -218,12 +252,27 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     )
 
 
-def _totals(diagnosis: Diagnosis, choices: Sequence[Sequence[LandDiagnosis]]) -> list[tuple[Total, ...]]:
-    """Return the totals at every condition, the stated one first, for each choice of lands that are new."""
+def _jobs(diagnosis: Diagnosis, chosen: Mapping[LandKey, Option | None]) -> list[list[LandDiagnosis]]:
+    """Return the lands that each repair mends, the one that calls for it first; each land once."""
+    by_key = {land.key: land for land in diagnosis.lands}
+    jobs: list[list[LandDiagnosis]] = []
+    done: set[LandKey] = set()
+    for key, option in chosen.items():
+        if key not in done:
+            keys = [key] if option is None else [key, *(each for each in option.lands if each not in {key, *done})]
+            jobs.append([by_key[each] for each in keys])
+            done.update(keys)
+    return jobs
+
+
+def _totals(
+    diagnosis: Diagnosis, mended: LeakageModel, choices: Sequence[Sequence[LandDiagnosis]]
+) -> list[tuple[Total, ...]]:
+    """Return the totals at every condition, the stated one first, for each choice of lands as in ``mended``."""
     chosen = [{land.key for land in choice} for choice in choices]
     by_condition: list[list[Total]] = []
     for projection in diagnosis.projections:
-        done = with_new(diagnosis.model, diagnosis.as_new, projection.condition, chosen)
+        done = with_new(diagnosis.model, mended, projection.condition, chosen)
         of_total, of_pressure = diagnosis.total_rule(projection), diagnosis.pressure_rules_at(projection)
         by_condition.append(
             [
@@ -247,13 +296,15 @@ def _both(before: Iterable[Total], after: Iterable[Total]) -> tuple[RepairedAt, 
 
 
 def _for_pressures(
-    diagnosis: Diagnosis, chosen: Sequence[LandDiagnosis], others: Sequence[LandDiagnosis]
+    diagnosis: Diagnosis, mended: LeakageModel, chosen: Sequence[LandDiagnosis], others: Sequence[LandDiagnosis]
 ) -> list[LandDiagnosis]:
     """Return the lands that help most, one after the other, as long as a pressure is past a limit and one helps it."""
     added: list[LandDiagnosis] = []
     while True:
         left = [land for land in others if land not in added]
-        now, *with_one_more = _totals(diagnosis, [[*chosen, *added], *([*chosen, *added, land] for land in left)])
+        now, *with_one_more = _totals(
+            diagnosis, mended, [[*chosen, *added], *([*chosen, *added, land] for land in left)]
+        )
         past = _past_pressures(now)
         gains = [past - _past_pressures(after) for after in with_one_more]
         if past == 0.0 or not gains or max(gains) <= _WORTH_A_REPAIR * past:
@@ -310,88 +361,3 @@ def _best_bands(
 def _saved(each: RepairedAt) -> float:
     """Return how much less is drawn from the pump [m³/s], never less than nothing."""
     return max(each.before.leakage - each.after.leakage, 0.0)
-
-
-def fewest(gains: Sequence[Sequence[float]], needs: Sequence[float]) -> list[int]:
-    """Return the numbers of the fewest rows whose gains add up to every need.
-
-    Parameters
-    ----------
-    gains
-        one row for each choice, with its gain towards each need.
-    needs
-        each within what all gains together give.
-
-    Notes
-    -----
-    The search looks for one row, then two, and so on, the most useful rows first, and leaves out what the largest
-    gains that are left could not complete. After twenty thousand steps it gives up and names rows that suffice: each
-    time the most useful one, without those that the later ones made needless.
-
-    Examples
-    --------
-    >>> fewest([[1.0, 0.0], [0.0, 1.0], [0.6, 0.6], [0.3, 0.3]], [1.0, 1.0])
-    [0, 1]
-    """
-    if not needs:
-        return []
-    order = sorted(range(len(gains)), key=lambda row: -_use(gains[row], needs))
-    enough = _enough(order, gains, needs)
-    most = [_largest_sums([gains[row][need] for row in order]) for need in range(len(needs))]
-    steps = 0
-
-    def search(start: int, count: int, left: list[float]) -> list[int] | None:
-        nonlocal steps
-        if max(left) <= 0.0:
-            return []
-        if count == 0:
-            return None
-        for place in range(start, len(order) - count + 1):
-            steps += 1
-            if steps > _NODES or any(most[need][place][count] < each for need, each in enumerate(left)):
-                return None
-            row = order[place]
-            rest = search(place + 1, count - 1, [each - gain for each, gain in zip(left, gains[row], strict=True)])
-            if rest is not None:
-                return [row, *rest]
-        return None
-
-    for count in range(1, len(enough)):
-        found = search(0, count, list(needs))
-        if found is not None:
-            return sorted(found)
-    return sorted(enough)
-
-
-def _use(gains: Sequence[float], needs: Sequence[float]) -> float:
-    """Return how much of the needs a row serves; a need that is met asks for nothing."""
-    return sum(min(gain, need) / need for gain, need in zip(gains, needs, strict=True) if need > 0.0)
-
-
-def _enough(order: Sequence[int], gains: Sequence[Sequence[float]], needs: Sequence[float]) -> list[int]:
-    """Return rows that meet every need, the most useful one each time, without those that are not needed."""
-    chosen: list[int] = []
-    left = list(needs)
-    while max(left) > 0.0 and len(chosen) < len(order):  # floating point may leave a need open with every row chosen
-        rest = [row for row in order if row not in chosen]
-        uses = [_use(gains[row], left) for row in rest]
-        best = rest[uses.index(max(uses))]
-        chosen.append(best)
-        left = [each - gain for each, gain in zip(left, gains[best], strict=True)]
-    for row in reversed(chosen.copy()):
-        spare = [each + gain for each, gain in zip(left, gains[row], strict=True)]
-        if max(spare) <= 0.0:
-            chosen.remove(row)
-            left = spare
-    return chosen
-
-
-def _largest_sums(values: Sequence[float]) -> list[list[float]]:
-    """Return, for every place, the sums of the 0, 1, 2 … largest values from there on."""
-    table = []
-    for start in range(len(values) + 1):
-        sums = [0.0]
-        for value in sorted(values[start:], reverse=True):
-            sums.append(sums[-1] + value)
-        table.append(sums)
-    return table

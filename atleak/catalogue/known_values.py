@@ -1,0 +1,92 @@
+"""List what every value of a controller's file is known from: measured, published, representative, or not stated."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from atleak.catalogue.controller_tables import ControllerFile, LandValue, PumpTable
+from atleak.catalogue.evidence import Evidence
+
+LAND_VALUES: tuple[LandValue, ...] = get_args(LandValue)
+_OF_PUMP = ("volumetric_efficiency", "slip_coefficient")
+
+
+@dataclass(frozen=True)
+class KnownValue:
+    """One value, or one table of values that are known alike."""
+
+    table: str  # of the file: "components", "gaps", "circuits"
+    name: str  # which of them: a land as "8/1", a circuit by its name, empty where there is one alone
+    value: str  # the key, empty where the table stands as a whole
+    evidence: Evidence | None  # None where the file does not say
+    source: str
+
+
+def known_values(entry: ControllerFile) -> tuple[KnownValue, ...]:
+    """Return what every value of a controller's file is known from, in the order of the file."""
+    return tuple(_known_values(entry))
+
+
+def counted(values: Iterable[KnownValue]) -> dict[Evidence | None, int]:
+    """Count values by what they are known from; None stands for those of which the file says nothing."""
+    counts = Counter(value.evidence for value in values)
+    return {evidence: counts[evidence] for evidence in (*Evidence, None)}
+
+
+def _known_values(entry: ControllerFile) -> Iterator[KnownValue]:
+    for name, material in entry.materials.items():
+        yield KnownValue("materials", name, "expansion_per_k", material.evidence, material.source)
+    yield from _of_pump(entry.pump)
+    for name, relation in entry.pressures.items():
+        yield KnownValue("pressures", name, "", relation.evidence, relation.source)
+    for point in entry.operating_points:
+        yield KnownValue("operating_points", point.label, "", point.evidence, point.source)
+    for component in entry.components:
+        for land in component.lands:
+            for value in LAND_VALUES:
+                name = f"{component.id}/{land.land}"
+                yield KnownValue("components", name, value, entry.known_from(land, value), entry.source)
+    for gap in entry.gaps:
+        name = f"{gap.component}/{gap.land}: {gap.high} → {gap.low}"
+        yield KnownValue("gaps", name, "", gap.known_from, entry.source)
+    for circuit in entry.circuits:
+        yield KnownValue("circuits", circuit.name, "gears", circuit.evidence, circuit.source)
+        for feed in circuit.feeds:
+            yield KnownValue("circuits", circuit.name, "diameter_mm", feed.evidence, circuit.source)
+        if circuit.set_kpa is not None:
+            yield KnownValue("circuits", circuit.name, "set_kpa", circuit.set_evidence, circuit.source)
+    if entry.line is not None:
+        yield KnownValue("line", "", "set_kpa", entry.line.evidence, entry.line.source)
+    named: tuple[tuple[str, Iterable[Any]], ...] = (
+        ("leaks", entry.leaks),
+        ("consumers", entry.consumers),
+        ("repairs", entry.repairs),
+    )
+    for table, each_of in named:
+        for each in each_of:
+            yield KnownValue(table, each.name or each.id, "", each.evidence, each.source)
+    for permissible in entry.permissible_pressure:
+        where = permissible.gears or permissible.ranges or [permissible.gear]
+        name = f"{', '.join(map(str, where))} · {permissible.state}"
+        yield KnownValue("permissible_pressure", name, "", permissible.evidence, permissible.source)
+
+
+def _of_pump(pump: PumpTable) -> Iterator[KnownValue]:
+    """Yield how large the pump is, and what else the file says of it."""
+    others = {"volumetric_efficiency", "slip_coefficient", "source", "representative", "measured", "kind"}
+    size = [key for key in pump.model_fields_set if key not in others]
+    yield KnownValue("pump", "", "displacement", _of_keys(pump, size), pump.source)
+    for key in _OF_PUMP:
+        if getattr(pump, key) is not None:
+            yield KnownValue("pump", "", key, _of_keys(pump, [key]), pump.source)
+
+
+def _of_keys(pump: PumpTable, keys: Iterable[str]) -> Evidence | None:
+    """Return what the least sure of some keys is known from; what is not representative or measured is published."""
+    keys = list(keys)
+    if any(key in pump.representative for key in keys):
+        return Evidence.REPRESENTATIVE
+    return Evidence.MEASURED if all(key in pump.measured for key in keys) else Evidence.PUBLISHED

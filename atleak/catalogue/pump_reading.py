@@ -1,0 +1,206 @@
+"""Read the table of a pump: what it displaces by its dimensions, and what its gaps let slip."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps
+from atleak.catalogue.pump_tables import PumpKind, PumpTable
+from atleak.catalogue.reading import Reading
+from atleak.equations import pump as equations
+from atleak.errors import DomainError
+
+
+class _Kind(NamedTuple):
+    """What the displacement and the slip of one kind of pump follow from, as keys of the table."""
+
+    name: str
+    displacement: Callable[..., float]
+    sizes: tuple[str, ...]  # the arguments of that function, in its order
+    faces: tuple[tuple[str, str], ...]  # of every rotor: where the sealing land of its faces begins and ends
+    rims: int  # along which tips seal between delivery and suction
+    in_a_row: str | None  # how many tips of a rim; None: one
+    besides: tuple[str, ...] = ()  # from which one of those follows
+
+    @property
+    def of_faces(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys([*(key for ends in self.faces for key in ends), *self.besides]))
+
+    @property
+    def of_tips(self) -> tuple[str, ...]:
+        if not self.rims:
+            return ()
+        return ("width_mm", "tip_land_mm", *(() if self.in_a_row is None else (self.in_a_row,)))
+
+
+_GEAR = ("root_diameter_mm", "shaft_diameter_mm")
+_RING = ("ring_outer_diameter_mm", "ring_root_diameter_mm")
+_KINDS: Mapping[PumpKind, _Kind] = MappingProxyType(
+    {
+        "external_gear": _Kind(
+            "gear pump",
+            equations.gear_pair_displacement,
+            ("tip_diameter_mm", "centre_distance_mm", "width_mm", "teeth"),
+            (_GEAR, _GEAR),
+            2,
+            "sealing_tips",
+        ),
+        "crescent": _Kind(
+            "crescent pump",
+            equations.crescent_displacement,
+            ("tip_diameter_mm", "ring_tip_diameter_mm", "centre_distance_mm", "width_mm", "teeth", "ring_teeth"),
+            (_GEAR, _RING),
+            2,
+            "sealing_tips",
+        ),
+        "gerotor": _Kind(
+            "gerotor",
+            equations.gerotor_displacement,
+            ("tip_diameter_mm", "root_diameter_mm", "width_mm", "teeth"),
+            (_GEAR, _RING),
+            1,
+            None,
+            ("tip_diameter_mm",),
+        ),
+        "vane": _Kind(
+            "vane pump",
+            equations.vane_displacement,
+            ("cam_ring_diameter_mm", "eccentricity_mm", "width_mm", "vanes"),
+            (("rotor_diameter_mm", "shaft_diameter_mm"),),
+            0,
+            None,
+        ),
+    }
+)
+_BY_MODULE = ("module_mm", "teeth", "width_mm", "tooth_height_mm")  # the arguments of `equations.displacement`
+_WITH_MODULE = (None, "external_gear", "crescent")  # kinds of which it holds
+_DIMENSIONS = tuple(
+    dict.fromkeys(key for kind in _KINDS.values() for key in (*_BY_MODULE, *kind.sizes, *kind.of_faces, *kind.of_tips))
+)
+
+
+def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
+    """Return the pump of a table, or None where its displacement cannot be known; what is wrong is gathered."""
+    _check_kind(table, reading)
+    _check_clearances(table, reading)
+    sizes = _dimensions(table)
+    displacement, gaps = None, PumpGaps(None, None)
+    try:
+        displacement = _displacement(table, sizes, reading)
+        if displacement is not None and table.kind is not None:
+            gaps = _gaps(_KINDS[table.kind], sizes, displacement)
+    except DomainError as error:  # dimensions that cannot be those of one pump
+        reading.faults.append(reading.fault_of_table(("pump",), str(error)))
+    if displacement is None:
+        return None
+    clearances = PumpClearances(_metres(table.side_clearance_um), _metres(table.tip_clearance_um))
+    coefficient = table.slip_coefficient
+    if coefficient is None and gaps.whole(clearances):
+        coefficient = gaps.coefficient(clearances)
+    return Pump(
+        displacement,
+        table.volumetric_efficiency,
+        coefficient,
+        tuple(table.representative),
+        kind=table.kind,
+        held_at_demand=table.held_at_demand,
+        gaps=gaps,
+        clearances=clearances,
+        limits=PumpClearances(_metres(table.side_clearance_limit_um), _metres(table.tip_clearance_limit_um)),
+    )
+
+
+def _metres(micrometres: float | None) -> float | None:
+    return None if micrometres is None else micrometres * 1e-6
+
+
+def _dimensions(table: PumpTable) -> dict[str, Any]:
+    """Return the dimensions that are known, in SI: those stated, and those that follow from them."""
+    sizes = {key: getattr(table, key) for key in _DIMENSIONS if getattr(table, key) is not None}
+    if table.kind == "gerotor" and {"tip_diameter_mm", "root_diameter_mm"} <= sizes.keys():
+        tip, root = sizes["tip_diameter_mm"], sizes["root_diameter_mm"]
+        sizes.setdefault("ring_root_diameter_mm", tip + 0.5 * (tip - root))  # into which its tips fit
+    if table.kind == "vane" and {"cam_ring_diameter_mm", "rotor_diameter_mm"} <= sizes.keys():
+        play = sizes["cam_ring_diameter_mm"] - sizes["rotor_diameter_mm"]
+        sizes.setdefault("eccentricity_mm", 0.5 * play)  # until the rotor touches the ring
+    return {key: size * 1e-3 if key.endswith("_mm") else size for key, size in sizes.items()}
+
+
+def _check_kind(table: PumpTable, reading: Reading) -> None:
+    """Refuse dimensions that a pump of this kind does not have, or those of a kind that is not stated."""
+    own: Collection[str] = _BY_MODULE
+    if table.kind is not None:
+        kind = _KINDS[table.kind]
+        own = {*kind.sizes, *kind.of_faces, *kind.of_tips, *(_BY_MODULE if table.kind in _WITH_MODULE else ())}
+    others = [key for key in _DIMENSIONS if getattr(table, key) is not None and key not in own]
+    if others and table.kind is None:
+        problem, expected = f"no kind of pump, of which {others[0]} is a dimension", f"one of {', '.join(_KINDS)}"
+        reading.faults.append(reading.fault(("pump", "kind"), problem, expected=expected))
+    for key in others if table.kind is not None else ():
+        expected = f"of {', '.join(name for name in _DIMENSIONS if name in own)}"
+        problem = f"no dimension of a {_KINDS[table.kind].name}"
+        reading.faults.append(reading.fault(("pump", key), problem, value=getattr(table, key), expected=expected))
+
+
+def _check_clearances(table: PumpTable, reading: Reading) -> None:
+    for name in ("side_clearance", "tip_clearance"):
+        new, most = getattr(table, f"{name}_um"), getattr(table, f"{name}_limit_um")
+        at = ("pump", f"{name}_limit_um")
+        if new is not None and most is not None and most < new:
+            problem, expected = "a limit under the clearance of a new pump", f"at least {new:g} µm"
+            reading.faults.append(reading.fault(at, problem, value=most, expected=expected))
+        if name == "tip_clearance" and table.kind == "vane" and (new or most):
+            at, problem = ("pump", f"{name}_um") if new is not None else at, "a tip clearance of a vane pump"
+            expected = "none: its vanes lie against the ring"
+            reading.faults.append(reading.fault(at, problem, value=new or most, expected=expected))
+
+
+def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) -> float | None:
+    """Return what a pump displaces [m³/rev]; None, with the fault gathered, where the table does not say."""
+    kind = None if table.kind is None else _KINDS[table.kind]
+    if table.displacement_mm3 is not None:
+        of_slip = (*kind.of_faces, *kind.of_tips) if kind else ()
+        of_size = [key for key in (*_BY_MODULE, *(kind.sizes if kind else ())) if key not in of_slip]
+        twice = [key for key in _DIMENSIONS if key in of_size and getattr(table, key) is not None]
+        if not twice:
+            return table.displacement_mm3 * 1e-9
+        problem = f"the displacement is stated, and {', '.join(twice)} too, from which it would follow"
+        reading.faults.append(reading.fault_of_table(("pump",), problem, expected=f"{_ways(kind)}, not both"))
+        return None
+    formula, keys = (kind.displacement, kind.sizes) if kind else (equations.displacement, _BY_MODULE)
+    if table.kind in _WITH_MODULE and (table.module_mm is not None or table.tooth_height_mm is not None):
+        formula, keys = equations.displacement, _BY_MODULE
+    missing = [key for key in keys if key not in sizes]
+    if not missing:
+        return float(formula(*(sizes[key] for key in keys)))
+    if len(missing) == len(keys):
+        problem = "nothing says what the pump displaces"
+        reading.faults.append(reading.fault_of_table(("pump",), problem, expected=_ways(kind)))
+    else:
+        for key in missing:
+            problem = f"missing beside {', '.join(known for known in keys if known in sizes)}"
+            reading.faults.append(reading.fault(("pump", key), problem, expected=_ways(kind)))
+    return None
+
+
+def _ways(kind: _Kind | None) -> str:
+    """Say how a displacement can be stated."""
+    if kind is None:
+        by_module = f"{', '.join(_BY_MODULE[:-1])} and {_BY_MODULE[-1]}"
+        return f"either displacement_mm3 or the dimensions of one kind: all of {by_module}, or with kind those of it"
+    return f"either displacement_mm3 or the dimensions of a {kind.name}: all of {', '.join(kind.sizes)}"
+
+
+def _gaps(kind: _Kind, sizes: Mapping[str, Any], displacement: float) -> PumpGaps:
+    """Return what the gaps of a pump make of its slip coefficient."""
+    of_side, of_tip = (tuple(key for key in keys if key not in sizes) for keys in (kind.of_faces, kind.of_tips))
+    side = tip = None
+    if not of_side:
+        side = sum(equations.face_slip(1.0, sizes[outer], sizes[inner]) for outer, inner in kind.faces)
+    if kind.rims and not of_tip:
+        in_a_row = 1 if kind.in_a_row is None else sizes[kind.in_a_row]
+        tip = kind.rims * equations.tip_slip(1.0, sizes["width_mm"], sizes["tip_land_mm"], in_a_row)
+    per_cube = (None if slip is None else equations.slip_coefficient(slip, displacement) for slip in (side, tip))
+    return PumpGaps(*per_cube, has_tips=kind.rims > 0, lacking_of_side=of_side, lacking_of_tip=of_tip)

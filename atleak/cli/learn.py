@@ -1,0 +1,134 @@
+"""Learn mounting clearances from measuring sheets of new units: ``atleak controller learn``."""
+
+from __future__ import annotations
+
+import argparse
+import datetime as dt
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from atleak.cli.shared import (
+    add_command,
+    add_force,
+    add_json,
+    check_targets,
+    number_of,
+    pair,
+    say_written,
+    write_json,
+    write_text,
+)
+from atleak.errors import InputError, ReadingsError
+from atleak.written_numbers import MEASURING_TEMPERATURE
+
+if TYPE_CHECKING:
+    from atleak.catalogue.controller import Controller
+    from atleak.learning.learned import Learned
+    from atleak.readings import Readings
+
+
+def add_learn(group: Any) -> None:
+    """Add the command to those about the description of a valve body."""
+    parser = add_command(group, "learn", run, "mounting clearances from measuring sheets of new or known-good units")
+    parser.add_argument(
+        "sheets",
+        metavar="SHEET",
+        nargs="+",
+        help="measuring sheet of one unit; of a used one the readings marked as taken at unworn ends count",
+    )
+    parser.add_argument("--controller", metavar="ID|FILE", required=True, help="the valve body that they are of")
+    parser.add_argument("-o", "--output", metavar="FILE.toml|-", help="its file with the clearances that were learned")
+    parser.add_argument("--sheet", metavar="NAME", help="of each workbook, where several hold readings")
+    parser.add_argument("--sheet-unit", metavar="UNIT", help="of the diameters, where a sheet does not say")
+    parser.add_argument(
+        "--where",
+        metavar="HEADING=VALUE",
+        type=pair,
+        action="append",
+        default=[],
+        help="the rows to read, where a sheet holds several inspections or vehicles",
+    )
+    parser.add_argument(
+        "--measuring-temperature",
+        metavar="C",
+        type=number_of(MEASURING_TEMPERATURE),
+        help="of gauge and parts [°C]; as each sheet says unless given",
+    )
+    parser.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
+    parser.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
+    add_json(parser)
+    add_force(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Learn, write the file that was asked for, and show what was learned."""
+    from atleak.catalogue.controller_reading import load_controller
+    from atleak.catalogue.instruments import load_instruments
+    from atleak.learning.learned import learn
+    from atleak.views.learned_rows import learned_record
+
+    if options.output not in (None, "-") and Path(options.output).suffix.lower() != ".toml":
+        raise InputError("the description is a .toml file", value=options.output, expected="a name.toml")
+    if options.output == options.json == "-":
+        raise InputError("only one of -o and --json can be written to standard output", expected="a file for the other")
+    check_targets(
+        options,
+        [options.controller, *options.sheets],
+        [("TOML file", options.output), ("record", options.json)],
+    )
+    controller = load_controller(options.controller)
+    chosen = {"spool": options.spool_instrument, "sleeve": options.sleeve_instrument}
+    instruments = load_instruments(**{part: named for part, named in chosen.items() if named is not None})
+    learned = learn(
+        controller, _read(options, controller), instruments=instruments, temperature=options.measuring_temperature
+    )
+    written = [] if options.output is None else _write(options, learned)
+    if options.json is not None:
+        written += write_json(options.json, learned_record(learned))
+    if "-" not in (options.output, options.json):
+        _show(learned)
+    say_written(written)
+    return 0
+
+
+def _read(options: argparse.Namespace, controller: Controller) -> list[Readings]:
+    """Read all sheets; what is wrong with any of them is named at once."""
+    from atleak.faults import together
+    from atleak.intake.readings import read_readings
+
+    sheets: list[Readings] = []
+    faults: list[ReadingsError] = []
+    for name in options.sheets:
+        try:
+            sheets.append(
+                read_readings(name, controller, sheet=options.sheet, unit=options.sheet_unit, where=dict(options.where))
+            )
+        except ReadingsError as fault:
+            faults.append(fault)
+    if faults:
+        raise together(faults)
+    return sheets
+
+
+def _write(options: argparse.Namespace, learned: Learned) -> list[str]:
+    from atleak.catalogue.controller_reading import checked_controller
+    from atleak.catalogue.controller_toml import written_toml
+    from atleak.catalogue.entries import read_tables
+    from atleak.learning.tables import with_learned
+
+    data, _ = read_tables("controllers", options.controller)
+    tables = with_learned(data, learned, dt.date.today())
+    checked_controller(tables, str(options.output))
+    return write_text(options.output, written_toml(tables))
+
+
+def _show(learned: Learned) -> None:
+    from atleak.learning.words import messages, summary
+    from atleak.report.terminal import print_table
+    from atleak.views.learned_rows import land_rows
+
+    print(summary(learned))
+    rows = land_rows(learned)
+    print_table(list(rows[0]), rows)
+    for message in messages(learned):
+        print(f"{'! ' if message.level == 'warning' else ''}{message.text}")

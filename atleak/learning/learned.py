@@ -1,0 +1,301 @@
+"""Learn the mounting clearance of every land from measuring sheets of new or known-good units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.instruments import Instruments, load_instruments
+from atleak.equations.small_samples import student_quantile
+from atleak.errors import Place, ReadingsError
+from atleak.faults import together
+from atleak.learning.estimate import Estimate, estimate
+from atleak.learning.outliers import Outliers, Table, WhyUnit, find_outliers
+from atleak.readings import Readings, clearances
+from atleak.uncertainty.assumptions import DEFAULTS, Assumptions
+from atleak.uncertainty.sources import LandSources, find_sources
+
+COVERED = 0.95  # of new pairs by a tolerance, and of the true values by an uncertainty
+PUBLISHED_NEW = (6.4e-6, 20e-6)  # [m] radial: diametral 0.0127-0.040 mm of new valves (Sonnax, valve body inspection)
+_TELLING = 12  # diameters, from which on two sheets that agree in all to the micrometre are one
+
+
+class ToleranceFrom(StrEnum):
+    """What the tolerance of a land's mounting clearance rests on."""
+
+    UNITS = "units"  # how far the measured units differ
+    FILE = "file"  # the valve body's file as it was, because one unit shows no spread
+    PUBLISHED = "published_range"  # half the published range of new valves, likewise
+
+
+@dataclass(frozen=True)
+class LearnedLand:
+    """What the sheets tell of one land. All lengths are radial [m]."""
+
+    land: Land  # as the valve body's file has it so far
+    clearance: float  # the mounting clearance that was learned
+    uncertainty: float  # half width that holds the true one with 95 %: units, readings and the instruments' calibration
+    uncertainty_by_units: float  # the same by the scatter of units and readings alone
+    tolerance: float  # half width round the learned one that holds 95 % of new pairs
+    tolerance_from: ToleranceFrom
+    spread: float | None  # standard deviation between new pairs, measurement taken off; None where units show none
+    measurement: float  # standard uncertainty of one unit's clearance, but for what all units share
+    calibration: float  # standard uncertainty that the instruments leave to all units alike
+    units: int  # whose pairs count
+    unworn_ends: int  # of them known from an unworn end of the bore
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A pair of one unit that does not count, because it is not as those of the others are."""
+
+    file: str
+    component: str
+    land: int
+    clearance: float  # [m] as measured
+    expected: float  # [m] from the other units
+
+    @property
+    def wider(self) -> bool:
+        """Return whether it is wider than the others, as wear makes it; a tighter one is a wrong reading."""
+        return self.clearance > self.expected
+
+
+@dataclass(frozen=True)
+class LearnedUnit:
+    """One measuring sheet: what of it counts."""
+
+    file: str
+    sha256: str
+    lands: int  # of which both parts were measured as new ones
+    of_used_unit: bool  # only what is marked as an unworn end counts
+    shift: float  # [m] by which all its lands together are wider than those of the other units
+    left_out: WhyUnit | None
+
+
+@dataclass(frozen=True)
+class Learned:
+    """What several measuring sheets tell of a valve body's type when new."""
+
+    controller: Controller
+    units: tuple[LearnedUnit, ...]
+    lands: tuple[LearnedLand, ...]
+    unlearned: tuple[Land, ...]  # no unit that counts measured them: they keep what the file says
+    left_out: tuple[LeftOut, ...]
+
+    @property
+    def counted(self) -> tuple[LearnedUnit, ...]:
+        """Return the units that were not left out as a whole."""
+        return tuple(unit for unit in self.units if unit.left_out is None)
+
+    @cached_property
+    def spread(self) -> float | None:
+        """Return the standard deviation between new pairs over all lands [m]; None where units show none."""
+        return _rms([land.spread for land in self.lands if land.spread is not None])
+
+    @cached_property
+    def measurement(self) -> float | None:
+        """Return the standard uncertainty of one unit's clearance over all lands [m], but for what units share."""
+        return _rms([land.measurement for land in self.lands])
+
+
+def learn(
+    controller: Controller,
+    sheets: Sequence[Readings],
+    *,
+    instruments: Instruments | None = None,
+    temperature: float | None = None,
+    assumptions: Assumptions = DEFAULTS,
+) -> Learned:
+    """Return the mounting clearances that measuring sheets of new or known-good units show.
+
+    Of a sheet with readings marked as taken at unworn ends only the lands so marked count; of any other sheet every
+    land of which both parts were measured. The same instruments are taken to have measured all units, so that their
+    calibration does not average out.
+
+    Parameters
+    ----------
+    controller
+        the valve body that the sheets are of.
+    sheets
+        one for each unit, as from `atleak.intake.readings.read_readings`.
+    instruments
+        that measured; the catalogue's defaults unless given.
+    temperature
+        of measuring [°C], instead of what each sheet states.
+    assumptions
+        about what no reading tells.
+
+    Raises
+    ------
+    ReadingsError
+        no sheet, one that is given twice, or one that tells no clearance of a new pair; all such sheets are named.
+    """
+    gauges = instruments or load_instruments()
+    _require_different(sheets)
+    units = [_sources(controller, sheet, gauges, temperature, assumptions) for sheet in sheets]
+    empty = [_tells_nothing(sheet) for sheet, lands in zip(sheets, units, strict=True) if not any(map(_counts, lands))]
+    if empty:
+        raise together(empty)
+    shape = len(sheets), len(controller.lands)
+    measured, own, shared = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
+    for row, lands in enumerate(units):
+        for column, each in enumerate(lands):
+            if _counts(each):
+                measured[row, column] = each.state.radial_clearance
+                own[row, column], shared[row, column] = _uncertainties(each)
+    outliers = find_outliers(measured, own)
+    found = estimate(measured, own, outliers.kept)
+    marked = [{controller.land_of_plane(each.component, each.plane) for each in sheet.unworn} for sheet in sheets]
+    learned = {
+        land.key: _land(
+            land,
+            column,
+            found,
+            calibration=_rms(shared[outliers.kept[:, column], column]) or 0.0,
+            unworn_ends=sum(land in marked[row] for row in np.flatnonzero(outliers.kept[:, column])),
+        )
+        for column, land in enumerate(controller.lands)
+        if found.pairs[column]
+    }
+    return Learned(
+        controller=controller,
+        units=tuple(
+            LearnedUnit(
+                sheet.file,
+                sheet.sha256,
+                lands=sum(map(_counts, units[row])),
+                of_used_unit=bool(sheet.unworn),
+                shift=float(outliers.shifts[row]),
+                left_out=outliers.units.get(row),
+            )
+            for row, sheet in enumerate(sheets)
+        ),
+        lands=tuple(learned.values()),
+        unlearned=tuple(land for land in controller.lands if land.key not in learned),
+        left_out=tuple(_left_out(controller, sheets, measured, outliers)),
+    )
+
+
+# --- from sheets to numbers
+
+
+def _require_different(sheets: Sequence[Readings]) -> None:
+    """Refuse no sheet at all, and readings that are given twice, in the same file or under another name."""
+    if not sheets:
+        raise ReadingsError("no measuring sheet is given", expected="one for each unit, new or known to be good")
+    first: dict[object, Readings] = {}
+    twice = []
+    for sheet in sheets:
+        content = frozenset((each.station, each.repeat, each.diameter) for each in (*sheet.readings, *sheet.unworn))
+        earlier = first.setdefault(content if len(content) >= _TELLING else sheet.sha256, sheet)
+        if earlier is not sheet:
+            same = "the same file" if earlier.sha256 == sheet.sha256 else "a file with the same readings"
+            problem = f"{same} as {earlier.file}: a unit that is counted twice would look like two that agree"
+            twice.append(ReadingsError(problem, place=Place(sheet.file), expected="one sheet for each unit"))
+    if twice:
+        raise together(twice)
+
+
+def _tells_nothing(sheet: Readings) -> ReadingsError:
+    problem, expected = "no land has readings of both its spool and its sleeve", "both diameters of a land"
+    if sheet.unworn:
+        problem = "no land has readings of its spool and, marked as taken at an unworn end, of its sleeve"
+        expected = "the spool's diameter beside that of the bore at its unworn end"
+    return ReadingsError(problem, place=Place(sheet.file, sheet.sheet), expected=expected)
+
+
+def _sources(
+    controller: Controller,
+    sheet: Readings,
+    instruments: Instruments,
+    temperature: float | None,
+    assumptions: Assumptions,
+) -> tuple[LandSources, ...]:
+    new = sheet.when_new
+    measured_at = sheet.measured_at(temperature).value
+    states = clearances(new, controller, temperature=measured_at, instruments=instruments)
+    return find_sources(states, new, controller, instruments, assumptions)[0]
+
+
+def _counts(land: LandSources) -> bool:
+    return land.state.status == "measured"
+
+
+def _uncertainties(land: LandSources) -> tuple[float, float]:
+    """Return the standard uncertainties [m] of a clearance that its unit has alone, and that all units share.
+
+    The calibration of the instruments is the same error in every unit; repeats, rounding, form and the temperature of
+    measuring are not.
+    """
+    calibrations = [source for source in land.sources if source.kind in ("calibration", "common calibration")]
+    alone = math.fsum(each.standard_uncertainty**2 for each in calibrations if each.group is None)
+    groups = {each.group for each in calibrations if each.group is not None}
+    common = math.fsum(land.groups[group] ** 2 for group in groups)
+    return math.sqrt(max(land.standard_uncertainty**2 - alone - common, 0.0)), math.sqrt(alone + common)
+
+
+# --- from numbers to lands
+
+
+def _land(land: Land, column: int, found: Estimate, *, calibration: float, unworn_ends: int) -> LearnedLand:
+    by_units = _factor(found.degrees[column]) * float(found.standard_error[column])
+    uncertainty = math.hypot(by_units, _FACTOR * calibration)
+    spread = float(found.spread[column])
+    if math.isnan(spread):
+        apart, tolerance_from = _known_tolerance(land)
+    else:
+        apart = _factor(found.spread_degrees[column]) * float(found.unresolved[column])
+        tolerance_from = ToleranceFrom.UNITS
+    return LearnedLand(
+        land=land,
+        clearance=float(found.clearance[column]),
+        uncertainty=uncertainty,
+        uncertainty_by_units=by_units,
+        tolerance=math.hypot(apart, uncertainty),
+        tolerance_from=tolerance_from,
+        spread=None if math.isnan(spread) else spread,
+        measurement=float(found.measurement[column]),
+        calibration=calibration,
+        units=int(found.pairs[column]),
+        unworn_ends=unworn_ends,
+    )
+
+
+def _factor(degrees_of_freedom: float) -> float:
+    return float(student_quantile(0.5 + 0.5 * COVERED, degrees_of_freedom))
+
+
+_FACTOR = _factor(math.inf)
+
+
+def _known_tolerance(land: Land) -> tuple[float, ToleranceFrom]:
+    """Return how far another new pair may be from this one [m], where one unit alone was measured.
+
+    Two pairs of a type differ by √2 times as much as one differs from the type's value. Half the published range is
+    taken as it is: it holds valves of all makes, and those of one type lie closer together (choice of this project).
+    """
+    if land.mounting_tolerance is not None:
+        return math.sqrt(2.0) * land.mounting_tolerance, ToleranceFrom.FILE
+    low, high = PUBLISHED_NEW
+    return 0.5 * (high - low), ToleranceFrom.PUBLISHED
+
+
+def _left_out(
+    controller: Controller, sheets: Sequence[Readings], measured: Table, outliers: Outliers
+) -> Iterator[LeftOut]:
+    """Yield the pairs that do not count by themselves, those of units left out for other reasons aside."""
+    for row, column in zip(*np.nonzero(outliers.wide | outliers.tight), strict=True):
+        land = controller.lands[column]
+        expected = float(outliers.expected[row, column])
+        yield LeftOut(sheets[row].file, *land.key, float(measured[row, column]), expected)
+
+
+def _rms(values: Sequence[float] | Table) -> float | None:
+    return math.sqrt(math.fsum(float(each) ** 2 for each in values) / len(values)) if len(values) else None

@@ -1,0 +1,129 @@
+"""Say which representative values a verdict rests on: one that rests on any is provisional.
+
+A representative value is one of such units in general, neither measured on this type nor published for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from enum import StrEnum
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.known_values import known_values
+from atleak.catalogue.limits import RuleKind
+from atleak.rules import Rule
+
+
+class Basis(StrEnum):
+    """What a verdict can rest on besides the readings."""
+
+    MOUNTING_CLEARANCE = "mounting_clearance"
+    CONTACT_LENGTH = "contact_length"
+    NOMINAL_DIAMETER = "nominal_diameter"
+    MATERIALS = "materials"
+    GAPS = "gaps"  # which land leaks from where to where
+    OPERATING_POINT = "operating_point"
+    SECTIONS = "sections"  # how p_s and p_m follow main pressure
+    LINE = "line"  # what main pressure is set to
+    CIRCUITS = "circuits"  # gears, feeds, set pressures
+    LEAKS = "leaks"  # beside the lands
+    PUMP = "pump"
+    CONSUMERS = "consumers"
+    PERMISSIBLE_PRESSURE = "permissible_pressure"
+    FLUID = "fluid"
+
+
+_FLOW = {
+    Basis.CONTACT_LENGTH,
+    Basis.NOMINAL_DIAMETER,
+    Basis.MATERIALS,
+    Basis.GAPS,
+    Basis.OPERATING_POINT,
+    Basis.SECTIONS,
+    Basis.LINE,
+    Basis.CIRCUITS,
+    Basis.FLUID,
+}
+_SHARE = {*_FLOW, Basis.PUMP}
+_HELD = {*_SHARE, Basis.MOUNTING_CLEARANCE, Basis.LEAKS, Basis.CONSUMERS}
+_RESTS_ON: dict[RuleKind, set[Basis]] = {
+    RuleKind.WEAR: {Basis.MOUNTING_CLEARANCE},
+    RuleKind.CLEARANCE: set(),
+    RuleKind.PAIR_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},  # it is judged by its growth over new, too
+    RuleKind.TOTAL_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},
+    RuleKind.RESERVE: _HELD,
+    RuleKind.CIRCUIT_LOSS: _HELD,
+    RuleKind.BELOW_LINE: set(),
+    RuleKind.PERMISSIBLE_PRESSURE: {*_HELD, Basis.PERMISSIBLE_PRESSURE},
+    RuleKind.COMMANDED_PRESSURE: set(),
+}
+_OF_LANDS = {
+    Basis.MOUNTING_CLEARANCE: "mounting_clearance_um",
+    Basis.CONTACT_LENGTH: "contact_length_mm",
+    Basis.NOMINAL_DIAMETER: "nominal_diameter_mm",
+}
+_HARDLY_MATTERS = ("density_g_cm3", "density_slope_g_cm3_k")  # by which fluids differ by some percent
+_OF_TABLES = {
+    "materials": Basis.MATERIALS,
+    "gaps": Basis.GAPS,
+    "pressures": Basis.SECTIONS,
+    "line": Basis.LINE,
+    "circuits": Basis.CIRCUITS,
+    "leaks": Basis.LEAKS,
+    "pump": Basis.PUMP,
+    "consumers": Basis.CONSUMERS,
+    "permissible_pressure": Basis.PERMISSIBLE_PRESSURE,
+}
+
+
+def representative_bases(
+    rules: Iterable[tuple[Rule, Iterable[Land]]],
+    controller: Controller,
+    fluid: Fluid,
+    measured: Iterable[Land],
+) -> tuple[Basis, ...]:
+    """Return which representative values some rules rest on, each once.
+
+    Parameters
+    ----------
+    rules
+        each with the lands that it judges or that take part in what it judges.
+    measured
+        lands measured on both parts: their nominal diameters count for nothing.
+    """
+    whole = {land.key for land in measured}
+    of_tables = dict(_representative_tables(controller))
+    bases: set[Basis] = set()
+    for rule, lands in rules:
+        rests_on = _RESTS_ON[rule.kind]
+        if rule.condition is None and rule.kind is RuleKind.PERMISSIBLE_PRESSURE:  # gauges or a log measured it
+            rests_on = {Basis.PERMISSIBLE_PRESSURE}
+        for basis in rests_on - bases:
+            if basis in _OF_LANDS:
+                unknown = [each for each in lands if basis is not Basis.NOMINAL_DIAMETER or each.key not in whole]
+                rests = any(_OF_LANDS[basis] in each.representative for each in unknown)
+            elif basis is Basis.FLUID:
+                rests = any(value not in _HARDLY_MATTERS for value in fluid.representative)
+            elif basis is Basis.OPERATING_POINT:
+                rests = rule.condition is not None and rule.condition.like in of_tables.get(basis, ())
+            else:
+                rests = basis in of_tables
+            bases |= {basis} if rests else set()
+    return tuple(basis for basis in Basis if basis in bases)
+
+
+def _representative_tables(controller: Controller) -> Iterator[tuple[Basis, frozenset[str]]]:
+    """Yield what the controller's file calls representative besides the values of lands; of points their names."""
+    if controller.entry is None:
+        return
+    values = [each for each in known_values(controller.entry) if each.evidence is Evidence.REPRESENTATIVE]
+    for table, basis in _OF_TABLES.items():
+        if any(value.table == table for value in values):
+            yield basis, frozenset()
+    points = controller.entry.operating_points
+    yield (
+        Basis.OPERATING_POINT,
+        frozenset(point.name for point in points if point.evidence is Evidence.REPRESENTATIVE),
+    )

@@ -1,0 +1,137 @@
+"""Write the tab of a measuring sheet that takes what a land has beside its diameters, a row for every land.
+
+`atleak.intake.readings.land_values` reads it back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from xlsxwriter.format import Format
+from xlsxwriter.worksheet import Worksheet
+
+from atleak.catalogue.controller import Controller, Land
+from atleak.own_lands import OwnLands
+from atleak.workshop_units import MM
+
+LANDS = "Lands"
+HEADER = 5  # row of the headings, from 0
+_LIST = 255  # characters that a spreadsheet program takes as the choices of a cell
+_HOW_TO = (
+    "Beside the diameters, where it was measured: yellow cells may stay empty, then the valve body's file counts.",
+    "Contact length: over which spool and bore face each other where the valve works, by calliper. Position: of the "
+    "land's near edge, from the end of the spool that the drawing shows left.",
+)
+_HOW_TO_REPAIR = "Fitted repair: an oversize valve, a sleeve … from an earlier repair, by its id; once for a component."
+
+
+@dataclass(frozen=True)
+class _Column:
+    heading: str
+    width: int
+    form: str  # name of the format
+
+
+_NUMBER, _NAME, _LAND = _Column("No.", 8, "text"), _Column("Component", 26, "text"), _Column("Land", 8, "number")
+_CONTACT = _Column("Contact\nlength [mm]", 14, "input")
+_STATED = _Column("Stated contact\nlength [mm]", 14, "nominal")
+_ORIGIN = _Column("Note on\nstated length", 16, "origin")
+_POSITION = _Column("Position from\nleft end [mm]", 14, "input")
+_STATED_POSITION = _Column("Stated length from\nleft end [mm]", 16, "nominal")
+_NOTE = _Column("Note", 40, "origin")
+_FITTED = _Column("Fitted repair", 24, "choice")
+_OPTIONS = _Column("Note on repairs", 60, "origin")
+
+
+def write_lands(sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, own: OwnLands) -> None:
+    """Write the tab, empty or with what is known of one unit.
+
+    Parameters
+    ----------
+    sheet
+        of a workbook that is being written.
+    formats
+        of the measuring sheet.
+    controller
+        whose lands the rows name, with what its file states beside them.
+    own
+        what to fill in.
+    """
+    columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _ORIGIN, _POSITION, _STATED_POSITION, _NOTE]
+    columns += [_FITTED, _OPTIONS] if controller.repairs else []
+    sheet.write_string(0, 0, f"Lands of this unit: {controller.name}", formats["title"])
+    how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
+    for row, text in enumerate(how_to, start=1):
+        sheet.write_string(row, 0, text)
+    for number, column in enumerate(columns):
+        sheet.write_string(HEADER, number, column.heading, formats["heading"])
+        sheet.set_column(number, number, column.width)
+    sheet.set_row(HEADER, 32)
+    last = HEADER
+    for last, (land, values) in enumerate(_rows(controller, own), start=HEADER + 1):
+        for number, column in enumerate(columns):
+            value = values.get(column)
+            form = formats[column.form]
+            if value is None or value == "":
+                sheet.write_blank(last, number, None, form)
+            elif isinstance(value, str) and not (value.isdecimal() and str(int(value)) == value):
+                sheet.write_string(last, number, value, form)
+            else:
+                sheet.write_number(last, number, float(value), form)
+        ids = [repair.id for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
+        if ids and len(",".join(ids)) <= _LIST:
+            sheet.data_validation(last, columns.index(_FITTED), last, columns.index(_FITTED), _one_of(ids))
+    for column in (_CONTACT, _POSITION):
+        number = columns.index(column)
+        sheet.data_validation(HEADER + 1, number, last, number, _LENGTH)
+    sheet.freeze_panes(HEADER + 1, 3)
+    sheet.set_landscape()
+    sheet.set_paper(9)  # A4
+    sheet.fit_to_pages(1, 0)
+    sheet.repeat_rows(HEADER)
+    sheet.ignore_errors({"number_stored_as_text": f"A{HEADER + 2}:A{last + 1}"})
+
+
+_LENGTH = {
+    "validate": "decimal",
+    "criteria": ">=",
+    "value": 0,
+    "error_title": "Not a length",
+    "error_message": "A number in millimetres, such as 5.25. Leave empty what was not measured.",
+}
+
+
+def _one_of(ids: list[str]) -> dict[str, object]:
+    return {
+        "validate": "list",
+        "source": ids,
+        "error_title": "No such repair",
+        "error_message": "One of the list, or nothing where the component is as it left the factory.",
+    }
+
+
+def _rows(controller: Controller, own: OwnLands) -> Iterator[tuple[Land, dict[_Column, str | float | None]]]:
+    """Yield every land with what stands in its row."""
+    lengths = {each.key: each for each in own.lengths}
+    for land in controller.lands:
+        length = lengths.get(land.key)
+        contact, position = (length.contact_length, length.position) if length is not None else (None, None)
+        repairs = [repair for repair in controller.repairs_of(land.component) if repair.changes(land.key)]
+        fitted = {each.repair for each in own.fitted if each.component == land.component}
+        yield (
+            land,
+            {
+                _NUMBER: land.component,
+                _NAME: controller.components[land.component],
+                _LAND: land.land,
+                _CONTACT: None if contact is None else round(contact * MM, 7),
+                _STATED: round(land.contact_length * MM, 7),
+                _ORIGIN: "representative" if "contact_length_mm" in land.representative else "as stated",
+                _POSITION: None if position is None else round(position * MM, 7),
+                _STATED_POSITION: None if land.position is None else round(land.position * MM, 7),
+                _NOTE: "; ".join(land.built),
+                _FITTED: next((repair.id for repair in repairs if repair.id in fitted), None),
+                _OPTIONS: "; ".join(f"{repair.id}: {repair.label}" for repair in repairs),
+            },
+        )

@@ -1,0 +1,72 @@
+"""Show what a controller's values are known from, and what a workshop must still measure or look up."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.known_values import KnownValue, counted, known_values
+
+_NAMES = {
+    ("materials", "expansion_per_k"): ("thermal expansion of a material", "thermal expansions of materials"),
+    ("pump", "displacement"): ("the pump's displacement",) * 2,
+    ("pump", "volumetric_efficiency"): ("the pump's efficiency",) * 2,
+    ("pump", "slip_coefficient"): ("the pump's slip coefficient",) * 2,
+    ("pressures", ""): ("pressure relation", "pressure relations"),
+    ("operating_points", ""): ("operating point", "operating points"),
+    ("components", "nominal_diameter_mm"): ("nominal diameter", "nominal diameters"),
+    ("components", "contact_length_mm"): ("contact length", "contact lengths"),
+    ("components", "mounting_clearance_um"): ("mounting clearance", "mounting clearances"),
+    ("gaps", ""): ("gap (from where to where a land leaks)", "gaps (from where to where lands leak)"),
+    ("circuits", "gears"): ("circuit's gears", "circuits' gears"),
+    ("circuits", "diameter_mm"): ("feed orifice", "feed orifices"),
+    ("circuits", "set_kpa"): ("set pressure", "set pressures"),
+    ("line", "set_kpa"): ("what the line is set to",) * 2,
+    ("leaks", ""): ("leak beside the lands", "leaks beside the lands"),
+    ("consumers", ""): ("consumer", "consumers"),
+    ("repairs", ""): ("repair", "repairs"),
+    ("permissible_pressure", ""): ("permissible pressure", "permissible pressures"),
+}
+
+
+def evidence_counts(controller: Controller) -> dict[str, int]:
+    """Count the values by what they are known from; ``not_stated`` are those of which the file says nothing."""
+    counts = counted(_values(controller))
+    return {evidence or "not_stated": count for evidence, count in counts.items()}
+
+
+def still_to_measure(controller: Controller) -> list[str]:
+    """Say which values are representative, by kind, the most numerous first: a workshop measures or looks these up."""
+    open_ones = [each for each in _values(controller) if each.evidence is Evidence.REPRESENTATIVE]
+    kinds = Counter((each.table, each.value) for each in open_ones)
+    return [_named(kind, count) for kind, count in kinds.most_common()]
+
+
+def evidence_rows(controller: Controller) -> list[dict[str, Any]]:
+    """Return a row for each kind of value: how many of it are known from what."""
+    values = _values(controller)
+    rows = []
+    for kind in dict.fromkeys((each.table, each.value) for each in values):
+        of_kind = [each for each in values if (each.table, each.value) == kind]
+        counts = counted(of_kind)
+        rows.append(
+            {
+                "values": _NAMES[kind][1],
+                **{evidence.value: counts[evidence] for evidence in Evidence},
+                "not stated": counts[None],
+            }
+        )
+    return rows
+
+
+def _values(controller: Controller) -> tuple[KnownValue, ...]:
+    return () if controller.entry is None else known_values(controller.entry)
+
+
+def _named(kind: tuple[str, str], count: int) -> str:
+    one, several = _NAMES[kind]
+    if one == several:
+        return one
+    return f"{count} {one if count == 1 else several}"

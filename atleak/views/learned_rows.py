@@ -1,0 +1,120 @@
+"""Show what was learned from measuring sheets: rows for people, and the record that scripts rely on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.learning.learned import Learned, LearnedLand
+from atleak.learning.words import messages, summary, why
+from atleak.version import __version__
+from atleak.views.message_record import message_record
+from atleak.workshop_units import UM
+
+FORMAT = 1
+
+
+def land_rows(learned: Learned) -> list[dict[str, Any]]:
+    """Return a row for every land that was learned, with the unit in the heading."""
+    return [
+        {
+            "Pair": f"{land.land.component}/{land.land.land}",
+            "New [µm]": round(land.clearance * UM, 2),
+            "known to ± [µm]": round(land.uncertainty * UM, 2),
+            "95 % of new pairs ± [µm]": round(land.tolerance * UM, 2),
+            "Units": land.units,
+            "Unworn ends": land.unworn_ends,
+            "Spread [µm]": None if land.spread is None else round(land.spread * UM, 2),
+            "Reading [µm]": round(land.measurement * UM, 2),
+            "So far [µm]": "–".join(f"{end * UM:g}" for end in land.land.mounting_ends),
+        }
+        for land in learned.lands
+    ]
+
+
+def outlier_rows(learned: Learned) -> list[dict[str, Any]]:
+    """Return a row for every pair that does not count by itself, the widest first."""
+    rows = [
+        {
+            "Sheet": pair.file,
+            "Pair": f"{pair.component}/{pair.land}",
+            "Measured [µm]": round(pair.clearance * UM, 2),
+            "Others [µm]": round(pair.expected * UM, 2),
+            "Wider by [µm]": round((pair.clearance - pair.expected) * UM, 2),
+        }
+        for pair in learned.left_out
+    ]
+    return sorted(rows, key=lambda row: -row["Wider by [µm]"])
+
+
+def unit_rows(learned: Learned) -> list[dict[str, Any]]:
+    """Return a row for every measuring sheet."""
+    return [
+        {
+            "Sheet": unit.file,
+            "Lands": unit.lands,
+            "Unit": "used, unworn ends" if unit.of_used_unit else "new",
+            "All lands wider by [µm]": round(unit.shift * UM, 2),
+            "Left out": why(unit, learned.left_out) or None,
+        }
+        for unit in learned.units
+    ]
+
+
+def learned_record(learned: Learned) -> dict[str, Any]:
+    """Return all of it under stable keys: lengths in µm, nothing rounded, unknown as None."""
+    controller = learned.controller
+    return {
+        "format": FORMAT,
+        "atleak": __version__,
+        "controller": {"id": controller.id, "name": controller.name, "sha256": controller.sha256},
+        "summary": summary(learned),
+        "spread_um": _um(learned.spread),
+        "measurement_um": _um(learned.measurement),
+        "units": [
+            {
+                "file": unit.file,
+                "sha256": unit.sha256,
+                "lands": unit.lands,
+                "of_used_unit": unit.of_used_unit,
+                "shift_um": unit.shift * UM,
+                "left_out": unit.left_out,
+            }
+            for unit in learned.units
+        ],
+        "lands": [_land_record(land) for land in learned.lands],
+        "lands_not_learned": [{"component": land.component, "land": land.land} for land in learned.unlearned],
+        "outliers": [
+            {
+                "file": pair.file,
+                "component": pair.component,
+                "land": pair.land,
+                "clearance_um": pair.clearance * UM,
+                "expected_um": pair.expected * UM,
+                "wider": pair.wider,
+            }
+            for pair in learned.left_out
+        ],
+        "messages": [message_record(message) for message in messages(learned)],
+    }
+
+
+def _land_record(land: LearnedLand) -> dict[str, Any]:
+    return {
+        "component": land.land.component,
+        "land": land.land.land,
+        "mounting_clearance_um": land.clearance * UM,
+        "uncertainty_um": land.uncertainty * UM,
+        "uncertainty_by_units_um": land.uncertainty_by_units * UM,
+        "mounting_tolerance_um": land.tolerance * UM,
+        "tolerance_from": land.tolerance_from,
+        "spread_um": _um(land.spread),
+        "measurement_um": land.measurement * UM,
+        "calibration_um": land.calibration * UM,
+        "learned_from_units": land.units,
+        "unworn_ends": land.unworn_ends,
+        "mounting_clearance_um_so_far": [end * UM for end in land.land.mounting_ends],
+    }
+
+
+def _um(length: float | None) -> float | None:
+    return None if length is None else length * UM

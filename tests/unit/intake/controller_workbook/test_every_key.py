@@ -1,0 +1,118 @@
+"""Everything that a controller's file can say goes through a workbook and back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
+
+import pytest
+from pydantic import BaseModel
+
+from atleak.catalogue.controller_reading import checked_controller
+from atleak.catalogue.controller_tables import ControllerFile
+from atleak.catalogue.controller_toml import written_toml
+from atleak.controller_sheets.layout import SHEETS
+from atleak.controller_sheets.units import Units
+from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.report.controller_workbook import write_controller_workbook
+
+Tables = Callable[[str], dict[str, Any]]
+
+# keys that several columns or rows make up together, or that another key says as well
+TOGETHER = {
+    ("circuits", "gears"),  # the apply chart
+    ("circuits", "set_kpa"),  # the sheet Set pressures
+    ("line", "set_kpa"),
+    ("components", "lands", "published"),  # the columns that say how a value is known
+    ("components", "lands", "measured"),
+    ("representative_values",),
+    ("pump", "representative"),
+    ("pump", "measured"),
+    ("permissible_pressure", "gear"),  # gears with one gear
+}
+
+
+def _keys(model: type[BaseModel], at: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    for name, field in model.model_fields.items():
+        key = (*at, field.alias or name)
+        inner = _model(field.annotation)
+        if inner is None:
+            yield key
+        else:
+            yield from _keys(inner, key)
+
+
+def _model(annotation: Any) -> type[BaseModel] | None:
+    """The model of the tables under a key: alone, in a list, or by name."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    if get_origin(annotation) in (list, dict, Union, UnionType):
+        return next((model for each in get_args(annotation) if (model := _model(each))), None)
+    return None
+
+
+def test_every_key_of_a_file_has_its_column() -> None:
+    declared = set()
+    for sheet in SHEETS:
+        under = (*sheet.at, *([sheet.under] if getattr(sheet, "under", "") else []))
+        declared |= {(*map(str, under), *column.keys) for column in sheet.columns if column.keys}
+    of_the_file = set(_keys(ControllerFile))
+    assert of_the_file - declared == TOGETHER
+    assert declared <= of_the_file
+
+
+@pytest.mark.parametrize("units", [Units(), Units("inch", "diametral", "psi")], ids=["mm", "inch"])
+@pytest.mark.parametrize("name", ["five_speed_2005", "four_speed_2023", "minimal_example", "three_circuits"])
+def test_a_valve_body_is_the_same_after_a_workbook(tables: Tables, name: str, units: Units) -> None:
+    data = tables(name)
+    controller = checked_controller(data)
+    workbook = write_controller_workbook(data, units)
+    described = read_controller_workbook(workbook, name="unit.xlsx")
+    assert replace(described.controller, origin=controller.origin) == controller
+    assert described.units == units
+    assert described.notes == ()
+    assert written_toml(described.data) == written_toml(read_controller_workbook(workbook, name="again.xlsx").data)
+
+
+def test_what_no_shipped_file_says_is_kept_too(tables: Tables) -> None:
+    data = tables("three_circuits")
+    data["components"][0] |= {"bore": "sleeved"}
+    data["components"][0]["lands"][0] |= {
+        "planes": ["1", "1b"],
+        "position_mm": 3.175,
+        "seal": "teflon_ring",
+        "learned_from_units": 12,
+        "mounting_clearance_um": 13.35,
+        "mounting_tolerance_um": 2.6180339887,
+        "measured": ["contact_length_mm"],
+        "published": ["nominal_diameter_mm"],
+    }
+    component = data["components"][0]["id"]
+    data["repairs"] = [
+        {
+            "id": "oversize",
+            "component": component,
+            "lands": [data["components"][0]["lands"][0]["land"]],
+            "kind": "oversize_valve",
+            "name": "oversize valve",
+            "part_number": "00012",
+            "price": 39.9,
+            "currency": "EUR",
+            "hours": 1.5,
+            "tool": "reamer",
+            "nominal_diameter_mm": 12.954,
+            "mounting_clearance_um": [6.4, 20.0],
+            "source": "made up for this test",
+            "evidence": "representative",
+        }
+    ]
+    data["permissible_pressure"].append(
+        {"ranges": ["P", "N"], "state": "fast_idle", "high_kpa": 700.0, "source": "made up", "evidence": "published"}
+    )
+    controller = checked_controller(data)
+    for units in (Units(), Units("inch", "diametral", "bar")):
+        described = read_controller_workbook(write_controller_workbook(data, units), name="unit.xlsx")
+        assert replace(described.controller, origin=controller.origin) == controller
+        assert described.data["repairs"] == data["repairs"]

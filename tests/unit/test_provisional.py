@@ -1,0 +1,146 @@
+"""A verdict that rests on representative values is provisional and says on which; one that does not is not."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import checked_controller, load_controller
+from atleak.catalogue.entries import read_tables
+from atleak.catalogue.fluid import Fluid, load_fluid
+from atleak.catalogue.limits import Limits, RuleKind
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.provisional import Basis
+from atleak.readings import Readings
+from atleak.report.terminal import print_diagnosis
+from atleak.verdicts import Verdict
+from atleak.views.caveats import caveat_marks, caveats
+from atleak.views.diagnosis_record import diagnosis_record
+from atleak.views.evidence_rows import evidence_counts, evidence_rows, still_to_measure
+from atleak.wording import languages, wording
+
+Build = Callable[..., Readings]
+UM = 1e-6
+
+
+def described(evidence: str) -> dict[str, Any]:
+    """The minimal example with its values known from something else, and with its gaps described."""
+    tables = copy.deepcopy(read_tables("controllers", "minimal_example")[0])
+    tables["representative_values"], tables["representative"] = [], ""
+    tables["defaults"][evidence] = ["nominal_diameter_mm", "contact_length_mm", "mounting_clearance_um"]
+    tables["pump"]["representative"] = []
+    for table in (*tables["materials"].values(), *tables["operating_points"]):
+        table["evidence"] = evidence
+    tables["gaps"] = [
+        {"component": each["id"], "land": land["land"], "from": "p_g", "to": "0", "gears": [1, 2], "evidence": evidence}
+        for each in tables["components"]
+        for land in each["lands"]
+    ]
+    return tables
+
+
+def with_clearances(controller: Controller, clearance: float, readings_of: Build) -> Readings:
+    return readings_of(
+        controller,
+        {each.key: (each.nominal_diameter, each.nominal_diameter + 2.0 * clearance) for each in controller.lands},
+    )
+
+
+@pytest.fixture(scope="module")
+def data_sheet_fluid() -> Fluid:
+    return load_fluid("mobil_atf_220")  # of its values the change of density with temperature is representative
+
+
+def test_what_rests_on_readings_and_publications_alone_is_not_provisional(
+    data_sheet_fluid: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    unit = checked_controller(described("published"))
+    for clearance in (14 * UM, 60 * UM):
+        sheet = with_clearances(unit, clearance, readings_of)
+        diagnosis = diagnose(unit, data_sheet_fluid, limits, readings=sheet)
+        assert diagnosis.verdict != Verdict.NOT_MEASURED
+        assert diagnosis.provisional == ()
+        assert not diagnosis.upper_bound
+        assert caveats(diagnosis, wording("en")) == caveat_marks(diagnosis, wording("en")) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "basis"),
+    [
+        (lambda tables: tables["pump"].update(representative=["displacement_mm3"]), Basis.PUMP),
+        (lambda tables: tables["gaps"][2].update(evidence="representative"), Basis.GAPS),
+        (lambda tables: tables["operating_points"][1].update(evidence="representative"), Basis.OPERATING_POINT),
+        (lambda tables: tables["materials"]["steel"].update(evidence="representative"), Basis.MATERIALS),
+        (
+            lambda tables: (
+                tables["defaults"].update(published=["nominal_diameter_mm", "mounting_clearance_um"]),
+                tables.update(representative_values=["contact_length_mm"]),
+            ),
+            Basis.CONTACT_LENGTH,
+        ),
+    ],
+)
+def test_a_unit_within_its_limits_rests_on_every_value(
+    change: Callable[[dict[str, Any]], None], basis: Basis, data_sheet_fluid: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    tables = described("published")
+    change(tables)
+    unit = checked_controller(tables)
+    diagnosis = diagnose(unit, data_sheet_fluid, limits, readings=with_clearances(unit, 10 * UM, readings_of))
+    assert diagnosis.verdict == Verdict.OK
+    assert diagnosis.provisional == (basis,)
+
+
+def test_a_worn_land_rests_on_its_mounting_clearance_alone(
+    data_sheet_fluid: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    five = load_controller("five_speed_2005")  # its mounting clearances are published, most else is representative
+    worn = with_clearances(five, 12 * UM, readings_of)
+    assert set(diagnose(five, data_sheet_fluid, limits, readings=worn).provisional) >= {Basis.GAPS, Basis.PUMP}
+    land = five.lands[0]
+    diameters = {each.key: (each.nominal_diameter, each.nominal_diameter + 24 * UM) for each in five.lands}
+    diameters[land.key] = (land.nominal_diameter, land.nominal_diameter + 80 * UM)
+    diagnosis = diagnose(five, data_sheet_fluid, limits, readings=readings_of(five, diameters))
+    assert diagnosis.decided_by is diagnosis.flagged[0]
+    assert diagnosis.decided_by.deciding.kind in (RuleKind.WEAR, RuleKind.CLEARANCE)
+    assert (diagnosis.verdict, diagnosis.provisional) == (Verdict.REPLACE, ())
+
+
+def test_nothing_measured_is_no_provisional_verdict(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
+    assert diagnose(four_speed, hipol, limits).provisional == ()
+
+
+def test_a_unit_whose_gaps_are_not_described_is_an_upper_bound(
+    hipol: Fluid, limits: Limits, readings_of: Build, capsys: pytest.CaptureFixture[str]
+) -> None:
+    unit = load_controller("minimal_example")
+    diagnosis = diagnose(unit, hipol, limits, readings=with_clearances(unit, 16 * UM, readings_of))
+    assert diagnosis.upper_bound
+    record = diagnosis_record(diagnosis)["unit"]
+    assert (record["upper_bound"], record["provisional"]) == (True, True)
+    assert record["provisional_because"][:2] == ["mounting_clearance", "contact_length"]
+    print_diagnosis(diagnosis)
+    said = " ".join(capsys.readouterr().out.split())
+    assert "(provisional, upper bound)" in said
+    assert "each is taken to leak from main pressure to the sump" in said
+
+
+def test_every_basis_has_its_words_in_every_language(sample_diagnoses: dict[str, Diagnosis]) -> None:
+    for language in languages():
+        say = wording(language)
+        assert all(say.get("bases", basis) != basis for basis in Basis)
+        (sentence,) = caveats(sample_diagnoses["workshop"], say)
+        assert say.get("bases", Basis.MOUNTING_CLEARANCE) in sentence
+
+
+def test_what_values_are_known_from_is_counted_by_kind(four_speed: Controller) -> None:
+    counts = evidence_counts(four_speed)
+    assert counts["representative"] > counts["published"] > counts["measured"] == counts["not_stated"] == 0
+    rows = evidence_rows(four_speed)
+    assert sum(row["representative"] for row in rows) == counts["representative"]
+    assert "47 contact lengths" in still_to_measure(four_speed)
+    assert "45 nominal diameters" in still_to_measure(four_speed)

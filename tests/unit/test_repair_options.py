@@ -1,0 +1,226 @@
+"""The repairs that a valve body's file names: which are planned, what they leave, what they cost, and who shows it."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import openpyxl
+import pytest
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import project
+from atleak.readings import Readings
+from atleak.repair import RepairPlan, plan_repairs
+from atleak.report.terminal import print_diagnosis
+from atleak.report.xlsx import write_workbook
+from atleak.views.diagnosis_record import diagnosis_record
+from atleak.views.repair_options import option_rows, planned
+from atleak.views.repair_words import plan_ends
+from atleak.wording import wording
+
+Build = Callable[..., Readings]
+PlanOf = Callable[..., tuple[Diagnosis, RepairPlan]]
+PR = "pressure_regulator"
+
+
+def repair(number: int, kind: str, **values: object) -> str:
+    stated = {"component": PR, "kind": kind, "id": f"option_{number}", "name": f"option {number}", "source": "made up"}
+    lines = [f"{key} = {_toml(value)}" for key, value in {**stated, **values}.items()]
+    return "\n[[repairs]]\n" + "\n".join(lines) + "\n"
+
+
+def _toml(value: object) -> str:
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+@pytest.fixture
+def plan_of(tmp_path: Path, hipol: Fluid, limits: Limits, readings_of: Build) -> PlanOf:
+    """Plans the repairs of the minimal example with some repairs in its file and both regulator lands worn."""
+
+    def build(
+        *repairs: str, worn: tuple[int, ...] = (1, 2), limit: float | None = None
+    ) -> tuple[Diagnosis, RepairPlan]:
+        path = tmp_path / "own.toml"
+        text = load_controller("minimal_example").origin.path.read_text(encoding="utf-8")
+        if limit is not None:
+            text = text.replace(
+                "mounting_clearance_um = 18.0 }", f"mounting_clearance_um = 18.0, clearance_limit_um = {limit} }}"
+            )
+        path.write_text(text + "".join(repairs), encoding="utf-8")
+        controller = load_controller(path)
+        readings = readings_of(controller, {(PR, land): _worn(controller, land) for land in worn})
+        diagnosis = diagnose(controller, hipol, limits, readings=readings)
+        return diagnosis, plan_repairs(diagnosis)
+
+    return build
+
+
+def _worn(controller: Controller, land: int) -> tuple[float, float]:
+    nominal = controller.land(PR, land).nominal_diameter
+    return nominal, nominal + 2.0 * 45e-6
+
+
+def printed(diagnosis: Diagnosis, capsys: pytest.CaptureFixture[str]) -> str:
+    print_diagnosis(diagnosis)
+    return " ".join(capsys.readouterr().out.split())
+
+
+def chosen(plan: RepairPlan) -> list[tuple[tuple[str, int], str | None]]:
+    return [(step.land.key, step.chosen and step.chosen.repair.id) for step in plan.steps]
+
+
+def test_without_repairs_in_the_file_every_land_is_as_new_and_nothing_is_said(
+    plan_of: PlanOf,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    diagnosis, plan = plan_of()
+    assert [option for _, option in chosen(plan)] == [None, None]
+    assert plan.cost is None
+    assert not option_rows(plan)
+    said = " ".join([*plan_ends(plan), printed(diagnosis, capsys)])
+    assert "each land as new after those before it" in said
+    assert "repair" not in " ".join(plan_ends(plan)).lower()
+
+
+def test_the_cheapest_repair_that_leaves_a_land_within_its_limit_is_planned_and_computed_with(
+    plan_of: PlanOf,
+) -> None:
+    diagnosis, plan = plan_of(
+        repair(1, "new_casting", price=400.0, currency="USD", hours=4.0),
+        repair(2, "clean_and_reuse", price=5.0, currency="USD", hours=0.5),  # leaves what was measured
+        repair(3, "other", price=10.0, currency="USD", mounting_clearance_um=40.0),  # past the limit of 30
+        repair(
+            4,
+            "oversize_valve",
+            lands=[1],
+            price=60.0,
+            currency="USD",
+            hours=1.5,
+            nominal_diameter_mm=15.3,
+            mounting_clearance_um=[10.0, 20.0],
+        ),
+        worn=(1,),
+        limit=30.0,
+    )
+    assert chosen(plan) == [((PR, 1), "option_4")]
+    step = plan.steps[0]
+    assert {option.repair.id: option.mends((PR, 1)) for option in step.options} == {
+        "option_1": True,
+        "option_2": False,
+        "option_3": False,
+        "option_4": True,
+    }
+    state = step.chosen.states[PR, 1]
+    assert state.spool_diameter == pytest.approx(15.3e-3, abs=1e-12)
+    assert state.radial_clearance == pytest.approx((((20e-6) ** 4 - (10e-6) ** 4) / (4 * 10e-6)) ** (1 / 3), abs=1e-10)
+    states = tuple(state if land.key == (PR, 1) else land.state for land in diagnosis.lands)
+    model = LeakageModel(diagnosis.controller, states, diagnosis.fluid, diagnosis.profile)
+    for each in step.conditions:
+        assert each.after.share == pytest.approx(project(model, each.condition).share, rel=1e-9, abs=0.0)
+
+
+def test_one_repair_of_a_whole_valve_mends_its_lands_in_one_step_where_it_is_not_dearer(
+    plan_of: PlanOf,
+) -> None:
+    single = [repair(number, "sleeve", lands=[number], price=50.0, currency="EUR", hours=1.0) for number in (1, 2)]
+    _, plan = plan_of(
+        *single, repair(3, "new_valve", price=90.0, currency="EUR", hours=1.0, mounting_clearance_um=15.0)
+    )
+    assert chosen(plan) == [((PR, 1), "option_3")]
+    assert [land.key for land in plan.steps[0].together] == [(PR, 2)]
+    assert plan.cost.prices == {"EUR": 90.0}
+    _, dearer = plan_of(*single, repair(3, "new_valve", price=110.0, currency="EUR", mounting_clearance_um=15.0))
+    assert sorted(chosen(dearer)) == [((PR, 1), "option_1"), ((PR, 2), "option_2")]
+    assert (dearer.cost.prices, dearer.cost.hours) == ({"EUR": 100.0}, 2.0)
+    assert [end.share for end in plan.ends] < [end.share for end in dearer.ends]  # 15 µm against 18 µm as new
+
+
+def test_a_land_that_no_repair_of_the_file_mends_is_as_new_and_said(
+    plan_of: PlanOf,
+) -> None:
+    _, plan = plan_of(repair(1, "clean_and_reuse", lands=[1]), worn=(1,))
+    assert chosen(plan) == [((PR, 1), None)]
+    assert plan.steps[0].options
+    said = " ".join(plan_ends(plan))
+    assert "names no repair that brings them within their limit: 1" in said
+    assert plan.cost.without_option == 1
+
+
+def test_prices_in_two_currencies_are_added_apart_and_never_compared(
+    plan_of: PlanOf,
+) -> None:
+    _, plan = plan_of(
+        repair(1, "sleeve", lands=[1], price=500.0, currency="PLN"),
+        repair(2, "sleeve", lands=[1], price=90.0, currency="EUR"),
+        repair(3, "sleeve", lands=[2], price=90.0, currency="EUR"),
+    )
+    assert sorted(chosen(plan)) == [((PR, 1), "option_1"), ((PR, 2), "option_3")]
+    assert plan.cost.prices == {"PLN": 500.0, "EUR": 90.0}
+    assert plan.cost.without_hours == 2
+
+
+def test_a_repair_without_a_price_comes_after_those_with_one(
+    plan_of: PlanOf,
+) -> None:
+    _, plan = plan_of(
+        repair(1, "sleeve", lands=[1]), repair(2, "sleeve", lands=[1], price=900.0, currency="EUR"), worn=(1,)
+    )
+    assert chosen(plan) == [((PR, 1), "option_2")]
+
+
+def test_terminal_record_and_workbook_show_options_price_and_sum(
+    plan_of: PlanOf,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    diagnosis, plan = plan_of(
+        repair(
+            1,
+            "oversize_valve",
+            price=61.5,
+            currency="USD",
+            hours=1.5,
+            part_number="MADE-UP-1",
+            tool="reamer MADE-UP-R",
+            mounting_clearance_um=15.0,
+            evidence="representative",
+        ),
+        repair(2, "new_casting", price=400.0, currency="USD"),
+    )
+    text = printed(diagnosis, capsys)
+    assert "→ option 1 (MADE-UP-1) (representative), leaves 15.0 µm, 61.50 USD, 1.5 h, reamer MADE-UP-R" in text
+    assert "or option 2" in text
+    assert "Repairs planned: 1. Parts 61.50 USD, work 1.5 h." in text
+    assert "representative of 1 of them" in text
+    record = diagnosis_record(diagnosis)
+    step = record["repair_plan"][0]
+    assert step["chosen"] == "option_1"
+    assert [option["id"] for option in step["options"]] == ["option_1", "option_2"]
+    assert step["options"][0]["clearance_after_um"] == pytest.approx(15.0, abs=1e-9)
+    assert step["together"] == [{"component": PR, "land": 2}]
+    assert record["repair_plan_ends"]["cost"] == {
+        "prices": [{"price": 61.5, "currency": "USD"}],
+        "hours": 1.5,
+        "repairs": 1,
+        "without_price": 0,
+        "without_hours": 0,
+        "without_option": 0,
+    }
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis)))
+    cells = {cell.value for row in book.worksheets[0] for cell in row}
+    assert {61.5, "option 1 (MADE-UP-1) (representative)", "planned", "reamer MADE-UP-R"} <= cells
+    assert planned(option_rows(plan)[0]).endswith(f"together on lands {PR}/1, {PR}/2")
+
+
+@pytest.mark.parametrize("language", ["de", "pl"])
+def test_every_language_says_what_the_plan_costs(language: str, plan_of: PlanOf) -> None:
+    _, plan = plan_of(repair(1, "sleeve", price=1061.5, currency="EUR", hours=1.5))
+    said = " ".join(plan_ends(plan, wording(language)))
+    assert "061,50 EUR" in said
+    assert "1,5 h" in said
