@@ -19,6 +19,7 @@ from atleak.intake.controller_workbook import read_controller_workbook
 from atleak.report.controller_workbook import write_controller_workbook
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
 from atleak.views.controller_form import Checked, Draft, checked, copy_of, draft_of, read_draft
+from atleak.views.evidence_rows import evidence_counts, still_to_measure
 from pages.shared import panel, show
 from pages.shared.cases import catalogue_list, shown_name
 
@@ -177,6 +178,12 @@ def draw_head(editing: Editing, found: Checked) -> None:
     """Show what is described, and ask in which units its numbers are typed."""
     name = found.data.get("name") or "A valve body without a name"
     st.markdown(f"**{show.plain(name)}** · id `{found.data.get('id', '–')}`")
+    with st.container():
+        if found.controller is not None:
+            counts = evidence_counts(found.controller)
+            known = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count)
+            lacking = "; ".join(still_to_measure(found.controller)) or "nothing"
+            st.caption(f"Values: {known}. Still to be measured or looked up: {lacking}.")
     places = st.columns([1, 1, 1, 1], vertical_alignment="bottom")
     for place, (attribute, label, values) in zip(places, _CHOICES, strict=False):
         key = editing.key(attribute)

@@ -8,6 +8,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_toml import written_toml
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import AtleakError
+from atleak.report.controller_workbook.picture import spool_picture
 from atleak.views.controller_form import Checked, sketch
 from atleak.views.drawing import controller_svg
 from atleak.views.flow_diagram import flow_diagram
@@ -17,11 +18,15 @@ from pages.shared.transmission_tables import COMPONENTS
 
 _BESIDE = 6  # components side by side
 _ROW, _HIGHEST = 130, 330  # pixels of one row of components, and of the picture; more of it scrolls
+_MEANT = 720  # pixels of the picture that explains
 _COLUMN = 135  # pixels of a column of the flows, at which its words can be read
 
 
 def draw_spools(step: str, found: Checked) -> None:
     """Draw every component with the lands that are typed so far, beside the tables in which they are typed."""
+    if step == COMPONENTS:
+        with st.expander("What diameter, clearance, contact length and position of a land mean"):
+            st.image(spool_picture(), width=_MEANT)
     with st.container():
         if step != COMPONENTS:
             return

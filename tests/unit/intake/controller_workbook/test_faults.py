@@ -74,7 +74,7 @@ def _names() -> list[str]:
         ("Diameter", 0.0, "expected greater than 0.5"),
         ("Diameter", 14.5, "(it is 368.3 mm) (found 14.5); expected less than 200; was it in mm?"),
         ("Land", 1.5, "a whole number"),
-        ("Component", "boost_valves", "no such id in this workbook"),
+        ("Component", "boost_valves", "no such id here"),
         ("Component", "", "this row does not say to what it belongs"),
         ("Up to", 0.002, "the upper end of a range without its lower one"),
         ("Diameter", "=1/0", "a formula without a result"),
