@@ -6,12 +6,14 @@ from atleak.catalogue.entries import own_folder
 from atleak.figures.fluid_figures import viscosity_curve
 from atleak.views import catalogue_rows as rows
 from pages.shared import panel, show
-from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.cases import catalogue_list, own_faults, shown_name
 
 case, diagnosis = panel.shown()
 st.title("Catalogue")
 st.write("Everything shipped names its source. Your own TOML files are offered too where they lie in the folders of:")
 st.code(str(own_folder()), language=None)
+for fault in own_faults():
+    st.error(f"**An own file is left aside.** {show.plain(fault)}")
 
 
 def entries(kind: str) -> dict:
@@ -23,8 +25,6 @@ def entries(kind: str) -> dict:
 
 for tab, kind in zip(st.tabs(["Valve bodies", "Fluids", "Limits"]), rows.FOLDERS, strict=True):
     with tab:
-        for fault in catalogue_list(kind).faults:
-            st.error(f"**An own file is left aside.** {show.plain(fault)}")
         known = entries(kind)
         names = list(known)
         name = st.selectbox("Show", names, names.index(shown_name(getattr(diagnosis, kind))), key=f"catalogue-{kind}")

@@ -50,7 +50,7 @@ def _controllers(options: argparse.Namespace) -> int:
     from atleak.views.evidence_rows import evidence_counts, still_to_measure
 
     known = listed("controllers", load_controller)
-    rows = [
+    rows: list[dict[str, Any]] = [
         {
             "id": controller.id,
             "name": controller.name,

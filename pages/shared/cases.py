@@ -16,7 +16,7 @@ import streamlit as st
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Listed, catalogue_files, listed
 from atleak.diagnosis import Diagnosis
-from atleak.errors import OutputError
+from atleak.errors import CatalogueError, OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
 from atleak.intake.road_test.names.memory import RememberedColumns
@@ -165,6 +165,12 @@ def catalogue_entry(name: str, choice: Choice) -> Any:
 def catalogue_list(name: str) -> Listed[Any]:
     """Return the entries to choose from, shipped and own, and what is wrong with own files that cannot be used."""
     return listed(SLOTS[name].folder, partial(catalogue_entry, name))
+
+
+def own_faults() -> list[CatalogueError]:
+    """Return what is wrong with each file of the user's own catalogue that cannot be used, of every kind."""
+    names = {slot.folder: name for name, slot in SLOTS.items()}
+    return [fault for name in names.values() for fault in catalogue_list(name).faults]
 
 
 def shown_name(entry: Any) -> str:

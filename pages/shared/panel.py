@@ -17,7 +17,7 @@ from atleak.intake.units import unit
 from atleak.job.case import SLOTS, Slot, SourceFile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from pages.shared import fields, show
-from pages.shared.cases import PageCase, catalogue_list, controller_of, diagnosis_of, shown_name
+from pages.shared.cases import PageCase, catalogue_list, controller_of, diagnosis_of, own_faults, shown_name
 from pages.shared.state import choose, current_diagnosis, new_job, open_job, put_file, session, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
@@ -195,11 +195,10 @@ def pick(slot: str, name: str) -> None:
 
 def _left_aside() -> None:
     """Say which files of the user's own catalogue cannot be used, and where they are explained."""
-    kinds = {slot.folder: slot for slot in reversed(SLOTS.values())}
-    faults = [fault for slot in kinds.values() for fault in catalogue_list(slot.name).faults]
+    faults = own_faults()
     with st.container():
         if faults:
-            files = ", ".join(dict.fromkeys(show.plain(fault.place.file) for fault in faults))
+            files = ", ".join(show.plain(fault.place.file) for fault in faults)
             st.warning(f"**Own files that cannot be used:** {files}. What is wrong: page Catalogue.")
 
 
