@@ -31,7 +31,7 @@ from atleak.catalogue.controller_tables import (
     LandTable,
     NewOrigin,
 )
-from atleak.catalogue.entries import Origin, catalogue_files, read_tables
+from atleak.catalogue.entries import Origin, listed, read_tables
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump
@@ -55,8 +55,8 @@ def load_controller(id_or_path: str | Path) -> Controller:
 
 
 def controllers() -> list[Controller]:
-    """Return every shipped controller."""
-    return [load_controller(name) for name in catalogue_files("controllers")]
+    """Return every controller that can be used, shipped or own."""
+    return list(listed("controllers", load_controller).entries.values())
 
 
 def checked_controller(data: Mapping[str, Any], file: str = "this description") -> Controller:

@@ -17,6 +17,7 @@ from typing import Any, Protocol, Self, TypedDict, TypeVar
 
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import own_files, shipped_files
 from atleak.catalogue.fluid import FluidState, load_fluid
 from atleak.catalogue.instruments import (
     DEFAULT_SLEEVE_INSTRUMENT,
@@ -106,6 +107,13 @@ class Slot:
     load: Callable[[str | Path], Any]
     required: bool  # in a job file: an instrument may have been made in Python
     part: Part | None = None  # that an instrument measures
+
+    def own_file(self, choice: Choice) -> SourceFile | None:
+        """Return the file behind a choice, where it is the user's own, which can change; None for a shipped one."""
+        if isinstance(choice, SourceFile):
+            return choice
+        path = None if choice in shipped_files(self.folder) else own_files(self.folder).get(choice)
+        return None if path is None else SourceFile.at(path)
 
 
 SLOTS: Mapping[str, Slot] = MappingProxyType(
@@ -200,8 +208,9 @@ class Case:
         return replace(self, **changes)
 
     def _files(self) -> list[tuple[str, SourceFile]]:
-        named = ((name, getattr(self, name)) for name in (*OWN_FILES, *SLOTS))
-        return [(name, file) for name, file in named if isinstance(file, SourceFile)]
+        named = ((name, getattr(self, name)) for name in OWN_FILES)
+        chosen = ((name, slot.own_file(getattr(self, name))) for name, slot in SLOTS.items())
+        return [(name, file) for name, file in (*named, *chosen) if file is not None]
 
     @property
     def engine_profile(self) -> Profile:
