@@ -21,8 +21,7 @@ ROOT = Path(__file__).resolve().parents[3]
 @pytest.fixture
 def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
     monkeypatch.syspath_prepend(str(ROOT))
-    for name in ("XDG_CONFIG_HOME", "APPDATA"):
-        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     main = tmp_path / "main.py"
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
     return go(AppTest.from_file(str(main), default_timeout=240).run(), "5_Report")
@@ -72,6 +71,10 @@ def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTes
     assert field(app, "Measuring temperature [°C]").value == "35,0"
     field(app, "Measuring temperature [°C]").set_value("").run()
     assert "assumed 20 °C" in measured()
+    field(app, "Pump side clearance [µm]").set_value("85,5").run()
+    assert not app.exception
+    assert app.session_state["job"].pump_side_clearance_um == 85.5
+    assert app.session_state["atleak"].good.pump_clearances.um == (85.5, None)
 
 
 def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
