@@ -13,6 +13,7 @@ from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
+from atleak.catalogue.repairs import Repair
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import (
@@ -147,6 +148,7 @@ class Diagnosis:
     pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
     complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
     messages: tuple[Message, ...]
+    repairs: tuple[Repair, ...] = ()  # that the workshop chose to plan with; of other lands the cheapest is planned
 
     @property
     def projection(self) -> Projection:

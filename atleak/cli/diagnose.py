@@ -108,6 +108,13 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
     parser.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
     parser.add_argument(
+        "--repair",
+        metavar="ID",
+        action="append",
+        default=[],
+        help="plan with this repair of the valve body's file; of other lands the cheapest is planned",
+    )
+    parser.add_argument(
         "--assume",
         metavar="NAME=VALUE",
         type=pair,
@@ -222,6 +229,7 @@ def _case(options: argparse.Namespace) -> Case:
         assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
         guard_factor=options.guard,
         complaint=options.complaint,
+        repairs=tuple(options.repair),
     )
 
 

@@ -18,13 +18,11 @@ from atleak.cli.shared import (
     write_json,
     write_text,
 )
-from atleak.errors import InputError, ReadingsError
+from atleak.errors import InputError
 from atleak.written_numbers import MEASURING_TEMPERATURE
 
 if TYPE_CHECKING:
-    from atleak.catalogue.controller import Controller
     from atleak.learning.learned import Learned
-    from atleak.readings import Readings
 
 
 def add_learn(group: Any) -> None:
@@ -64,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
     """Learn, write the file that was asked for, and show what was learned."""
     from atleak.catalogue.controller_reading import load_controller
     from atleak.catalogue.instruments import load_instruments
+    from atleak.intake.readings.several import read_several
     from atleak.learning.learned import learn
     from atleak.views.learned_rows import learned_record
 
@@ -79,9 +78,14 @@ def run(options: argparse.Namespace) -> int:
     controller = load_controller(options.controller)
     chosen = {"spool": options.spool_instrument, "sleeve": options.sleeve_instrument}
     instruments = load_instruments(**{part: named for part, named in chosen.items() if named is not None})
-    learned = learn(
-        controller, _read(options, controller), instruments=instruments, temperature=options.measuring_temperature
+    sheets = read_several(
+        ((Path(name).name, name) for name in options.sheets),
+        controller,
+        sheet=options.sheet,
+        unit=options.sheet_unit,
+        where=dict(options.where),
     )
+    learned = learn(controller, sheets, instruments=instruments, temperature=options.measuring_temperature)
     written = [] if options.output is None else _write(options, learned)
     if options.json is not None:
         written += write_json(options.json, learned_record(learned))
@@ -89,25 +93,6 @@ def run(options: argparse.Namespace) -> int:
         _show(learned)
     say_written(written)
     return 0
-
-
-def _read(options: argparse.Namespace, controller: Controller) -> list[Readings]:
-    """Read all sheets; what is wrong with any of them is named at once."""
-    from atleak.faults import together
-    from atleak.intake.readings import read_readings
-
-    sheets: list[Readings] = []
-    faults: list[ReadingsError] = []
-    for name in options.sheets:
-        try:
-            sheets.append(
-                read_readings(name, controller, sheet=options.sheet, unit=options.sheet_unit, where=dict(options.where))
-            )
-        except ReadingsError as fault:
-            faults.append(fault)
-    if faults:
-        raise together(faults)
-    return sheets
 
 
 def _write(options: argparse.Namespace, learned: Learned) -> list[str]:

@@ -26,4 +26,4 @@ def evidence(key: str = "evidence", heading: str = "How known") -> Column:
 
 
 def known(heading: str, key: str, *, kind: Choice = EVIDENCE) -> Column:
-    return Column(heading, (), kind, how_known=key, help="Empty: not stated", width=15)
+    return Column(heading, (), kind, how_known=key, help="Empty: as the head says", width=15)

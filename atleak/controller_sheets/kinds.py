@@ -99,7 +99,7 @@ class Choice(Kind):
         text = as_text(cell)
         for option in self.options:
             if _alike(text) == _alike(option):
-                return option
+                return str(option)
         raise NotAccepted(f"one of {', '.join(self.shown)}")
 
     def cell(self, value: Any, units: Units) -> str:
@@ -186,12 +186,14 @@ class Gears(Kind):
 
 @dataclass(frozen=True)
 class Names(Kind):
-    """Several names, or words of a closed list, with commas between."""
+    """Several names, or words of a closed list, with commas between, or each on a line of its own."""
 
     options: tuple[str, ...] = ()
 
     def value(self, cell: Cell, units: Units) -> list[str]:
-        names = [name.strip() for name in re.split(r"[,;\n]", as_text(cell)) if name.strip()]
+        lines = isinstance(cell, str) and "\n" in cell
+        names = [name.strip() for name in re.split(r"\n" if lines else r"[,;]", str(cell) if lines else as_text(cell))]
+        names = [name for name in names if name]
         if self.options:
             names = [word for name in names for word in name.split()]
             known = {option.casefold(): option for option in self.options}
@@ -201,6 +203,8 @@ class Names(Kind):
         return names
 
     def cell(self, value: Any, units: Units) -> str:
+        if any(sign in name for name in value for sign in ",;"):
+            return "\n".join([*value, ""])
         return ", ".join(value)
 
 

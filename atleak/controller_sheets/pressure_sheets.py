@@ -76,7 +76,7 @@ GAPS = Tables(
     "Gaps",
     "Which pressures each land parts, and when. Without any row every land leaks from main pressure to the drain",
     (
-        Column("Component", ("component",), required=True, names="component", width=20),
+        Column("Component", ("component",), required=True, names="component", width=28),
         Column("Land", ("land",), Whole(), required=True, width=7),
         Column("From", ("from",), required=True, names="pressure", help="Also a share of one: 0.5*p_m", width=18),
         Column("To", ("to",), required=True, names="pressure", help="Also 0.1*p_g, 35 kPa or drain", width=18),

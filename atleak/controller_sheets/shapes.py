@@ -14,6 +14,7 @@ from atleak.controller_sheets.description import Description, Row, Steps
 from atleak.controller_sheets.kinds import EVERY, Gears, Kind
 
 Values = dict[str, Any]
+DEFAULTS, REPRESENTATIVE = "defaults", "representative_values"  # of the head: what holds for lands that state nothing
 _LISTS = ("measured", "published", "representative")  # keys that list which values of a table are known how
 
 
@@ -58,11 +59,47 @@ class Column:
         last = self.keys[-1]
         table[last] = [table[last], value] if self.end else value
 
+    @property
+    def key(self) -> str:
+        """Return the key of the value; "" where it is none of a single key."""
+        return self.keys[-1] if self.keys else ""
+
+    @property
+    def is_stated(self) -> bool:
+        """Return whether the column states something of its row's table; one that names the table does not."""
+        return bool(self.keys or self.how_known)
+
     def steps(self) -> list[Steps]:
         """Return where in its table the column's value stands, as a fault may name it."""
         if self.how_known:
             return []
         return [self.keys] if self.end is None else [(*self.keys, 1)] if self.end else [self.keys, (*self.keys, 0)]
+
+
+@dataclass(frozen=True)
+class KnownOfAll(Column):
+    """A field of the head that says how one value of all lands is known, where a land does not say otherwise."""
+
+    value_of_all: str = ""
+
+    @property
+    def is_stated(self) -> bool:
+        return True
+
+    def of(self, table: Mapping[str, Any], end: int | None = None) -> Any:
+        for name in _LISTS[:2]:
+            if self.value_of_all in table.get(DEFAULTS, {}).get(name, ()):
+                return name
+        return "representative" if self.value_of_all in table.get(REPRESENTATIVE, ()) else None
+
+    def put(self, table: Values, value: Any) -> None:
+        if value == "representative":
+            table.setdefault(REPRESENTATIVE, []).append(self.value_of_all)
+        else:
+            table.setdefault(DEFAULTS, {}).setdefault(value, []).append(self.value_of_all)
+
+    def steps(self) -> list[Steps]:
+        return []
 
 
 @dataclass(frozen=True)
@@ -95,7 +132,7 @@ class Sheet:
 
     def _values(self, table: Mapping[str, Any]) -> Values:
         """Return the row of a table."""
-        given = ((column.heading, column.of(table)) for column in self.columns if column.keys or column.how_known)
+        given = ((column.heading, column.of(table)) for column in self.columns if column.is_stated)
         return {heading: value for heading, value in given if value is not None}
 
     def _read(self, row: Row, at: Steps, into: Description) -> Values:
@@ -105,7 +142,7 @@ class Sheet:
         for column in self.columns:
             for steps in column.steps():
                 into.mark((*at, *steps), row.at(column.heading))
-            if not (column.keys or column.how_known):
+            if not column.is_stated:
                 continue
             value = row.values.get(column.heading)
             if value == EVERY and isinstance(column.kind, Gears):
@@ -189,46 +226,48 @@ class Parts(Sheet):
     """Tables that belong to those of another sheet, whose id stands in the first column."""
 
     under: str = ""  # key of their list: "lands"
-    mostly: str = ""  # key of the head that lists which values are representative in every one of them
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
         for owner in data.get(str(self.at[0]), ()):
             for table in owner.get(self.under, ()):
-                row = {self.columns[0].heading: owner["id"], **self._values(table)}
-                for column in self.columns:
-                    if self.mostly and column.how_known in data.get(self.mostly, ()):
-                        row.setdefault(column.heading, "representative")
-                yield row
+                yield {self.columns[0].heading: owner["id"], **self._values(table)}
 
     def fill(self, rows: Sequence[Row], into: Description) -> None:
         owners = by_id(into, str(self.at[0]))
-        tables: list[Values] = []
+        tables: list[tuple[Row, Values]] = []
         for row in rows:
             owner = owner_of(row, self.columns[0].heading, owners, into)
             if owner is not None:
                 number, table = owners[owner]
                 listed = table.setdefault(self.under, [])
                 listed.append(self._read(row, (*self.at, number, self.under, len(listed)), into))
-                tables.append(listed[-1])
-        if self.mostly:
-            self._gather(tables, into)
-
-    def _gather(self, tables: Sequence[Values], into: Description) -> None:
-        """Say in the head what is representative; a row that says nothing beside others that do is taken as such."""
-        everywhere = []
+                tables.append((row, listed[-1]))
         for column in self.columns:
-            if column.how_known and any(column.of(table) == "representative" for table in tables):
-                everywhere.append(column.how_known)
-                silent = sum(column.of(table) is None for table in tables)
-                if silent:
-                    into.notes.append(
-                        f"sheet {self.name!r}, column {column.heading}: {silent} empty "
-                        f"{'cell is' if silent == 1 else 'cells are'} taken as representative, as others say so"
-                    )
-        for table in tables:
+            if column.how_known:
+                self._say_in_head(column, tables, into)
+        for _, table in tables:
             table.pop("representative", None)
-        if everywhere:
-            into.data[self.mostly] = everywhere
+
+    def _say_in_head(self, column: Column, tables: Sequence[tuple[Row, Values]], into: Description) -> None:
+        """Say in the head what rows call representative, since only there a file can; other rows are then taken so."""
+        rows = [row for row, table in tables if column.of(table) == "representative"]
+        everywhere: list[str] = into.data.get(REPRESENTATIVE, [])
+        if not rows or column.how_known in everywhere:
+            return
+        for name in _LISTS[:2]:
+            if column.how_known in into.data.get(DEFAULTS, {}).get(name, ()):
+                problem = f"the head says that this is {name} in all lands"
+                for row in rows:
+                    into.fault(row, column.heading, problem, f"{name}, or a head that leaves it open")
+                return
+        keys = [each.how_known for each in self.columns if each.how_known in {*everywhere, column.how_known} - {""}]
+        into.data[REPRESENTATIVE] = keys
+        silent = sum(column.of(table) is None for _, table in tables)
+        if silent:
+            into.notes.append(
+                f"sheet {self.name!r}, column {column.heading}: {silent} empty "
+                f"{'cell is' if silent == 1 else 'cells are'} taken as representative, as others say so"
+            )
 
 
 @dataclass(frozen=True)
@@ -289,7 +328,7 @@ def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Descriptio
     if name in owners:
         return str(name)
     if heading in row.values:
-        return into.unknown(row, heading, "no such id in this workbook", list(owners))
+        return into.unknown(row, heading, "no such id here", list(owners))
     if heading not in row.cells:
         into.fault(row, heading, "this row does not say to what it belongs", "an id, or an empty row")
     return None

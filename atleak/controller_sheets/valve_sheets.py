@@ -7,11 +7,14 @@ from typing import get_args
 from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.controller_tables import Bore, PartKind, Seal
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.catalogue.repairs import REPAIR_KINDS
-from atleak.controller_sheets.fields import C_R, EVIDENCE, KPA, MM, MM3, PLAIN, evidence, in_unit, known, source
+from atleak.controller_sheets.fields import C_R, EVIDENCE, KPA, MM, MM3, PLAIN, UM, evidence, in_unit, known, source
 from atleak.controller_sheets.kinds import Choice, Day, Gear, Gears, Kind, Names, Number, Whole, Wholes, YesNo
-from atleak.controller_sheets.shapes import Column, Form, NamedTables, Parts, Tables
+from atleak.controller_sheets.shapes import Column, Form, KnownOfAll, NamedTables, Parts, Tables
 from atleak.controller_sheets.units import EXPANSION
+
+_OF_ALL = "How known, of all lands that do not say otherwise; empty: not stated"
 
 HEAD = Form(
     "Head",
@@ -24,6 +27,9 @@ HEAD = Form(
         Column("Note", ("note",), help="Anything a reader of the result must know"),
         Column("Representative", ("representative",), help="In a sentence: what of it is representative"),
         Column("Gears", ("gears",), Gears(or_every=False), required=True, help="Such as R N 1 2 3 4; P counts as N"),
+        KnownOfAll("Diameters are", (), EVIDENCE, value_of_all="nominal_diameter_mm", help=_OF_ALL),
+        KnownOfAll("Contact lengths are", (), EVIDENCE, value_of_all="contact_length_mm", help=_OF_ALL),
+        KnownOfAll("New clearances are", (), EVIDENCE, value_of_all="mounting_clearance_um", help=_OF_ALL),
         Column("Contact length unless stated", ("defaults", "contact_length_mm"), MM, help="Of lands that state none"),
         Column(
             "Mounting clearance unless stated",
@@ -89,7 +95,7 @@ COMPONENTS = Tables(
     "Components",
     "One row for each valve, damper or end plug. Their lands stand on the next sheet",
     (
-        Column("Id", ("id",), required=True, help="As on the drawing and in the measuring sheet: 8, 12', boost_valve"),
+        Column("Id", ("id",), required=True, help="As on the drawing: 8, 12', boost_valve", width=28),
         Column("Name", ("name",), required=True, width=34),
         Column("Part", ("part",), Choice(get_args(PartKind)), help="Spool unless stated"),
         Column("Bore", ("bore",), Choice(get_args(Bore)), help="Plain unless stated"),
@@ -103,7 +109,7 @@ LANDS = Parts(
     "Lands",
     "One row for each land: a cylindrical section of a spool, as the picture on the first sheet shows",
     (
-        Column("Component", (), required=True, names="component", width=20),
+        Column("Component", (), required=True, names="component", width=28),
         Column("Land", ("land",), Whole(), required=True, help="Its number on this component, 1 to 9", width=7),
         Column("Diameter", ("nominal_diameter_mm",), MM, required=True, help="Of the spool, not of the bore"),
         known("Diameter is", "nominal_diameter_mm"),
@@ -138,28 +144,49 @@ LANDS = Parts(
         },
     ),
     under="lands",
-    mostly="representative_values",
 )
 
 _PUMP_KNOWN = Choice((Evidence.MEASURED, Evidence.REPRESENTATIVE))
 
 
-def _pump(heading: str, key: str, kind: Kind, help: str = "") -> tuple[Column, Column]:
-    return Column(heading, (key,), kind, help=help), known(f"{heading} is", key, kind=_PUMP_KNOWN)
+def _pump(heading: str, key: str, kind: Kind) -> tuple[Column, Column]:
+    """Return the field of a key of the pump and the one that says how it is known; its help is the key's own."""
+    about = PumpTable.model_fields[key].description or ""
+    return Column(heading, (key,), kind, help=about), known(f"{heading} is", key, kind=_PUMP_KNOWN)
 
 
 PUMP = Form(
     "Pump",
-    "Either what one revolution displaces, or the dimensions from which that follows",
+    "Either what one revolution displaces, or the dimensions of its kind, from which that follows",
     (
-        *_pump("Displacement of one revolution", "displacement_mm3", MM3, "Without any loss"),
-        *_pump("Module of the gears", "module_mm", MM),
+        *_pump("Kind", "kind", Choice(get_args(PumpKind))),
+        *_pump("Displacement of one revolution", "displacement_mm3", MM3),
+        *_pump("Held at demand", "held_at_demand", YesNo()),
+        *_pump("Module", "module_mm", MM),
         *_pump("Teeth", "teeth", Whole()),
-        *_pump("Width of the gears", "width_mm", MM),
+        *_pump("Teeth of the ring gear", "ring_teeth", Whole()),
+        *_pump("Width", "width_mm", MM),
         *_pump("Height of a tooth", "tooth_height_mm", MM),
-        *_pump("Volumetric efficiency", "volumetric_efficiency", PLAIN, "0 to 1, such as 0.92"),
-        *_pump("Slip coefficient", "slip_coefficient", PLAIN, "Wilson's: with it the pump weakens hot and slow"),
-        Column("Source", ("source",), required=True),
+        *_pump("Diameter over the tips", "tip_diameter_mm", MM),
+        *_pump("Diameter at the roots", "root_diameter_mm", MM),
+        *_pump("Ring gear between tips", "ring_tip_diameter_mm", MM),
+        *_pump("Ring gear between roots", "ring_root_diameter_mm", MM),
+        *_pump("Outside of the ring gear or outer rotor", "ring_outer_diameter_mm", MM),
+        *_pump("Distance of the axes", "centre_distance_mm", MM),
+        *_pump("Vanes", "vanes", Whole()),
+        *_pump("Bore of the vanes' ring", "cam_ring_diameter_mm", MM),
+        *_pump("Diameter of the vanes' rotor", "rotor_diameter_mm", MM),
+        *_pump("Eccentricity", "eccentricity_mm", MM),
+        *_pump("Shaft, hub or bushing", "shaft_diameter_mm", MM),
+        *_pump("Length of a tip's land", "tip_land_mm", MM),
+        *_pump("Sealing tips", "sealing_tips", Whole()),
+        *_pump("Side clearance", "side_clearance_um", UM),
+        *_pump("Limit of the side clearance", "side_clearance_limit_um", UM),
+        *_pump("Tip clearance", "tip_clearance_um", UM),
+        *_pump("Limit of the tip clearance", "tip_clearance_limit_um", UM),
+        *_pump("Volumetric efficiency", "volumetric_efficiency", PLAIN),
+        *_pump("Slip coefficient", "slip_coefficient", PLAIN),
+        Column("Source", ("source",), required=True, help=PumpTable.model_fields["source"].description or ""),
     ),
     ("pump",),
     needed=True,
@@ -178,6 +205,7 @@ POINTS = Tables(
         Column("Converter pressure", ("p_k_kpa",), KPA, required=True, help="Likewise"),
         Column("State", ("state",), Choice(get_args(State)), help="Idle under 1000 rpm, else driving, unless stated"),
         Column("Solenoid current", ("solenoid_current_ma",), in_unit("mA"), help="Where a set pressure follows it"),
+        Column("Lock-up duty", ("lockup_duty_percent",), in_unit("%"), help="Where a set pressure follows it"),
         source(),
         evidence(),
     ),

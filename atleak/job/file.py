@@ -166,6 +166,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         readings=_reading_choices(case) if sheet else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
+        repairs=[repair.id for repair in diagnosis.repairs],
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else _assumptions(case),
         guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
@@ -305,6 +306,7 @@ class Choices(_Strict):
     mileage: Annotated[float, Field(ge=0)] | None = None
     fluid_state: FluidState | None = None
     complaint: str | None = None
+    repairs: list[str] = []
     readings: ReadingChoices = ReadingChoices()
     road_test: _LogChoices = {}
     assumptions: dict[str, float] = {}
@@ -329,6 +331,7 @@ class Choices(_Strict):
             pump_clearances=self.record.pump_clearances,
             fluid_state=self.fluid_state,
             complaint=self.complaint,
+            repairs=tuple(self.repairs),
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),

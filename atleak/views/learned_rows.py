@@ -19,13 +19,12 @@ def land_rows(learned: Learned) -> list[dict[str, Any]]:
         {
             "Pair": f"{land.land.component}/{land.land.land}",
             "New [µm]": round(land.clearance * UM, 2),
-            "known to ± [µm]": round(land.uncertainty * UM, 2),
-            "95 % of new pairs ± [µm]": round(land.tolerance * UM, 2),
+            "Sure to ±": round(land.uncertainty * UM, 2),
+            "95 % of pairs ±": round(land.tolerance * UM, 2),
+            "Spread": None if land.spread is None else round(land.spread * UM, 2),
             "Units": land.units,
             "Unworn ends": land.unworn_ends,
-            "Spread [µm]": None if land.spread is None else round(land.spread * UM, 2),
-            "Reading [µm]": round(land.measurement * UM, 2),
-            "So far [µm]": "–".join(f"{end * UM:g}" for end in land.land.mounting_ends),
+            "So far [µm]": "–".join(f"{end * UM:.3g}" for end in land.land.mounting_ends),
         }
         for land in learned.lands
     ]

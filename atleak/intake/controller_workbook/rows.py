@@ -24,7 +24,7 @@ from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.errors import nearest_name, one_of
 from atleak.intake.plain_words import words
-from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.sheets.sheet import Sheet, rows_named
 from atleak.intake.units import find_unit
 
 _LOOKED_AT = 40  # rows at the top of a sheet among which its headings are sought
@@ -92,7 +92,7 @@ def form_page(
                 spot = Spot(declared.name, sheet.row_number(row))
                 into.faults.append(Fault(spot, "unknown field", label, one_of(headings), nearest_name(label, headings)))
             continue
-        origin = known.get(line.keys[-1])
+        origin = known.get(line.key)
         for column, each in ((value_column, line), (known_column, origin)):
             if each is None or column is None:
                 continue
@@ -120,6 +120,7 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
     for column in missing:
         spot = Spot(declared.name, sheet.row_number(top))
         into.faults.append(Fault(spot, f"the column {column.heading!r} is missing"))
+    remarks: list[int] = []
     for row in range(top + 1, len(sheet.rows)):
         mark = "" if note is None else sheet.cell(row, note)
         if row == top + 1 and _is(mark, UNIT_MARK):
@@ -136,13 +137,16 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
                 expected = f"the example as it was, or no {EXAMPLE_MARK!r} before a row of your own"
                 into.faults.append(Fault(spot, "a row marked as an example was changed", expected=expected))
             continue
-        if as_text(mark):
-            into.notes.append(f"sheet {sheet.name!r}, row {sheet.row_number(row)}: the note is not carried over")
+        remarks += [row] if as_text(mark) else []
         for number, column in columns.items():
             at = Spot(declared.name, spot.row, column.heading)
             _read_cell(page, row, number, column, units, cells, values, at, into)
         absent = frozenset(column.heading for column in missing)
         page.rows.append(Row(spot, cells, values, absent))
+    if remarks:
+        into.notes.append(
+            f"sheet {sheet.name!r}, {rows_named(sheet, remarks)}: what stands under Note is not carried over"
+        )
     return page
 
 

@@ -79,7 +79,7 @@ def write_instructions(page: Worksheet, styles: Styles) -> None:
     for row, (topic, text) in enumerate(_HOW_TO, start=2):
         page.write_string(row, 0, topic, styles["topic"])
         page.write_string(row, 1, text, styles["wrap"])
-        page.set_row(row, 15 * (1 + len(text) // 105))
+        page.set_row(row, 16 * (1 + len(text) // 105))
     page.insert_image(
         row + 2,
         0,
@@ -97,6 +97,5 @@ def write_instructions(page: Worksheet, styles: Styles) -> None:
         row += 1
         page.write_url(row, 0, f"internal:'{sheet.name}'!A1", string=sheet.name)
         page.write_string(row, 1, sheet.about, styles["wrap"])
-    page.set_landscape()
-    page.set_paper(9)
-    page.fit_to_pages(1, 0)
+    page.set_paper(9)  # A4
+    page.fit_to_pages(1, 1)

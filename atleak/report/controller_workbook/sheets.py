@@ -21,6 +21,7 @@ from atleak.controller_sheets.layout import (
 )
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Measure, Units
+from atleak.errors import OutputError
 from atleak.look import SHEET_COLOURS
 from atleak.report.controller_workbook.offered import Places, defined_name
 
@@ -28,9 +29,11 @@ _TITLE, _ABOUT, _HEADINGS = 0, 1, 3  # rows, from 0
 _HELP, _UNITS = 2, 4
 _FORM_WIDTHS = (8, 34, 60, 16, 16, 70)  # in characters
 _NOTE_WIDTH = 8
+_LINE = 16  # height of a line of text in points
 _SPARE_ROWS = 25  # to fill in below those that are filled
 _LEAST_ROWS = 40
 _A4 = 9
+_LONGEST = 32_767  # characters that a cell holds
 
 Data = Mapping[str, Any] | None
 Styles = Mapping[str, Format]
@@ -54,11 +57,17 @@ def formats(book: xlsxwriter.Workbook) -> Styles:
             {**heading, "bg_color": SHEET_COLOURS["heading"], "font_color": SHEET_COLOURS["on_heading"]}
         ),
         "optional": book.add_format({**heading, "bg_color": SHEET_COLOURS["given"]}),
+        "needed field": book.add_format(
+            {**cell, "bold": True, "bg_color": SHEET_COLOURS["heading"], "font_color": SHEET_COLOURS["on_heading"]}
+        ),
+        "field": book.add_format({**cell, "bold": True, "bg_color": SHEET_COLOURS["given"]}),
         "unit": book.add_format({**given, "align": "center"}),
         "example": book.add_format({**given, "italic": True}),
         "note": book.add_format({"italic": True, "font_color": SHEET_COLOURS["soft"], "valign": "top"}),
-        "text": book.add_format({**entry, "num_format": "@", "text_wrap": True, "align": "left"}),
+        "text": book.add_format({**entry, "num_format": "@", "align": "left"}),
+        "long text": book.add_format({**entry, "num_format": "@", "text_wrap": True, "align": "left"}),
         "number": book.add_format({**entry, "align": "right"}),
+        "dimension": book.add_format({**entry, "align": "right", "num_format": "0.0####"}),
         "mark": book.add_format({**entry, "num_format": "@", "align": "center"}),
         "choice": book.add_format({**entry, "align": "left"}),
     }
@@ -78,7 +87,7 @@ def write_form(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units:
     units
         in which its numbers are written.
     places
-        is told where columns are to be filled in.
+        takes where the columns to fill in stand.
     """
     _begin(page, styles, sheet)
     for column, (heading, width) in enumerate(zip((NOTE_HEADING, *FORM_HEADINGS), _FORM_WIDTHS, strict=True)):
@@ -91,10 +100,13 @@ def write_form(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units:
         values = {**values, **{column.heading: getattr(units, column.keys[0]) for column in UNIT_LINES}}
         lines = [*UNIT_LINES, *lines]
     for row, line in enumerate(lines, start=_HEADINGS + 1):
-        page.write_string(row, 1, line.heading, styles["needed" if line.required else "optional"])
-        _write_cell(page, styles, row, 2, line, values.get(line.heading), units)
+        page.write_string(row, 1, line.heading, styles["needed field" if line.required else "field"])
+        value = values.get(line.heading)
+        style = "long text" if _style(line.kind) == "text" else ""
+        _write_cell(page, styles, row, 2, line, value, units, style=style)
+        page.set_row(row, _LINE * (1 + len(str(value or "")) // _FORM_WIDTHS[2]))
         _write_unit(page, row, 3, line.kind, units, styles["unit"])
-        column = known.get(line.keys[-1])
+        column = known.get(line.key)
         if column is not None:
             _write_cell(page, styles, row, 4, column, values.get(column.heading), units)
             _offer(page, row, row, 4, column)
@@ -115,8 +127,8 @@ def write_table(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units
     page.write_string(_UNITS, 0, UNIT_MARK, styles["note"])
     first = _UNITS + 1 + len(examples)
     last = first + max(len(filled) + _SPARE_ROWS, _LEAST_ROWS) - 1
-    page.set_row(_HELP, 48)
-    page.set_row(_HEADINGS, 32)
+    page.set_row(_HELP, 4 * _LINE)
+    page.set_row(_HEADINGS, 2 * _LINE)
     for number, column in enumerate(columns, start=1):
         page.set_column(number, number, column.width)
         page.write_string(_HELP, number, column.help, styles["help"])
@@ -155,6 +167,9 @@ def _write_cell(
 ) -> None:
     form = styles[style or _style(declared.kind)]
     cell = None if value is None else declared.kind.cell(value, units)
+    if isinstance(cell, str) and len(cell) > _LONGEST:
+        problem = f"{declared.heading} is too long for a cell"
+        raise OutputError(problem, value=f"{cell[:40]} …", expected=f"{_LONGEST} characters at most")
     if cell is None or cell == "":
         page.write_blank(row, column, None, form)
     elif isinstance(cell, str):
@@ -165,7 +180,7 @@ def _write_cell(
 
 def _style(kind: Kind) -> str:
     if isinstance(kind, Number | Whole):
-        return "number"
+        return "dimension" if isinstance(kind, Number) and kind.measure.quantity else "number"
     if isinstance(kind, Choice | YesNo):
         return "choice"
     return "mark" if isinstance(kind, Gear | Wholes) else "text"

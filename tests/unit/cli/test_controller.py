@@ -10,6 +10,7 @@ from typing import Any
 import openpyxl
 import pytest
 
+from atleak import cli
 from atleak.catalogue.controller_reading import load_controller
 
 Run = Callable[..., tuple[int, str, str]]
@@ -39,12 +40,12 @@ GAPS = {
 }
 
 
-@pytest.fixture
-def ford_like(run: Run, tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def ford_like(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The unit as a workshop fills in the template."""
-    path = tmp_path / "unit.xlsx"
-    units = ("--units", "inch", "--clearance", "diametral", "--pressure", "psi")
-    assert run("controller", "template", "-o", path, *units)[0] == 0
+    path = tmp_path_factory.mktemp("ford") / "unit.xlsx"
+    units = ["--units", "inch", "--clearance", "diametral", "--pressure", "psi"]
+    assert cli.main(["controller", "template", "-o", str(path), *units]) == 0
     book = openpyxl.load_workbook(path)
     made_up = {"Source": "made up for this test", "How known": "representative"}
     _fill_form(
@@ -207,12 +208,13 @@ def test_all_mistakes_are_shown_at_once_and_nothing_is_written(run: Run, ford_li
     column = {cell.value: cell.column for cell in _heading_row(page, "Diameter")}["Diameter"]
     for row in range(7, 36):
         page.cell(row, column).value = "wide"
-    book.save(ford_like)
-    status, out, err = run("controller", "from-workbook", ford_like, "-o", tmp_path / "unit.toml")
+    wrong = tmp_path / "wrong.xlsx"
+    book.save(wrong)
+    status, out, err = run("controller", "from-workbook", wrong, "-o", tmp_path / "unit.toml")
     assert (status, out) == (2, "")
     assert err.count("column D (Diameter): not accepted (found 'wide'); expected a number in inch") == 29
     assert not (tmp_path / "unit.toml").exists()
-    status, _, checked = run("controller", "check", ford_like)
+    status, _, checked = run("controller", "check", wrong)
     assert status == 2
     assert checked == err
 

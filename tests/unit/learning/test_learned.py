@@ -161,7 +161,7 @@ def test_one_unit_says_what_one_unit_can_tell(four_speed: Controller, sheets: li
     for words in ("6.4-20 µm radial", "choice of this project", "nothing tells whether it is worn"):
         assert words in said.text
     assert "is taken, not measured" in summary(learned)
-    assert land_rows(learned)[0]["Spread [µm]"] is None
+    assert land_rows(learned)[0]["Spread"] is None
 
 
 def test_one_unit_keeps_a_tolerance_that_the_file_states(four_speed: Controller, sheets: list, six: Learned) -> None:

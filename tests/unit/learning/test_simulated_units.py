@@ -129,9 +129,9 @@ def test_a_unit_with_three_worn_lands_is_named_with_them(simulate: Simulate) -> 
         (5e-6, 29, 0.99),
         (5e-6, 5, 0.35),
         (8e-6, 5, 0.95),
-        (8e-6, 3, 0.80),
+        (8e-6, 3, 0.75),
         (12e-6, 3, 0.97),
-        (12e-6, 1, 0.85),
+        (12e-6, 1, 0.78),
     ],
 )
 def test_how_often_a_worn_unit_is_named(simulate: Simulate, depth: float, worn_lands: int, at_least: float) -> None:

@@ -21,8 +21,7 @@ ROOT = Path(__file__).resolve().parents[3]
 @pytest.fixture
 def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
     monkeypatch.syspath_prepend(str(ROOT))
-    for name in ("XDG_CONFIG_HOME", "APPDATA"):
-        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     main = tmp_path / "main.py"
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
     return go(AppTest.from_file(str(main), default_timeout=240).run(), "5_Report")

@@ -38,7 +38,7 @@ class Book:
                 known = {column.how_known: column.heading for column in columns if column.how_known}
                 head = [[line.heading, getattr(units, line.keys[0])] for line in UNIT_LINES] if sheet is HEAD else []
                 lines = [
-                    [column.heading, rows[0].get(column.heading, ""), rows[0].get(known.get(column.keys[-1], ""), "")]
+                    [column.heading, rows[0].get(column.heading, ""), rows[0].get(known.get(column.key, ""), "")]
                     for column in columns
                     if not column.how_known
                 ]
@@ -110,6 +110,12 @@ def tables(root: Path) -> Callable[[str], dict[str, Any]]:
 def minimal_book(tables: Callable[[str], dict[str, Any]]) -> Book:
     """The minimal example in millimetres, with radial clearances."""
     return Book(tables("minimal_example"), Units())
+
+
+@pytest.fixture
+def inch_book(tables: Callable[[str], dict[str, Any]]) -> Book:
+    """The minimal example in inches, with diametral clearances."""
+    return Book(tables("minimal_example"), Units("inch", "diametral"))
 
 
 @pytest.fixture

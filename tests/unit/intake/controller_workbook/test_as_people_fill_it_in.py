@@ -68,9 +68,10 @@ def test_a_renamed_sheet_is_known_by_its_headings_and_a_foreign_one_is_left_out(
 def test_remarks_are_left_out_and_that_is_said(minimal_book: Book) -> None:
     plain = minimal_book.read().data
     minimal_book.put("Lands", 2, "Note", "bore looks scratched")
+    minimal_book.put("Lands", 3, "Note", "new spool")
     described = minimal_book.read()
     assert described.data == plain
-    assert described.notes == ("sheet 'Lands', row 3: the note is not carried over",)
+    assert described.notes == ("sheet 'Lands', rows 3–4: what stands under Note is not carried over",)
 
 
 def test_sheets_that_hold_nothing_may_be_deleted(minimal_book: Book) -> None:
@@ -83,9 +84,9 @@ def test_sheets_that_hold_nothing_may_be_deleted(minimal_book: Book) -> None:
 def test_a_land_that_does_not_say_how_it_is_known_is_taken_as_representative_where_others_are(
     minimal_book: Book,
 ) -> None:
-    for row in (1, 2):
-        minimal_book.put("Lands", row, "Diameter is", "measured")
-    minimal_book.put("Lands", 3, "Diameter is", "")
+    minimal_book.put("Head", 0, "Diameters are", "")
+    for row, known in enumerate(("measured", "measured", "", "representative", "published"), start=1):
+        minimal_book.put("Lands", row, "Diameter is", known)
     described = minimal_book.read()
     assert [land.representative for land in described.controller.lands][:3] == [
         ("contact_length_mm", "mounting_clearance_um"),

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.controller_toml import written_toml
+from atleak.catalogue.entries import catalogue_files
 from atleak.controller_sheets.layout import SHEETS
 from atleak.controller_sheets.units import Units
 from atleak.intake.controller_workbook import read_controller_workbook
@@ -27,7 +28,9 @@ TOGETHER = {
     ("line", "set_kpa"),
     ("components", "lands", "published"),  # the columns that say how a value is known
     ("components", "lands", "measured"),
-    ("representative_values",),
+    ("representative_values",),  # the head's fields that say so of all lands
+    ("defaults", "published"),
+    ("defaults", "measured"),
     ("pump", "representative"),
     ("pump", "measured"),
     ("permissible_pressure", "gear"),  # gears with one gear
@@ -63,8 +66,18 @@ def test_every_key_of_a_file_has_its_column() -> None:
     assert declared <= of_the_file
 
 
-@pytest.mark.parametrize("units", [Units(), Units("inch", "diametral", "psi")], ids=["mm", "inch"])
-@pytest.mark.parametrize("name", ["five_speed_2005", "four_speed_2023", "minimal_example", "three_circuits"])
+MM, INCH = Units(), Units("inch", "diametral", "psi")
+QUICK = {("three_circuits", MM), ("five_speed_2005", INCH)}
+
+
+@pytest.mark.parametrize(
+    ("name", "units"),
+    [
+        pytest.param(name, units, marks=() if (name, units) in QUICK else pytest.mark.slow, id=f"{name}-{units.length}")
+        for name in ("three_circuits", *catalogue_files("controllers"))
+        for units in (MM, INCH)
+    ],
+)
 def test_a_valve_body_is_the_same_after_a_workbook(tables: Tables, name: str, units: Units) -> None:
     data = tables(name)
     controller = checked_controller(data)
@@ -102,7 +115,7 @@ def test_what_no_shipped_file_says_is_kept_too(tables: Tables) -> None:
             "currency": "EUR",
             "hours": 1.5,
             "tool": "reamer",
-            "nominal_diameter_mm": 12.954,
+            "nominal_diameter_mm": 15.367,
             "mounting_clearance_um": [6.4, 20.0],
             "source": "made up for this test",
             "evidence": "representative",

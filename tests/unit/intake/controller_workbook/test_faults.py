@@ -74,17 +74,17 @@ def _names() -> list[str]:
         ("Diameter", 0.0, "expected greater than 0.5"),
         ("Diameter", 14.5, "(it is 368.3 mm) (found 14.5); expected less than 200; was it in mm?"),
         ("Land", 1.5, "a whole number"),
-        ("Component", "boost_valves", "no such id in this workbook"),
+        ("Component", "solenoid_modulators", "no such id here"),
         ("Component", "", "this row does not say to what it belongs"),
-        ("Up to", 0.002, "the upper end of a range without its lower one"),
+        ("Mounting clearance", 14.0, "(it is 177800 µm, radial) (found 14.0)"),
         ("Diameter", "=1/0", "a formula without a result"),
         ("Spool", "brass", "unknown material"),
     ],
 )
-def test_a_wrong_cell_is_named(five_speed_book: Book, heading: str, value: object, message: str) -> None:
-    five_speed_book.put("Lands", 4, heading, value)
-    faults = five_speed_book.faults()
-    column = five_speed_book.sheets["Lands"][0].index(heading)
+def test_a_wrong_cell_is_named(inch_book: Book, heading: str, value: object, message: str) -> None:
+    inch_book.put("Lands", 4, heading, value)
+    faults = inch_book.faults()
+    column = inch_book.sheets["Lands"][0].index(heading)
     assert message in str(faults[0])
     assert (faults[0].place.sheet, faults[0].place.row) == ("Lands", 5)
     assert faults[0].place.column == f"{chr(ord('A') + column)} ({heading})"
@@ -186,3 +186,10 @@ def test_another_workbook_is_refused(bare_workbook: Callable[..., bytes], stray_
         read_controller_workbook(other, name="unit.xlsx")
     with pytest.raises(CatalogueError, match="delete the stray cells"):
         read_controller_workbook(stray_workbook, name="unit.xlsx")
+
+
+def test_a_land_cannot_be_representative_where_the_head_says_published_for_all(minimal_book: Book) -> None:
+    minimal_book.put("Head", 0, "Diameters are", "published")
+    minimal_book.put("Lands", 2, "Diameter is", "representative")
+    (fault,) = minimal_book.faults()
+    assert "row 3, column E (Diameter is): the head says that this is published in all lands" in str(fault)

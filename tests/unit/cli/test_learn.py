@@ -1,0 +1,114 @@
+"""Mounting clearances from measuring sheets, on the command line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from atleak.catalogue.controller_reading import load_controller
+
+Run = Callable[..., tuple[int, str, str]]
+NAME = "minimal_example"
+
+
+@pytest.fixture
+def new_unit(tmp_path: Path) -> Callable[..., Path]:
+    """Writes the measuring sheet of a made-up new unit of the minimal example as text, each diameter read twice."""
+    controller = load_controller(NAME)
+    random = np.random.default_rng(6)
+
+    def write(name: str, wider: float = 0.0, unit: str = "mm", **marks: str) -> Path:
+        rows = [f"component,part,plane,direction,repeat,diameter [{unit}],taken at"]
+        size = {"mm": 1e3, "inch": 1e3 / 25.4}[unit]
+        for land in controller.lands:
+            clearance = 15e-6 + wider + random.normal(0.0, 1e-6)
+            for part, diameter in (
+                ("spool", land.nominal_diameter),
+                ("sleeve", land.nominal_diameter + 2.0 * clearance),
+            ):
+                for repeat in (1, 2):
+                    read = diameter + random.normal(0.0, 1e-6)
+                    row = (land.component, part, land.planes[0], 0, repeat, f"{read * size:.5f}", marks.get(part, ""))
+                    rows.append(",".join(map(str, row)))
+        path = tmp_path / name
+        path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def six(new_unit: Callable[..., Path]) -> list[Path]:
+    return [new_unit(f"unit_{number}.csv") for number in range(6)]
+
+
+def test_the_file_written_is_a_valve_body_with_the_learned_clearances(
+    run: Run, six: list[Path], tmp_path: Path
+) -> None:
+    target, record = tmp_path / "learned.toml", tmp_path / "learned.json"
+    status, out, err = run("controller", "learn", *six, "--controller", NAME, "-o", target, "--json", record)
+    assert (status, err) == (0, "")
+    assert f"written: {target}" in out
+    assert "from 6 units" in out
+    said = json.loads(record.read_text(encoding="utf-8"))
+    controller = load_controller(target)
+    assert len(said["lands"]) == len(controller.lands)
+    for land, row in zip(controller.lands, said["lands"], strict=True):
+        assert land.learned_from_units == row["learned_from_units"] == 6
+        assert land.mounting_clearance * 1e6 == pytest.approx(row["mounting_clearance_um"], abs=0.006)
+        assert row["mounting_clearance_um"] == pytest.approx(15.0, abs=row["uncertainty_um"])
+    assert [unit["file"] for unit in said["units"]] == [path.name for path in six]
+    status, out, _ = run("controller", "check", target)
+    assert "nothing is wrong with it" in out
+
+
+def test_either_file_may_stand_alone_on_standard_output(run: Run, six: list[Path]) -> None:
+    _, toml, _ = run("controller", "learn", *six, "--controller", NAME, "-o", "-")
+    assert toml.startswith('id = "minimal_example"')
+    _, record, _ = run("controller", "learn", *six, "--controller", NAME, "--json", "-")
+    assert json.loads(record)["format"] == 1
+    status, _, err = run("controller", "learn", *six, "--controller", NAME, "-o", "-", "--json", "-")
+    assert status == 2
+    assert "only one of -o and --json" in err
+
+
+def test_sheets_in_inches_and_unworn_ends_are_learned_from(run: Run, new_unit: Callable[..., Path]) -> None:
+    inches = new_unit("inch.csv", unit="inch")
+    used = new_unit("used.csv", sleeve="unworn end")
+    _, out, _ = run("controller", "learn", inches, used, "--controller", NAME, "--json", "-")
+    record = json.loads(out)
+    assert [unit["of_used_unit"] for unit in record["units"]] == [False, True]
+    assert {(land["learned_from_units"], land["unworn_ends"]) for land in record["lands"]} == {(2, 1)}
+
+
+def test_what_cannot_be_used_is_named_for_all_sheets(run: Run, six: list[Path], tmp_path: Path) -> None:
+    rows = ["component,part,plane,diameter [mm]", "no_valve,spool,1,9.9", "nor_this,spool,1,9.9"]
+    (tmp_path / "other.csv").write_text("\n".join(rows), encoding="utf-8")
+    (tmp_path / "empty.csv").write_text("component,part,plane,diameter [mm]\n", encoding="utf-8")
+    sheets = [tmp_path / "other.csv", *six, tmp_path / "empty.csv"]
+    status, out, err = run("controller", "learn", *sheets, "--controller", NAME)
+    assert (status, out) == (2, "")
+    for words in ("other.csv", "'no_valve'", "'nor_this'", "empty.csv", "no readings are filled in"):
+        assert words in err
+    status, _, err = run("controller", "learn", six[0], six[0], "--controller", NAME)
+    assert status == 2
+    assert "the same file as unit_0.csv" in err
+
+
+@pytest.mark.parametrize("output", ["learned.xlsx", "unit_0.csv"])
+def test_the_output_is_a_toml_file_and_no_file_is_written_over(
+    run: Run, six: list[Path], tmp_path: Path, output: str
+) -> None:
+    before = six[0].read_bytes()
+    status, _, err = run("controller", "learn", *six, "--controller", NAME, "-o", tmp_path / output)
+    assert status == 2
+    assert "a name.toml" in err
+    assert six[0].read_bytes() == before
+    (tmp_path / "mine.toml").write_text("# mine", encoding="utf-8")
+    status, _, err = run("controller", "learn", *six, "--controller", NAME, "-o", tmp_path / "mine.toml")
+    assert status == 2
+    assert "is there already" in err
