@@ -12,9 +12,18 @@ from atleak.catalogue.controller import HOT_IDLE, REFERENCE_TEMPERATURE, Control
 from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
+from atleak.catalogue.repairs import Repair
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import Projection, mileage_at_wear, model_new, project, project_unworn
+from atleak.engine.projection import (
+    Projection,
+    mileage_at_wear,
+    model_new,
+    project,
+    project_beside,
+    project_unworn,
+)
 from atleak.engine.repaired import Losses, pressure_losses
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.errors import Message, RoadTestError
@@ -139,6 +148,7 @@ class Diagnosis:
     pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
     complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
     messages: tuple[Message, ...]
+    repairs: tuple[Repair, ...] = ()  # that the workshop chose to plan with; of other lands the cheapest is planned
 
     @property
     def projection(self) -> Projection:
@@ -391,6 +401,7 @@ def diagnose(
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
     measuring_temperature: float | None = None,
+    pump_clearances: PumpClearances = NO_CLEARANCES,
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
     guard_factor: float = GUARD_FACTOR,
@@ -416,6 +427,8 @@ def diagnose(
         mileage of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
     measuring_temperature
         that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
+    pump_clearances
+        those measured of this job's pump; what is not given is as the sheet's head states it, else as of a new pump.
     instruments, assumptions
         with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
     guard_factor
@@ -432,6 +445,8 @@ def diagnose(
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
+    measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
+    controller = controller.with_measured_pump(measured_pump)
     if readings is not None:
         controller = readings.own_lands.applied(controller)
     condition = condition or controller.operating_points[0]
@@ -446,7 +461,7 @@ def diagnose(
     projections = [project(model, point) for point in conditions]
     as_new = model_new(states, model)
     measured = [state.land.key for state in states if state.measured]
-    when_new = tuple(project(as_new, point) for point in conditions)
+    when_new = tuple(project_beside(as_new, each) for each in projections)
     unworn = project_unworn(states, model, projections)
     idle = next((each for each in projections if each.condition.name == HOT_IDLE), None)
     log = None if road_test is None else road_findings(controller, road_test, limits, assumptions, guard_factor)

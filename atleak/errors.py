@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 _NAMES_SHOWN = 40  # of those that would have been valid
 
@@ -34,6 +34,11 @@ class Place:
     table: str | None = None
     key: str | None = None
     steps: tuple[str | int, ...] = field(default=(), compare=False)
+
+    @property
+    def known(self) -> dict[str, Any]:
+        """Return what is known of the place, by the names of its parts."""
+        return {name: value for name, value in vars(self).items() if value not in (None, ())}
 
     def __str__(self) -> str:
         parts = [

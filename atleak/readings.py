@@ -16,6 +16,7 @@ from typing import Literal
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.equations import clearance as clearance_equations
 from atleak.errors import Message, Place, ReadingsError
 from atleak.own_lands import OwnLands
@@ -68,6 +69,7 @@ class Readings:
     temperature: float | None = None  # [°C] of gauge and parts, as the sheet's head states it
     date: dt.date | None = None  # of the measurement, as the sheet's head states it
     pressures: PressureTable | None = None  # of the sheet's own tab, where it is filled in
+    pump: PumpClearances = NO_CLEARANCES  # of the pump, as the sheet's head states them
     own_lands: OwnLands = OwnLands()  # noqa: RUF009  frozen, so safe to share; lengths measured, repairs fitted
     unworn: tuple[Reading, ...] = ()  # marked as taken at an unworn end: of the pair when new, none of ``readings``
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from atleak.catalogue.controller import Controller, NewOrigin
 from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.pump import Pump
 from atleak.engine.leakage import narrow_gap_messages
 from atleak.engine.profile import Profile
 from atleak.engine.projection import Projection
@@ -29,6 +30,30 @@ def _what_new_was(controller: Controller) -> Iterable[Message]:
         if count:
             text = f"The mounting clearance of {count} of {len(controller.lands)} lands {text}."
             yield Message("info", f"mounting_clearance_{origin}", text)
+
+
+def _about_pump(pump: Pump, profile: Profile) -> Iterable[Message]:
+    """Say what shares of a pump held at demand are of, what measured clearances do, and which are over their limit."""
+    if pump.held_at_demand:
+        text = (
+            "The pump's displacement is held at demand: its capacity, all shares, its reserve and the speed from which "
+            "it covers the leakage are those of its full stroke."
+        )
+        yield Message("info", "pump_full_stroke", text)
+    if pump.counted.known and profile.pump_efficiency != "wilson":
+        text = "The pump's measured clearances count nowhere: the profile takes its efficiency as a constant."
+        yield Message("warning", "pump_clearance_left_out", text)
+    for name, missing in pump.left_out:
+        text = f"The pump's {name} clearance was measured, but makes no slip here: {missing}."
+        yield Message("warning", "pump_clearance_left_out", text)
+    named = zip(("side", "tip"), pump.measured.um, pump.limits.um, strict=True)
+    for name, um, most in named:
+        if um is not None and most is not None and um > most:
+            text = f"The pump's {name} clearance of {um:g} µm is over the {most:g} µm that its manual allows."
+            yield Message("warning", "pump_clearance_over_limit", text)
+    if pump.counted.known and pump.as_new is None:
+        text = "The slip of the pump when new is not known, so that of the measured one stands beside no other."
+        yield Message("info", "pump_new_unknown", text)
 
 
 def messages_of(
@@ -75,6 +100,7 @@ def messages_of(
         text = f"No operating point applies {', '.join(nowhere)}: what they hold is judged nowhere."
         messages.append(Message("warning", "circuit_nowhere_applied", text))
     messages += _what_new_was(controller)
+    messages += _about_pump(controller.pump, profile)
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
         messages.append(Message("warning", "no_readings", text))

@@ -47,6 +47,8 @@ class WrittenNumber:
 
 TEMPERATURE = AskedNumber("temperature", "°C", 95.5, (-60.0, 200.0), (-30.0, 150.0))
 MEASURING_TEMPERATURE = AskedNumber("measuring temperature", "°C", 21.5, (-20.0, 60.0), (10.0, 35.0))
+PUMP_SIDE_CLEARANCE = AskedNumber("pump side clearance", "µm", 45.5, (1.0, 2_000.0), (10.0, 300.0))
+PUMP_TIP_CLEARANCE = AskedNumber("pump tip clearance", "µm", 150.5, (1.0, 2_000.0), (20.0, 1_000.0))
 ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), (400.0, 7_000.0))
 MILEAGE = AskedNumber("mileage", "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0))
 SHIFT = AskedNumber("shift", "s", 1.5, (-1e7, 1e7), (-86_400.0, 86_400.0))

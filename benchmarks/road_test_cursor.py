@@ -41,8 +41,7 @@ def main(chosen: argparse.Namespace) -> None:
     sys.path.insert(0, str(ROOT))
     script_runner.exec_func_with_error_handling = _timed(script_runner.exec_func_with_error_handling)  # type: ignore[attr-defined]
     with tempfile.TemporaryDirectory() as folder:
-        for name in ("XDG_CONFIG_HOME", "APPDATA"):
-            os.environ[name] = folder
+        os.environ["ATLEAK_HOME"] = folder
         start = Path(folder) / "main.py"  # the harness takes a script beside pages/ for an app without navigation
         start.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
         page = AppTest.from_file(str(start), default_timeout=60).run()

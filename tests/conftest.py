@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import io
 import os
+import tempfile
 import zipfile
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
@@ -32,6 +33,11 @@ settings.load_profile("quick")
 # continuous integration, a skip is a failure.
 NOTHING_MAY_SKIP = bool(os.environ.get("ATLEAK_NOTHING_MAY_SKIP"))
 
+# No test reads or writes what belongs to the user of this machine. Set before any test is collected, as some are made
+# from the catalogue's entries.
+_HOME = tempfile.TemporaryDirectory(prefix="atleak-tests-")
+os.environ["ATLEAK_HOME"] = _HOME.name
+
 # What is left out of the quick round.
 WHOLE = (
     "e2e", "unit/cli", "unit/pages", "unit/report", "unit/intake/native",
@@ -44,6 +50,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if any(item.path.is_relative_to(folder) for folder in folders):
             item.add_marker("whole")
+
+
+def pytest_unconfigure() -> None:
+    _HOME.cleanup()
 
 
 @pytest.hookimpl(wrapper=True)
@@ -95,6 +105,14 @@ def all_draws() -> Iterator[None]:
 def root() -> Path:
     """The root of the checkout."""
     return ROOT
+
+
+@pytest.fixture
+def own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The user's folder, empty and of this test alone."""
+    folder = tmp_path / "home"
+    monkeypatch.setenv("ATLEAK_HOME", str(folder))
+    return folder
 
 
 @pytest.fixture(scope="session")

@@ -27,7 +27,7 @@ from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile
 from atleak.catalogue.entries import Origin
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.instruments import Part
-from atleak.catalogue.pump import Pump
+from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.repairs import Repair
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.equations import clearance as clearance_equations
@@ -279,6 +279,16 @@ class Controller:
             if the controller maps no such complaint.
         """
         return find_complaint(self.complaints, wanted, self.name)
+
+    def with_measured_pump(self, measured: PumpClearances) -> Controller:
+        """Return the same controller with the pump of a job, of which these clearances were measured."""
+        pump = self.pump.with_measured(measured)
+        return self if pump is self.pump else replace(self, pump=pump)
+
+    @property
+    def with_new_pump(self) -> Controller:
+        """Return the same controller with its pump as it was when new."""
+        return self if self.pump.new is self.pump else replace(self, pump=self.pump.new)
 
     def gaps_in(self, gear: int) -> tuple[Gap, ...]:
         """Return the gaps that see a pressure drop in that gear."""

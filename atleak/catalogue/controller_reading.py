@@ -31,7 +31,7 @@ from atleak.catalogue.controller_tables import (
     LandTable,
     NewOrigin,
 )
-from atleak.catalogue.entries import Origin, catalogue_files, read_tables
+from atleak.catalogue.entries import Origin, listed, read_tables
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump
@@ -55,8 +55,8 @@ def load_controller(id_or_path: str | Path) -> Controller:
 
 
 def controllers() -> list[Controller]:
-    """Return every shipped controller."""
-    return [load_controller(name) for name in catalogue_files("controllers")]
+    """Return every controller that can be used, shipped or own."""
+    return list(listed("controllers", load_controller).entries.values())
 
 
 def checked_controller(data: Mapping[str, Any], file: str = "this description") -> Controller:
@@ -355,7 +355,9 @@ def _repairs(tables: Sequence[RepairTable], lands: Sequence[Land], reading: Read
 def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, reading: Reading) -> None:
     """Refuse a repair whose nominal diameter cannot be that of one of its lands."""
     diameter = table.nominal_diameter_mm
-    for land in lands if diameter is not None else ():
+    if diameter is None:
+        return
+    for land in lands:
         mine = land.component == table.component and (table.lands is None or land.land in table.lands)
         if mine and abs(diameter * 1e-3 - land.nominal_diameter) > _OVERSIZE:
             problem = f"land {land.land} is {land.nominal_diameter * 1e3:g} mm: no oversize of it"

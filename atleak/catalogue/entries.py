@@ -1,25 +1,33 @@
 """Read the catalogue: one TOML file per controller, fluid, limit set and instrument, or a user's file by path.
 
-Every file states its source and date and is checked against a pydantic model; what is wrong is named by file,
-table, key and value.
+What ships lies beside this module. The user's own entries lie in `own_folder` and are chosen by id like shipped ones.
+Every file states its source and date and is checked against a pydantic model; what is wrong is named by file, table,
+key and value.
 """
 
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
+import unicodedata
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from atleak.catalogue.evidence import Evidence
-from atleak.errors import CatalogueError, Place, unknown
+from atleak.errors import CatalogueError, OutputError, Place, unknown
 from atleak.faults import validated
+from atleak.system.files import replace_file
+from atleak.system.home import home, made
 
 _HERE = Path(__file__).parent
+KINDS = ("controllers", "fluids", "limits", "instruments")
+"""The catalogue's folders, of what ships and of the user's own."""
 _TOML_LINE = 300  # characters of a parser's message worth showing
 
 NonEmptyText = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
@@ -75,19 +83,125 @@ EntryModel = TypeVar("EntryModel", bound=Entry)
 
 @dataclass(frozen=True)
 class Origin:
-    """The file that a catalogue object came from."""
+    """The file that a catalogue object came from; ``own`` where it was chosen from the user's own catalogue."""
 
     path: Path
     sha256: str
+    own: bool = False
 
     @property
     def file(self) -> str:
         return self.path.name
 
 
-def catalogue_files(kind: str) -> dict[str, Path]:
-    """Return ids and files of one kind (``"controllers"``, ``"fluids"``, ``"limits"``), sorted by id."""
+Loaded = TypeVar("Loaded")
+
+
+@dataclass(frozen=True)
+class Listed(Generic[Loaded]):
+    """The entries of one kind, by id, and what is wrong with each own file that cannot be used."""
+
+    entries: dict[str, Loaded]
+    faults: tuple[CatalogueError, ...]
+
+
+def shipped_files(kind: str) -> dict[str, Path]:
+    """Return ids and files of one kind (one of `KINDS`) that ship with atleak, sorted by id."""
     return {path.stem: path for path in sorted((_HERE / kind).glob("*.toml"))}
+
+
+def own_folder(kind: str = "") -> Path:
+    """Return the folder of the user's own entries of one kind, or of all; it need not be there."""
+    return home() / "catalogue" / kind
+
+
+def own_files(kind: str) -> dict[str, Path]:
+    """Return ids and files of one kind in the user's own catalogue, sorted by id: a file is named as its id."""
+    return {path.stem: path for path in sorted(own_folder(kind).glob("*.toml"))}
+
+
+def catalogue_files(kind: str) -> dict[str, Path]:
+    """Return ids and files of one kind, shipped and own, sorted by id; a shipped id stays the shipped file's."""
+    return dict(sorted((own_files(kind) | shipped_files(kind)).items()))
+
+
+def id_from_name(name: str) -> str:
+    """Make an id from a name: small letters, digits and _; "" where nothing of the name can stand in one.
+
+    >>> id_from_name("Ford 4R44E, 1996"), id_from_name("Skrzynia żółta"), id_from_name("変速機")
+    ('ford_4r44e_1996', 'skrzynia_zolta', '')
+    """
+    plain = unicodedata.normalize("NFKD", name.replace("ł", "l").replace("Ł", "L").replace("ß", "ss"))
+    return "_".join(re.findall(r"[a-z0-9]+", plain.encode("ascii", "ignore").decode().lower()))
+
+
+def write_own(kind: str, name: str, text: str, *, over: str = "") -> Path:
+    """Write a file into the user's own catalogue, whole or not at all.
+
+    Parameters
+    ----------
+    kind, name
+        one of `KINDS`, and the id.
+    over
+        the SHA-256 of the file that may be replaced: another one that is there by now stays.
+
+    Returns
+    -------
+    Path
+        the file.
+
+    Raises
+    ------
+    OutputError
+        an id that ships with atleak, a file that is there, or a folder that cannot be written.
+    """
+    path = own_folder(kind) / f"{name}.toml"
+    place = Place(file=path.name)
+    if name in shipped_files(kind):
+        raise OutputError("has the id of an entry that ships with atleak", place=place, expected="an id of its own")
+    if path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() != over:
+        problem = "is in your catalogue already" if not over else "was changed by someone else since"
+        raise OutputError(problem, place=place, expected="another id, or a decision to replace it")
+    made(path.parent)
+    replace_file(path, text.encode("utf-8"))
+    return path
+
+
+def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
+    """Load every entry of a kind by id; an own file that cannot be used hinders none of the others.
+
+    Parameters
+    ----------
+    kind
+        one of `KINDS`.
+    load
+        loads an entry by its id.
+
+    Raises
+    ------
+    CatalogueError
+        for a shipped file alone.
+    """
+    shipped, own, entries = shipped_files(kind), own_files(kind), {}
+    faults = [_same_id(own[name]) for name in own if name in shipped]
+    for name in catalogue_files(kind):
+        try:
+            entries[name] = load(name)
+        except CatalogueError as fault:
+            if name in shipped:
+                raise
+            faults.append(fault)
+    return Listed(entries, tuple(faults))
+
+
+def _same_id(path: Path) -> CatalogueError:
+    """Return the fault of an own file with a shipped entry's id: no result would say which of the two it means."""
+    return CatalogueError(
+        "has the id of an entry that ships with atleak and is left aside",
+        place=Place(file=path.name, key="id"),
+        value=path.stem,
+        expected="an id of its own, and a file named as it",
+    )
 
 
 def read_entry(kind: str, id_or_path: str | Path, model: type[EntryModel]) -> tuple[EntryModel, Origin]:
@@ -109,10 +223,11 @@ def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Orig
     Raises
     ------
     CatalogueError
-        if there is no such entry (the message gives the nearest id), the file cannot be read or its TOML syntax is
-        wrong.
+        if there is no such entry (the message gives the nearest id), the file cannot be read, its TOML syntax is wrong,
+        or it lies in the user's own catalogue under another name than its id.
     """
     path = _resolve(kind, id_or_path)
+    own = path == own_files(kind).get(path.stem)
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -127,13 +242,17 @@ def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Orig
             place=Place(file=path.name),
             expected="TOML text in UTF-8",
         ) from error
-    return data, Origin(path, hashlib.sha256(content).hexdigest())
+    if own and data.get("id", path.stem) != path.stem:
+        problem = "a file of the own catalogue is named as its id"
+        expected = f"{path.stem}, or another name of the file"
+        raise CatalogueError(problem, place=Place(file=path.name, key="id"), value=data["id"], expected=expected)
+    return data, Origin(path, hashlib.sha256(content).hexdigest(), own)
 
 
 def _resolve(kind: str, id_or_path: str | Path) -> Path:
-    shipped = catalogue_files(kind)
-    if isinstance(id_or_path, str) and id_or_path in shipped:
-        return shipped[id_or_path]
+    known = catalogue_files(kind)
+    if isinstance(id_or_path, str) and id_or_path in known:
+        return known[id_or_path]
     path = Path(id_or_path)
     try:
         if path.is_file():
@@ -143,7 +262,7 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
         folder = False
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
     problem = "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}"
-    raise unknown(problem, str(id_or_path), shipped, kind=CatalogueError, otherwise="the path of a TOML file")
+    raise unknown(problem, str(id_or_path), known, kind=CatalogueError, otherwise="the path of a TOML file")
 
 
 def catalogue_error(path: Path, table: str, key: str | None, problem: str, **more: Any) -> CatalogueError:

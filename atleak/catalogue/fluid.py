@@ -11,7 +11,16 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from pydantic import Field, field_validator
 
-from atleak.catalogue.entries import Entry, Finite, Origin, Strict, catalogue_error, catalogue_files, read_entry
+from atleak.catalogue.entries import (
+    Entry,
+    Finite,
+    Origin,
+    Strict,
+    catalogue_error,
+    listed,
+    read_entry,
+    shipped_files,
+)
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 from atleak.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
@@ -252,17 +261,17 @@ def load_fluid(id_or_path: str | Path) -> Fluid:
 
 
 def fluids() -> list[Fluid]:
-    """Return every shipped fluid."""
-    return [load_fluid(name) for name in catalogue_files("fluids")]
+    """Return every fluid that can be used, shipped or own."""
+    return list(listed("fluids", load_fluid).entries.values())
 
 
 def _used_entry(entry: FluidFile, origin: Origin) -> str | None:
-    """Check that the entry with a fluid's used data is in the catalogue and describes a used fluid."""
+    """Check that the entry with a fluid's used data describes a used fluid, and ships: a job file holds one fluid."""
     if entry.used is None:
         return None
     if entry.state == "used":
         raise catalogue_error(origin.path, "", "used", "a used fluid has no used state of its own", value=entry.used)
-    shipped = catalogue_files("fluids")
+    shipped = shipped_files("fluids")
     if entry.used not in shipped:
         place = Place(file=origin.path.name, key="used")
         raise unknown("no such entry among the fluids", entry.used, shipped, kind=CatalogueError, place=place)

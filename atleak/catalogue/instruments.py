@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, catalogue_files, read_entry
+from atleak.catalogue.entries import Entry, NonNegative, Origin, Positive, listed, read_entry
 from atleak.errors import InputError
 
 Part = Literal["spool", "sleeve"]
@@ -115,8 +115,8 @@ def load_instrument(id_or_path: str | Path) -> Instrument:
 
 
 def instruments() -> list[Instrument]:
-    """Return every shipped instrument."""
-    return [load_instrument(name) for name in catalogue_files("instruments")]
+    """Return every instrument that can be used, shipped or own."""
+    return list(listed("instruments", load_instrument).entries.values())
 
 
 def load_instruments(

@@ -20,7 +20,7 @@ from atleak.catalogue.entries import (
     Origin,
     Positive,
     Strict,
-    catalogue_files,
+    listed,
     read_entry,
 )
 from atleak.verdicts import BANDS, FLAGGED, Band, Verdict
@@ -277,8 +277,8 @@ def _steps(table: LevelTable | None, unit: float) -> Steps | None:
 
 
 def limit_sets() -> list[Limits]:
-    """Return every shipped limit set."""
-    return [load_limits(name) for name in catalogue_files("limits")]
+    """Return every limit set that can be used, shipped or own."""
+    return list(listed("limits", load_limits).entries.values())
 
 
 class LevelLimit(Strict):

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 from atleak.catalogue.pump_tables import PumpKind
-from atleak.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -15,6 +14,17 @@ class PumpClearances:
 
     side: float | None = None
     tip: float | None = None
+
+    @classmethod
+    def of_um(cls, side: float | None, tip: float | None) -> PumpClearances:
+        """Return clearances that are given in µm."""
+        return cls(*(None if um is None else um * 1e-6 for um in (side, tip)))
+
+    @property
+    def um(self) -> tuple[float | None, float | None]:
+        """Return side and tip clearance in µm."""
+        side, tip = (None if metres is None else round(metres * 1e6, 9) for metres in (self.side, self.tip))
+        return side, tip
 
     @property
     def known(self) -> bool:
@@ -26,6 +36,9 @@ class PumpClearances:
         return PumpClearances(
             other.side if self.side is None else self.side, other.tip if self.tip is None else self.tip
         )
+
+
+NO_CLEARANCES = PumpClearances()
 
 
 @dataclass(frozen=True)
@@ -70,9 +83,10 @@ class Pump:
     kind: PumpKind | None = None
     held_at_demand: bool = False  # the stroke falls to what is taken
     gaps: PumpGaps = PumpGaps(None, None)
-    clearances: PumpClearances = PumpClearances()  # when new
-    limits: PumpClearances = PumpClearances()  # the most that the manual allows
-    measured: PumpClearances = PumpClearances()  # in this job
+    clearances: PumpClearances = NO_CLEARANCES  # when new
+    limits: PumpClearances = NO_CLEARANCES  # the most that the manual allows
+    measured: PumpClearances = NO_CLEARANCES  # in this job
+    counted: PumpClearances = NO_CLEARANCES  # of those, what makes its slip
     as_new: Pump | None = None  # the same pump new, where this one was measured and its slip when new is known
 
     @property
@@ -80,56 +94,54 @@ class Pump:
         """Return the same pump as it was when new, as far as that is known."""
         return self.as_new or self
 
-    def with_measured(self, measured: PumpClearances, file: str) -> Pump:
-        """Return this pump with the clearances that were measured in a job.
+    def with_measured(self, measured: PumpClearances) -> Pump:
+        """Return this pump with the clearances that were measured in a job, and with the slip that they make.
 
         A slip coefficient of the file holds for a new pump, and the gap law adds what the gaps have opened by since.
         Where the file states no clearances of a new pump, the larger counts: its coefficient, or what the gaps give.
-
-        Parameters
-        ----------
-        measured
-            what was measured; nothing leaves the pump as it is.
-        file
-            of the controller, for messages.
-
-        Raises
-        ------
-        InputError
-            where the file lacks what turns a measured clearance into slip.
+        What the file lacks the dimensions for counts nowhere; `counted` says what does.
         """
         if not measured.known:
             return self
-        self._require_gaps(measured, file)
-        new, now = self.clearances, measured.or_else(self.clearances)
-        stated, coefficient = self.slip_coefficient, self.gaps.coefficient(now)
+        known, gaps = replace(self, measured=measured), self.gaps
+        counted = PumpClearances(
+            None if gaps.side is None else measured.side, None if gaps.tip is None else measured.tip
+        )
+        new, now = self.clearances, counted.or_else(self.clearances)
+        if not counted.known or (self.slip_coefficient is None and not gaps.whole(now)):
+            return known
+        coefficient, stated = gaps.coefficient(now), self.slip_coefficient
         if stated is not None:
             compared = all(
                 before is not None or after is None
-                for before, after in ((new.side, measured.side), (new.tip, measured.tip))
+                for before, after in ((new.side, counted.side), (new.tip, counted.tip))
             )
-            opened = coefficient - self.gaps.coefficient(new)
+            opened = coefficient - gaps.coefficient(new)
             coefficient = max(stated + opened, 0.0) if compared else max(stated, coefficient)
-        elif not self.gaps.whole(now):
-            raise InputError(
-                f"pump clearances were measured, but {file} does not say what else slips in this pump",
-                expected="slip_coefficient in its table [pump], or the side and the tip clearance both",
-            )
-        return replace(self, slip_coefficient=coefficient, measured=measured, as_new=None if stated is None else self)
+        as_new = None if stated is None else self
+        return replace(known, slip_coefficient=coefficient, counted=counted, as_new=as_new)
 
-    def _require_gaps(self, measured: PumpClearances, file: str) -> None:
-        gaps = self.gaps
-        for name, clearance, per_cube, lacking in (
-            ("side", measured.side, gaps.side, gaps.lacking_of_side),
-            ("tip", measured.tip, gaps.tip, gaps.lacking_of_tip),
+    @property
+    def left_out(self) -> tuple[tuple[str, str], ...]:
+        """Return which measured clearances make no slip here, ``side`` or ``tip``, and what the file lacks for it."""
+        gaps, out = self.gaps, []
+        for name, clearance, counted, lacking in (
+            ("side", self.measured.side, self.counted.side, gaps.lacking_of_side),
+            ("tip", self.measured.tip, self.counted.tip, gaps.lacking_of_tip),
         ):
-            if clearance is not None and name == "tip" and not gaps.has_tips:
-                problem = "a tip clearance was measured of a vane pump, whose vanes lie against their ring"
-                raise InputError(problem, expected="the side clearance alone")
-            if clearance is not None and per_cube is None:
-                problem = f"the pump's {name} clearance was measured, but {file} does not say what slips through it"
-                expected = f"{', '.join(lacking) or 'kind and dimensions'} in the table [pump] of the valve body's file"
-                raise InputError(problem, expected=expected)
+            if clearance is not None and counted is None:
+                if name == "tip" and not gaps.has_tips:
+                    missing = "the vanes of such a pump lie against their ring"
+                elif self.kind is None:
+                    missing = "its file does not state the kind of the pump"
+                elif lacking:
+                    missing = f"its file does not state {', '.join(lacking)}"
+                else:
+                    missing = (
+                        "its file does not say what else slips: slip_coefficient, or both clearances of a new pump"
+                    )
+                out.append((name, missing))
+        return tuple(out)
 
     def relative_uncertainty(self, clearance: float) -> float:
         """Return the relative standard uncertainty of the slip [-], each measured clearance uncertain by so much [m].
@@ -138,5 +150,5 @@ class Pump:
         """
         if not self.slip_coefficient:
             return 0.0
-        parts = zip(self.gaps.shares(self.measured), (self.measured.side, self.measured.tip), strict=True)
+        parts = zip(self.gaps.shares(self.counted), (self.counted.side, self.counted.tip), strict=True)
         return math.hypot(*(3.0 * share / size for share, size in parts if size)) * clearance / self.slip_coefficient

@@ -95,7 +95,7 @@ def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
         reading.faults.append(reading.fault_of_table(("pump",), str(error)))
     if displacement is None:
         return None
-    clearances = PumpClearances(_metres(table.side_clearance_um), _metres(table.tip_clearance_um))
+    clearances = PumpClearances.of_um(table.side_clearance_um, table.tip_clearance_um)
     coefficient = table.slip_coefficient
     if coefficient is None and gaps.whole(clearances):
         coefficient = gaps.coefficient(clearances)
@@ -108,12 +108,8 @@ def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
         held_at_demand=table.held_at_demand,
         gaps=gaps,
         clearances=clearances,
-        limits=PumpClearances(_metres(table.side_clearance_limit_um), _metres(table.tip_clearance_limit_um)),
+        limits=PumpClearances.of_um(table.side_clearance_limit_um, table.tip_clearance_limit_um),
     )
-
-
-def _metres(micrometres: float | None) -> float | None:
-    return None if micrometres is None else micrometres * 1e-6
 
 
 def _dimensions(table: PumpTable) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, get_args
@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 from atleak.catalogue.entries import Identifier, NonEmptyText, NonNegative, Positive, StatedEvidence, Strict
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.mounting import MountingClearance
+from atleak.errors import InputError, unknown
 
 RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
 REPAIR_KINDS: tuple[RepairKind, ...] = get_args(RepairKind)
@@ -125,3 +126,26 @@ def repair_of(table: RepairTable, lands: Sequence[int]) -> Repair:
         mounting_tolerance=None if table.mounting_tolerance_um is None else table.mounting_tolerance_um * 1e-6,
         evidence=table.evidence,
     )
+
+
+def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: str) -> tuple[Repair, ...]:
+    """Return the repairs of those ids, as a workshop chooses them for a plan.
+
+    Raises
+    ------
+    InputError
+        an id that the controller's file does not have, or two repairs of the same land.
+    """
+    known = {repair.id: repair for repair in repairs}
+    chosen: list[Repair] = []
+    for name in dict.fromkeys(wanted):
+        if name not in known:
+            otherwise = "" if known else "no repair: the file has no table [[repairs]]"
+            raise unknown(f"{controller} names no such repair", name, known, otherwise=otherwise)
+        for other in chosen:
+            both = sorted(known[name].lands & other.lands) if other.component == known[name].component else []
+            if both:
+                problem = f"{name} and {other.id} both repair component {other.component} land {both[0]}"
+                raise InputError(problem, expected="one repair of each land")
+        chosen.append(known[name])
+    return tuple(chosen)

@@ -1,12 +1,19 @@
-"""List what the catalogue holds: ``atleak controllers``, ``fluids``, ``limits`` and ``instruments``."""
+"""List what the catalogue holds, shipped and own: ``atleak controllers``, ``fluids``, ``limits`` and ``instruments``.
+
+``atleak catalogue path`` names the folder of the user's own.
+"""
 
 from __future__ import annotations
 
 import argparse
-from typing import Any
+import sys
+from typing import TYPE_CHECKING, Any
 
-from atleak.cli.shared import add_command, add_force, add_json, check_targets, say_written, write_json
+from atleak.cli.shared import add_command, add_force, add_json, check_targets, say_written, without_colours, write_json
 from atleak.version import __version__
+
+if TYPE_CHECKING:
+    from atleak.catalogue.entries import Listed
 
 
 def add_parser(commands: Any) -> None:
@@ -17,17 +24,33 @@ def add_parser(commands: Any) -> None:
         ("limits", _limits),
         ("instruments", _instruments),
     ):
-        parser = add_command(commands, name, run, f"the {name} of the catalogue")
+        parser = add_command(commands, name, run, f"the {name} of the catalogue, shipped and own")
         add_json(parser)
         add_force(parser)
+    own = commands.add_parser("catalogue", help="your own catalogue", description="Your own catalogue.")
+    without_colours(own)
+    parts = own.add_subparsers(dest="part", required=True, metavar="COMMAND")
+    add_command(parts, "path", _path, "make the folder of your own catalogue and say where it is")
+
+
+def _path(options: argparse.Namespace) -> int:
+    from atleak.catalogue.entries import KINDS, own_folder
+    from atleak.system.home import made
+
+    for kind in KINDS:
+        made(own_folder(kind))
+    print(own_folder())
+    return 0
 
 
 def _controllers(options: argparse.Namespace) -> int:
-    from atleak.catalogue.controller_reading import controllers
+    from atleak.catalogue.controller_reading import load_controller
+    from atleak.catalogue.entries import listed
     from atleak.catalogue.evidence import Evidence
     from atleak.views.evidence_rows import evidence_counts, still_to_measure
 
-    rows = [
+    known = listed("controllers", load_controller)
+    rows: list[dict[str, Any]] = [
         {
             "id": controller.id,
             "name": controller.name,
@@ -44,11 +67,11 @@ def _controllers(options: argparse.Namespace) -> int:
             "source": controller.source,
             "sha256": controller.sha256,
         }
-        for controller in controllers()
+        for controller in known.entries.values()
     ]
     counts = [{evidence: row["known_from"][evidence] for evidence in Evidence} for row in rows]
     shown = [{**row, **count} for row, count in zip(rows, counts, strict=True)]
-    status = _list(rows, ["id", "name", "lands", "gaps", *Evidence], options, shown)
+    status = _list(known, rows, ["id", "name", "lands", "gaps", *Evidence], options, shown)
     if options.json != "-":
         for row in rows:
             if row["still_to_measure"]:
@@ -59,8 +82,10 @@ def _controllers(options: argparse.Namespace) -> int:
 
 
 def _fluids(options: argparse.Namespace) -> int:
-    from atleak.catalogue.fluid import fluids
+    from atleak.catalogue.entries import listed
+    from atleak.catalogue.fluid import load_fluid
 
+    known = listed("fluids", load_fluid)
     rows = [
         {
             "id": fluid.id,
@@ -74,22 +99,25 @@ def _fluids(options: argparse.Namespace) -> int:
             "source": fluid.source,
             "sha256": fluid.origin.sha256,
         }
-        for fluid in fluids()
+        for fluid in known.entries.values()
     ]
-    return _list(rows, ["id", "name", "viscosity_mm2_s", "density_g_cm3", "pour_point_c"], options)
+    return _list(known, rows, ["id", "name", "viscosity_mm2_s", "density_g_cm3", "pour_point_c"], options)
 
 
 def _limits(options: argparse.Namespace) -> int:
-    from atleak.catalogue.limits import limit_sets
+    from atleak.catalogue.entries import listed
+    from atleak.catalogue.limits import load_limits
     from atleak.views.diagnosis_record import limits_record
 
-    rows = [limits_record(limits) for limits in limit_sets()]
-    return _list(rows, ["id", "name", "source"], options)
+    known = listed("limits", load_limits)
+    return _list(known, [limits_record(limits) for limits in known.entries.values()], ["id", "name", "source"], options)
 
 
 def _instruments(options: argparse.Namespace) -> int:
-    from atleak.catalogue.instruments import instruments
+    from atleak.catalogue.entries import listed
+    from atleak.catalogue.instruments import load_instrument
 
+    known = listed("instruments", load_instrument)
     rows = [
         {
             "id": instrument.id,
@@ -104,23 +132,31 @@ def _instruments(options: argparse.Namespace) -> int:
             "note": instrument.note or None,
             "source": instrument.source,
         }
-        for instrument in instruments()
+        for instrument in known.entries.values()
     ]
-    return _list(rows, ["id", "name", "measures", "resolution_um", "calibration_um", "common_part"], options)
+    return _list(known, rows, ["id", "name", "measures", "resolution_um", "calibration_um", "common_part"], options)
 
 
 def _list(
+    known: Listed[Any],
     rows: list[dict[str, Any]],
     columns: list[str],
     options: argparse.Namespace,
     shown: list[dict[str, Any]] | None = None,
 ) -> int:
-    """Write the rows as JSON where that is asked for, and print them, or others that are shorter."""
+    """Write the rows as JSON where that is asked for, and print them, or others that are shorter.
+
+    Each says whether its entry is the user's own; own files that cannot be used are named.
+    """
     check_targets(options, [], [("record", options.json)])
+    own = [{"own": entry.origin.own} for entry in known.entries.values()]
     if options.json is not None:
-        say_written(write_json(options.json, [{**row, "atleak": __version__} for row in rows]))
+        records = [{**row, **mine, "atleak": __version__} for row, mine in zip(rows, own, strict=True)]
+        say_written(write_json(options.json, records))
     if options.json != "-":
         from atleak.report.terminal import print_table
 
-        print_table(columns, rows if shown is None else shown)
+        print_table([*columns, "own"], [{**row, **mine} for row, mine in zip(shown or rows, own, strict=True)])
+    for fault in known.faults:
+        print(f"atleak: left aside: {fault}", file=sys.stderr)
     return 0

@@ -13,6 +13,7 @@ from atleak.cli.shared import (
     add_json,
     add_print,
     check_targets,
+    length_of,
     number,
     number_of,
     pair,
@@ -22,7 +23,14 @@ from atleak.cli.shared import (
 )
 from atleak.errors import InputError, unknown
 from atleak.verdicts import FLAGGED
-from atleak.written_numbers import ENGINE_SPEED, MEASURING_TEMPERATURE, MILEAGE, TEMPERATURE
+from atleak.written_numbers import (
+    ENGINE_SPEED,
+    MEASURING_TEMPERATURE,
+    MILEAGE,
+    PUMP_SIDE_CLEARANCE,
+    PUMP_TIP_CLEARANCE,
+    TEMPERATURE,
+)
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
@@ -89,8 +97,23 @@ def add_parser(commands: Any) -> None:
         type=number_of(MEASURING_TEMPERATURE),
         help="of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given",
     )
+    for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
+        parser.add_argument(
+            f"--pump-{side}-clearance",
+            metavar="UM",
+            type=length_of(asked),
+            help=f"{side} clearance of this job's pump [µm, or with its unit: 0.0033in]; as the job record or the "
+            "sheet's head says unless given",
+        )
     parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
     parser.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
+    parser.add_argument(
+        "--repair",
+        metavar="ID",
+        action="append",
+        default=[],
+        help="plan with this repair of the valve body's file; of other lands the cheapest is planned",
+    )
     parser.add_argument(
         "--assume",
         metavar="NAME=VALUE",
@@ -164,6 +187,9 @@ def run(options: argparse.Namespace) -> int:
             options.mileage = job.vehicle.mileage_km
         if options.measuring_temperature is None:
             options.measuring_temperature = job.measuring_temperature_c
+        for name in ("pump_side_clearance", "pump_tip_clearance"):
+            if getattr(options, name) is None:
+                setattr(options, name, getattr(job, f"{name}_um"))
     case = _case(options)
     diagnosis = case.diagnose()
     written = _write_reports(diagnosis, job, case, options)
@@ -178,6 +204,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _case(options: argparse.Namespace) -> Case:
     """Return the files and choices that the command line names."""
+    from atleak.catalogue.pump import PumpClearances
     from atleak.job.case import SLOTS, Case, SourceFile
 
     return Case(
@@ -192,6 +219,7 @@ def _case(options: argparse.Namespace) -> Case:
         gear=options.gear,
         mileage=options.mileage,
         measuring_temperature=options.measuring_temperature,
+        pump_clearances=PumpClearances.of_um(options.pump_side_clearance, options.pump_tip_clearance),
         sheet_name=options.sheet,
         sheet_unit=options.sheet_unit,
         sheet_where=tuple(options.where),
@@ -201,6 +229,7 @@ def _case(options: argparse.Namespace) -> Case:
         assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
         guard_factor=options.guard,
         complaint=options.complaint,
+        repairs=tuple(options.repair),
     )
 
 

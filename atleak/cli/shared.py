@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -81,6 +82,9 @@ def add_columns(parser: argparse.ArgumentParser) -> None:
     )
 
 
+_WITH_UNIT = re.compile(r"(?P<number>[\d.,]+)\s*(?P<unit>[^\d\s.,].*)")
+
+
 # --- what an option takes -----------------------------------------------------------------------------------------
 
 
@@ -110,6 +114,23 @@ def number_of(asked: AskedNumber) -> Callable[[str], float]:
         if written.doubt:
             print(f"atleak: {written.doubt}", file=sys.stderr)
         return written.value
+
+    return read
+
+
+def length_of(asked: AskedNumber) -> Callable[[str], float]:
+    """Return the reader of an option that takes a length in the asked number's unit, or with another one behind it."""
+    in_own_unit = number_of(asked)
+
+    def read(text: str) -> float:
+        from atleak.intake.units import find_unit, unit
+
+        match = _WITH_UNIT.fullmatch(text.strip())
+        found = find_unit(match["unit"], "length") if match else None
+        value = decimal_number(match["number"]) if match else None
+        if found is None or value is None:
+            return in_own_unit(text)
+        return in_own_unit(repr(round(float(unit(asked.unit, "length").from_si(found.to_si(value))), 9)))
 
     return read
 

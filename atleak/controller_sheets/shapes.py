@@ -328,7 +328,7 @@ def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Descriptio
     if name in owners:
         return str(name)
     if heading in row.values:
-        return into.unknown(row, heading, "no such id in this workbook", list(owners))
+        return into.unknown(row, heading, "no such id here", list(owners))
     if heading not in row.cells:
         into.fault(row, heading, "this row does not say to what it belongs", "an id, or an empty row")
     return None

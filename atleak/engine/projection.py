@@ -274,9 +274,18 @@ def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int
 
 
 def model_new(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
-    """Return the model of the same unit with every land as new pairs are."""
+    """Return the model of the same unit with every land as new pairs are, and its pump as new."""
     states = tuple(states)
-    return replace(model, clearances=repaired(states, [state.land.key for state in states]))
+    clearances = repaired(states, [state.land.key for state in states])
+    return replace(model, controller=model.controller.with_new_pump, clearances=clearances)
+
+
+def project_beside(model: LeakageModel, now: Projection) -> Projection:
+    """Project another state of a unit for comparison with it as it is: its pump counts in pressures and reserve.
+
+    Shares are those of the flow that the pump delivers now: a valve body's share does not grow by a worn pump.
+    """
+    return replace(project(model, now.condition), pump_capacity=now.pump_capacity)
 
 
 def project_unworn(
@@ -293,8 +302,9 @@ def project_unworn(
         else _with_clearance(state, state.land.new_clearance)
         for state in states
     )
-    other = replace(model, clearances=tuple(replace(state, stations=()) for state in unworn))
-    return tuple(project(other, each.condition) for each in projections)
+    clearances = tuple(replace(state, stations=()) for state in unworn)
+    other = replace(model, controller=model.controller.with_new_pump, clearances=clearances)
+    return tuple(project_beside(other, each) for each in projections)
 
 
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:

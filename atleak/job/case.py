@@ -17,6 +17,7 @@ from typing import Any, Protocol, Self, TypedDict, TypeVar
 
 from atleak.catalogue.controller import Controller, OperatingPoint
 from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import own_files, shipped_files
 from atleak.catalogue.fluid import FluidState, load_fluid
 from atleak.catalogue.instruments import (
     DEFAULT_SLEEVE_INSTRUMENT,
@@ -26,6 +27,8 @@ from atleak.catalogue.instruments import (
     load_instrument,
 )
 from atleak.catalogue.limits import load_limits
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
+from atleak.catalogue.repairs import find_repairs
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
@@ -105,6 +108,13 @@ class Slot:
     required: bool  # in a job file: an instrument may have been made in Python
     part: Part | None = None  # that an instrument measures
 
+    def own_file(self, choice: Choice) -> SourceFile | None:
+        """Return the file behind a choice, where it is the user's own, which can change; None for a shipped one."""
+        if isinstance(choice, SourceFile):
+            return choice
+        path = None if choice in shipped_files(self.folder) else own_files(self.folder).get(choice)
+        return None if path is None else SourceFile.at(path)
+
 
 SLOTS: Mapping[str, Slot] = MappingProxyType(
     {
@@ -172,6 +182,7 @@ class Case:
     point: OperatingPoint | None = None  # used instead of the controller's first operating point
     mileage: float | None = None  # [km]
     measuring_temperature: float | None = None  # [°C] of gauge and parts; None: as the sheet's head states it
+    pump_clearances: PumpClearances = NO_CLEARANCES  # measured of this job's pump; others as the sheet's head states
     sheet_name: str | None = None  # of the workbook, where several hold readings
     sheet_unit: str | None = None  # of the diameters, where the sheet does not say
     sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
@@ -182,6 +193,7 @@ class Case:
     assumptions: Pairs = ()  # those that differ from the defaults
     guard_factor: float | None = None
     complaint: str | None = None  # id of one of the controller's complaints
+    repairs: tuple[str, ...] = ()  # ids of those of the controller's repairs that the workshop plans with
 
     @property
     def key(self) -> str:
@@ -196,8 +208,9 @@ class Case:
         return replace(self, **changes)
 
     def _files(self) -> list[tuple[str, SourceFile]]:
-        named = ((name, getattr(self, name)) for name in (*OWN_FILES, *SLOTS))
-        return [(name, file) for name, file in named if isinstance(file, SourceFile)]
+        named = ((name, getattr(self, name)) for name in OWN_FILES)
+        chosen = ((name, slot.own_file(getattr(self, name))) for name, slot in SLOTS.items())
+        return [(name, file) for name, file in (*named, *chosen) if file is not None]
 
     @property
     def engine_profile(self) -> Profile:
@@ -267,7 +280,7 @@ class Case:
         )
         readings = None if self.readings is None else loader.readings(self, controller)
         pressures = None if self.pressures is None else loader.pressures(self, controller)
-        return diagnose(
+        diagnosis = diagnose(
             controller,
             fluid,
             limits,
@@ -279,11 +292,13 @@ class Case:
             condition=self.condition(controller),
             mileage=self.mileage,
             measuring_temperature=self.measuring_temperature,
+            pump_clearances=self.pump_clearances,
             instruments=Instruments(spool, sleeve).checked,
             assumptions=DEFAULTS.with_settings(dict(self.assumptions)),
             guard_factor=GUARD_FACTOR if self.guard_factor is None else self.guard_factor,
             complaint=controller.complaint(self.complaint),
         )
+        return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
 
 
 def _road_test(log: Understood) -> RoadTest:

@@ -22,7 +22,14 @@ from atleak.engine.profile import find_profile
 from atleak.errors import InputError, Place
 from atleak.faults import validated
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile, differing_options, pairs_of, plain_name, settings_of
-from atleak.job.record import Job, MeasuringCelsius, picture_name, without_surrogates
+from atleak.job.record import (
+    Job,
+    MeasuringCelsius,
+    PumpSideMicrometres,
+    PumpTipMicrometres,
+    picture_name,
+    without_surrogates,
+)
 from atleak.system.marks import NO_SOUND_ZIP, PACKINGS
 from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
 from atleak.version import __version__
@@ -159,6 +166,7 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         readings=_reading_choices(case) if sheet else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
+        repairs=[repair.id for repair in diagnosis.repairs],
         road_test=_log_choices(case) if log else {},
         assumptions=uncertainty.assumptions.settings if uncertainty else _assumptions(case),
         guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
@@ -267,12 +275,20 @@ class Condition(_Strict):
 
 
 class ReadingChoices(_Strict):
-    """The choices by which `read_readings` read the measuring sheet, and the temperature at which it was filled in."""
+    """The choices by which `read_readings` read the measuring sheet, and what was measured beside its diameters."""
 
     sheet: str | None = None
     unit: str | None = None
     where: dict[str, str] = {}
     measuring_temperature_c: MeasuringCelsius | None = None
+    pump_side_clearance_um: PumpSideMicrometres | None = None
+    pump_tip_clearance_um: PumpTipMicrometres | None = None
+
+    @property
+    def of_record(self) -> dict[str, float]:
+        """Return what of it the job's record holds too."""
+        names = ("measuring_temperature_c", "pump_side_clearance_um", "pump_tip_clearance_um")
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
 
 _LogChoices = dict[Literal["mapping", "units", "constants"], dict[str, str | float] | None]
@@ -290,6 +306,7 @@ class Choices(_Strict):
     mileage: Annotated[float, Field(ge=0)] | None = None
     fluid_state: FluidState | None = None
     complaint: str | None = None
+    repairs: list[str] = []
     readings: ReadingChoices = ReadingChoices()
     road_test: _LogChoices = {}
     assumptions: dict[str, float] = {}
@@ -298,9 +315,9 @@ class Choices(_Strict):
 
     @property
     def record(self) -> Job:
-        """Return the job record with the measuring temperature that was chosen, where one was."""
-        chosen = self.readings.measuring_temperature_c
-        return self.job if chosen is None else self.job.model_copy(update={"measuring_temperature_c": chosen})
+        """Return the job record with the measuring temperature and the pump's clearances that were chosen."""
+        chosen = self.readings.of_record
+        return self.job.model_copy(update=chosen) if chosen else self.job
 
     def case(self, sources: Mapping[str, SourceFile]) -> Case:
         """Return the case that these choices and files make up; nothing that this computer remembers is used."""
@@ -311,8 +328,10 @@ class Choices(_Strict):
             point=OperatingPoint(**self.condition.model_dump()),
             mileage=self.mileage,
             measuring_temperature=self.record.measuring_temperature_c,
+            pump_clearances=self.record.pump_clearances,
             fluid_state=self.fluid_state,
             complaint=self.complaint,
+            repairs=tuple(self.repairs),
             sheet_name=self.readings.sheet,
             sheet_unit=self.readings.unit,
             sheet_where=pairs_of(self.readings.where),
@@ -331,7 +350,13 @@ def _assumptions(case: Case) -> dict[str, float]:
 
 
 def _reading_choices(case: Case) -> ReadingChoices:
-    return ReadingChoices(**case.sheet_choices, measuring_temperature_c=case.measuring_temperature)
+    side, tip = case.pump_clearances.um
+    return ReadingChoices(
+        **case.sheet_choices,
+        measuring_temperature_c=case.measuring_temperature,
+        pump_side_clearance_um=side,
+        pump_tip_clearance_um=tip,
+    )
 
 
 def _log_choices(case: Case) -> _LogChoices:

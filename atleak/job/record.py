@@ -15,7 +15,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
-from atleak.written_numbers import MEASURING_TEMPERATURE, MILEAGE, AskedNumber, read_number
+from atleak.catalogue.pump import PumpClearances
+from atleak.written_numbers import (
+    MEASURING_TEMPERATURE,
+    MILEAGE,
+    PUMP_SIDE_CLEARANCE,
+    PUMP_TIP_CLEARANCE,
+    AskedNumber,
+    read_number,
+)
 
 RepairState = Literal["proposed", "done", "declined", "deferred"]
 Grade = Literal["none", "light", "moderate", "heavy"]
@@ -78,6 +86,18 @@ MeasuringCelsius = Annotated[
     float,
     BeforeValidator(partial(_number, MEASURING_TEMPERATURE)),
     Field(ge=MEASURING_TEMPERATURE.limits[0], le=MEASURING_TEMPERATURE.limits[1], allow_inf_nan=False),
+]
+
+
+PumpSideMicrometres = Annotated[
+    float,
+    BeforeValidator(partial(_number, PUMP_SIDE_CLEARANCE)),
+    Field(ge=PUMP_SIDE_CLEARANCE.limits[0], le=PUMP_SIDE_CLEARANCE.limits[1], allow_inf_nan=False),
+]
+PumpTipMicrometres = Annotated[
+    float,
+    BeforeValidator(partial(_number, PUMP_TIP_CLEARANCE)),
+    Field(ge=PUMP_TIP_CLEARANCE.limits[0], le=PUMP_TIP_CLEARANCE.limits[1], allow_inf_nan=False),
 ]
 
 
@@ -195,6 +215,8 @@ class Job(Record):
     fluid_condition: FluidCondition = FluidCondition()
     contamination: Contamination = Contamination()
     measuring_temperature_c: MeasuringCelsius | None = None  # of gauge and parts
+    pump_side_clearance_um: PumpSideMicrometres | None = None  # axial play of this job's pump
+    pump_tip_clearance_um: PumpTipMicrometres | None = None
     instruments: tuple[InstrumentUsed, ...] = ()
     scratches: tuple[Scratch, ...] = ()
     photos: tuple[Photo, ...] = ()
@@ -202,6 +224,11 @@ class Job(Record):
     notes: CleanText = ""
 
     _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def pump_clearances(self) -> PumpClearances:
+        """Return what was measured of this job's pump."""
+        return PumpClearances.of_um(self.pump_side_clearance_um, self.pump_tip_clearance_um)
 
     @property
     def pictures(self) -> Mapping[str, bytes]:

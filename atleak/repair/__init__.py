@@ -209,7 +209,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
 
     Where the controller's file names repairs, a land is mended by the cheapest option that leaves it within its limit
     of clearance, with the clearance that this option leaves; where none does, or none is named, it is made as new. An
-    option that changes several lands mends them in one step.
+    option that changes several lands mends them in one step. What the workshop chose goes before the cheapest.
     """
     options = Options(diagnosis)
     mended = options.model(options.single)

@@ -72,16 +72,20 @@ class Options:
         comparable = len({option.repair.currency for option in able if option.repair.price is not None}) < 2
         return min(able, key=_expense, default=None) if comparable else able[0]
 
+    def wanted(self, key: LandKey) -> Option | None:
+        """Return the option that the workshop chose for a land, whether it mends the land or not; None without one."""
+        return next((option for option in self.of(key) if option.repair in self.diagnosis.repairs), None)
+
     @cached_property
     def single(self) -> Chosen:
         """Return for every land the option that is chosen where it is mended alone."""
-        return {land.key: self.cheapest([land.key]) for land in self.diagnosis.lands}
+        return {land.key: self.wanted(land.key) or self.cheapest([land.key]) for land in self.diagnosis.lands}
 
     def by_component(self, lands: Sequence[LandDiagnosis]) -> Chosen:
         """Return the option for each of some lands in their order, those of one component mended together if cheaper.
 
-        An option that is taken for one land counts for every other land that it mends. Where one option mends all of a
-        component's lands and is not dearer, it is taken instead.
+        What the workshop chose comes first. An option that is taken for one land counts for every other land that it
+        mends. Where one option mends all of a component's lands and is not dearer, it is taken instead.
         """
         chosen: dict[LandKey, Option | None] = {land.key: None for land in lands}
         components: dict[str, list[LandKey]] = defaultdict(list)
@@ -90,12 +94,13 @@ class Options:
         for keys in components.values():
             taken: list[Option] = []
             for key in keys:
-                option = next((each for each in taken if each.mends(key)), None) or self.single[key]
+                option = self.wanted(key) or next((each for each in taken if each.mends(key)), None) or self.single[key]
                 chosen[key] = option
                 if option is not None and option not in taken:
                     taken.append(option)
             whole = self.cheapest(keys)
-            if whole is not None and len(taken) > 1 and _not_dearer(whole, taken):
+            free = not any(self.wanted(key) for key in keys)
+            if free and whole is not None and len(taken) > 1 and _not_dearer(whole, taken):
                 chosen.update(dict.fromkeys(keys, whole))
         return chosen
 

@@ -48,6 +48,7 @@ _HEADINGS = (  # heading, width in characters
     ("Deviation from\nnominal [µm]", 14),
     ("Taken at", 13),
 )
+PUMP_SIDE, PUMP_TIP = "Pump side clearance [µm]", "Pump tip clearance [µm]"  # `atleak.intake.readings.head` reads them
 _FIELD_PLACES = {  # row, column of the label, first and last column of the field; from 0
     "Job": (3, 0, 1, 1),
     "Vehicle": (3, 3, 5, 6),
@@ -56,6 +57,8 @@ _FIELD_PLACES = {  # row, column of the label, first and last column of the fiel
     "Measured by": (4, 3, 5, 6),
     "Instrument": (4, 8, 9, 10),
     "Measuring temperature": (4, 11, 12, 12),
+    PUMP_SIDE: (3, 11, 12, 12),
+    PUMP_TIP: (5, 11, 12, 12),
 }
 FIELDS = tuple(_FIELD_PLACES)
 _HEADER = 6  # row of the headings, from 0
@@ -70,6 +73,12 @@ _HOW_TO = (
         "Temperature",
         "Where the room is not at 20 °C, write the temperature of parts and instrument at the head of the sheet, in "
         "°C: the diameters are corrected to 20 °C. A bore of 15 mm in aluminium reads 2 µm more at 35 °C.",
+    ),
+    (
+        "Pump",
+        "Where the head asks for them: the side clearance is the whole axial play, by straightedge and feeler gauge "
+        "between the faces of gears or rotors and the body; the tip clearance is that between the tips and what they "
+        "seal against. Other units than µm are written behind the number: 0.0033 in.",
     ),
     (
         "Where",
@@ -291,7 +300,11 @@ class _Sheet:
         sheet.write_string(1, 0, f"Controller {controller.id}. Yellow cells are to be filled in. All dimensions in mm")
         if controller.representative:
             sheet.write_string(2, 0, controller.representative, formats["note"])
+        gaps = controller.pump.gaps
+        left_out = {name for name, slips in ((PUMP_SIDE, gaps.side), (PUMP_TIP, gaps.tip)) if slips is None}
         for field, (row, label, first, last) in _FIELD_PLACES.items():
+            if field in left_out - fields.keys():
+                continue  # the file does not say what would slip through it
             sheet.write_string(row, label, field, formats["label"])
             if last > first:
                 sheet.merge_range(row, first, row, last, "", formats["field"])

@@ -29,6 +29,7 @@ from atleak.views.gauge_rows import gauge_rows, pattern_text
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.positions import positions
 from atleak.views.pressures import pressures_at
+from atleak.views.pump_words import pump_sentence
 from atleak.views.repair_options import option_rows, planned
 from atleak.views.repair_words import no_help, plan_ends
 from atleak.views.road_instants import instant_record, road_instants
@@ -106,6 +107,9 @@ def _print_unit(console: Console, diagnosis: Diagnosis) -> None:
     for number, projection in enumerate(diagnosis.presented, start=1):
         for line in (*_total(diagnosis, projection, number), *_pressures(diagnosis, projection)):
             console.print(Text(line))
+    pump = pump_sentence(diagnosis, wording("en"))
+    if pump is not None:
+        console.print(Text(pump))
     counted = counted_in_speed(diagnosis, wording("en"))
     console.print(Text(f"At these speeds the pump covers the leakage and its own slip; {counted}."))
     if diagnosis.flagged:

@@ -35,6 +35,7 @@ class Assumptions:
     converter_pressure: float = 0.02  # relative
     volumetric_efficiency: float = 0.02  # where the profile takes it as constant
     slip_coefficient: float = 0.2  # relative, where the profile lets the pump slip
+    pump_clearance: float = 5e-6  # [m] of each clearance of the pump that was measured in the job
 
     def of_contact_length(self, *, measured: bool) -> float:
         """Return the standard uncertainty of a contact length [m]: measured on this unit, or as the file states it."""
@@ -92,6 +93,7 @@ _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "converter_pressure": ("percent", 1e-2),
         "volumetric_efficiency": ("percent", 1e-2),
         "slip_coefficient": ("percent", 1e-2),
+        "pump_clearance": ("um", 1e-6),
     }
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
+from atleak.catalogue.pump import Pump
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine.balance import Balance
 from atleak.engine.circuits import Network
@@ -54,15 +56,21 @@ class Condition:
             1.0 + u.converter_pressure * deviates["converter pressure"], 0.0
         )
         pressures: dict[str, Any] = model.controller.section_pressures(main, converter)
-        pump = model.controller.pump
-        if model.uses_slip:
-            coefficient = pump.slip_coefficient * np.exp(u.slip_coefficient * deviates["pump efficiency"])
-            pump = replace(pump, slip_coefficient=coefficient)
-        else:
-            efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviates["pump efficiency"]
-            pump = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
+        now = model.controller.pump
+        pumps = [self._pump(pump, deviates["pump efficiency"]) for pump in dict.fromkeys([now, now.new])]
         rise = temperature - REFERENCE_TEMPERATURE
-        return Drawn(self, rise, nu, rho, pressures, PumpFlow(pump, model.uses_slip))
+        return Drawn(self, rise, nu, rho, pressures, pumps[0], pumps[-1])
+
+    def _pump(self, pump: Pump, deviate: Any) -> PumpFlow:
+        """Return a pump whose slip, or else its efficiency, is uncertain."""
+        model, u = self.model, self.assumptions
+        if model.uses_slip:
+            spread = math.hypot(u.slip_coefficient, pump.relative_uncertainty(u.pump_clearance))
+            drawn = replace(pump, slip_coefficient=pump.slip_coefficient * np.exp(spread * deviate))
+        else:
+            efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviate
+            drawn = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
+        return PumpFlow(drawn, model.uses_slip)
 
 
 def _touches_circuit(gap: Gap) -> bool:
@@ -99,13 +107,14 @@ class Drawn:
         rho: Any,
         pressures: dict[str, Any],
         pump: PumpFlow,
+        new_pump: PumpFlow,
         solved: frozenset[str] = frozenset(),
         restrictions: Mapping[Any, Restricted] = MappingProxyType({}),
     ) -> None:
         self.solved = solved  # the circuits whose pressure follows from a balance
         self.restrictions = restrictions  # of the lands of which circuits needed them already, by their keys
         self.condition, self.rise, self.nu, self.rho = condition, rise, nu, rho
-        self.pressures, self.pump = pressures, pump
+        self.pressures, self.pump, self.new_pump = pressures, pump, new_pump
         self.viscosity = dynamic_viscosity(nu, rho)
         self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
         self._drops: dict[Any, Any] = {}
@@ -132,7 +141,7 @@ class Drawn:
         balance = network.balance(self.pressures)
         if not network.has_circuits:
             return self, network, balance
-        parts = self.rise, self.nu, self.rho, dict(balance.pressures), self.pump
+        parts = self.rise, self.nu, self.rho, dict(balance.pressures), self.pump, self.new_pump
         return Drawn(self.condition, *parts, network.solved, restrictions if keep else {}), network, balance
 
     def _restriction(self, land: LandSources, bore: Bore, length: Any, position: Any) -> Restricted:

@@ -281,8 +281,11 @@ def _at_condition(
         for name, u in land.groups.items():
             group_slopes[name] += slopes.counted_per_clearance * u
     measured_unit, unworn_unit = (
-        DrawnUnit(each, at, leakage, drawn.pressures, drawn.pump, drawn.viscosity)
-        for each, at, leakage in ((network, balance, total), (unworn_network, unworn_balance, unworn_total))
+        DrawnUnit(each, at, leakage, drawn.pressures, pump, drawn.viscosity)
+        for each, at, leakage, pump in (
+            (network, balance, total, drawn.pump),
+            (unworn_network, unworn_balance, unworn_total, drawn.new_pump),
+        )
     )
     return spreads, _total(
         now,

@@ -12,6 +12,7 @@ from atleak.engine.projection import CircuitState, Projection
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.views.positions import concentric_factors
+from atleak.views.pump_record import slips
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
@@ -62,6 +63,7 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "growth_high_percent": scaled(total.growth_interval[1], PERCENT) if total else None,
         "pump_supply_dm3_min": projection.pump_supply * DM3_MIN,
         "pump_slip_dm3_min": projection.slip * DM3_MIN,
+        "pump_slip_new_dm3_min": scaled(slips(diagnosis, projection)[1], DM3_MIN),
         "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
         "consumers_dm3_min": projection.consumers * DM3_MIN,
         "consumers_starved_dm3_min": projection.starved * DM3_MIN,

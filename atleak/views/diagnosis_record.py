@@ -18,6 +18,7 @@ from atleak.views.condition_record import condition_record, finite, scaled
 from atleak.views.gauge_rows import gauge_record
 from atleak.views.measure_first import measure_first, reason
 from atleak.views.message_record import message_record
+from atleak.views.pump_record import pump_record
 from atleak.views.repair_options import cost_record, option_record
 from atleak.views.repair_words import plan_ends
 from atleak.views.road_record import road_record
@@ -61,6 +62,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "state": diagnosis.fluid.state,
             "state_assumed": diagnosis.fluid_state_assumed,
         },
+        "pump": pump_record(diagnosis),
         "limits": limits_record(diagnosis.limits),
         "mileage_km": diagnosis.mileage,
         "readings": {

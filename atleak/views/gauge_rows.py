@@ -57,7 +57,7 @@ def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
         "decision": deciding.decision if deciding else None,
         "probability_over_limit": finite(deciding.probability_over_limit) if deciding else None,
         "rules": [unit_rule_record(diagnosis, each.rule) for each in checked.decisions],
-        "place": {name: value for name, value in vars(reading.place).items() if value is not None},
+        "place": reading.place.known,
     }
 
 

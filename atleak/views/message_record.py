@@ -11,6 +11,5 @@ def message_record(message: Message) -> dict[str, Any]:
     """Return a message, with its place where it has one."""
     record: dict[str, Any] = {"level": message.level, "code": message.code, "text": message.text}
     if message.place is not None:
-        known = {name: value for name, value in vars(message.place).items() if value not in (None, ())}
-        record["place"] = known or None
+        record["place"] = message.place.known or None
     return record

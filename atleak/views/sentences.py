@@ -9,6 +9,7 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.rules import LandKey, Rule
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
+from atleak.views.pump_words import full_stroke
 from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
@@ -18,9 +19,13 @@ _SHOWS = 0.05  # [dm³/min] a lack that one decimal shows
 
 
 def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
-    """Say which consumers are in the lowest engine speed that the pump needs: none where the file states none."""
+    """Say which consumers are in the lowest engine speed that the pump needs: none where the file states none.
+
+    Of a pump held at demand it says too that the speed is that of the full stroke.
+    """
     consumers = ", ".join(isolated(each.name) for each in diagnosis.controller.consumers)
-    return say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
+    said = say("texts.counted_in_speed", consumers=consumers) if consumers else say("texts.left_out_of_speed")
+    return f"{said}. {say('pump.full_stroke')}" if diagnosis.controller.pump.held_at_demand else said
 
 
 def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
@@ -194,7 +199,9 @@ def _interval(interval: tuple[float, float] | None, factor: float, digits: int, 
 def shares_add_up(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -> str:
     """Say that the shares of the lands add up to the total, or what is to be added to them at each condition."""
     shown = diagnosis.presented
-    if not any(each.other_leakage for each in shown):
-        return say("texts.shares_add_up")
     others = (f"{say.percent(each.share_of(each.other_leakage))} ({named(each.condition)})" for each in shown)
-    return say("texts.shares_and_others", others=", ".join(others))
+    if any(each.other_leakage for each in shown):
+        added = say("texts.shares_and_others", others=", ".join(others))
+    else:
+        added = say("texts.shares_add_up")
+    return " ".join(filter(None, (added, full_stroke(diagnosis, say))))

@@ -7,15 +7,16 @@ result.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.entries import catalogue_files
+from atleak.catalogue.entries import Listed, catalogue_files, listed
 from atleak.diagnosis import Diagnosis
-from atleak.errors import OutputError
+from atleak.errors import CatalogueError, OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
 from atleak.intake.road_test.names.memory import RememberedColumns
@@ -63,33 +64,47 @@ def _sample(name: str) -> SourceFile | None:
 
 
 def opened_case(case: Case) -> PageCase:
-    """Return the case of a job file; a catalogue entry that this atleak ships too is chosen by id.
+    """Return the case of a job file; an entry that the catalogue here holds too is chosen by id.
 
     Raises
     ------
     AtleakError
         a controller that cannot be used.
     """
-    values = {field.name: getattr(case, field.name) for field in fields(Case)}
-    shown = PageCase(**values | {name: _by_id(slot, getattr(case, name)) for name, slot in SLOTS.items()})
+    shown = PageCase(**{field.name: getattr(case, field.name) for field in fields(Case)} | chosen_by_id(case))
     controller = controller_of(shown)
     opened = shown.with_condition(shown.condition(controller), controller)
     assert isinstance(opened, PageCase)
     return opened
 
 
+def held(case: PageCase) -> PageCase:
+    """Return the job with the user's own entries as they are now: what is done to their files later changes nothing."""
+    own = {name: slot.own_file(getattr(case, name)) for name, slot in SLOTS.items()}
+    return case.with_files(
+        {name: SourceFile(file.name, file.content) for name, file in own.items() if file is not None}
+    )
+
+
+def chosen_by_id(case: Case) -> dict[str, Choice]:
+    """Return what a job takes from the catalogue, by id wherever the catalogue here holds that very file."""
+    return {name: _by_id(slot, getattr(case, name)) for name, slot in SLOTS.items()}
+
+
 def _by_id(slot: Slot, choice: Choice) -> Choice:
     if isinstance(choice, str):
         return choice
-    shipped = catalogue_files(slot.folder).items()
-    return next((name for name, path in shipped if path.read_bytes() == choice.content), choice)
+    known = catalogue_files(slot.folder).items()
+    return next((name for name, path in known if path.read_bytes() == choice.content), choice)
 
 
 class Kept(Reader):
     """A reader of a job's files that reads each once, for every session of this server."""
 
     def entry(self, slot: Slot, choice: Choice) -> Any:
-        return _entry(slot.name, choice if isinstance(choice, str) else (choice.name, choice.sha256), choice)
+        own = slot.own_file(choice)
+        called = choice if isinstance(choice, str) else choice.name
+        return _entry(slot.name, called, "" if own is None else own.sha256, choice)
 
     def readings(self, case: Case, controller: Controller) -> Readings:
         assert case.readings is not None
@@ -108,7 +123,7 @@ class Kept(Reader):
 
 
 @st.cache_resource(max_entries=64, show_spinner=False)
-def _entry(slot: str, key: str | tuple[str, str], _choice: Choice) -> Any:
+def _entry(slot: str, called: str, sha256: str, _choice: Choice) -> Any:
     return Reader().entry(SLOTS[slot], _choice)
 
 
@@ -145,6 +160,22 @@ def understood(log: SourceFile, case: Case | None = None) -> Understood:
 def catalogue_entry(name: str, choice: Choice) -> Any:
     """Load a controller, fluid, limit set or instrument by id, or from the user's own TOML file."""
     return Kept().entry(SLOTS[name], choice)
+
+
+def catalogue_list(name: str) -> Listed[Any]:
+    """Return the entries to choose from, shipped and own, and what is wrong with own files that cannot be used."""
+    return listed(SLOTS[name].folder, partial(catalogue_entry, name))
+
+
+def own_faults() -> list[CatalogueError]:
+    """Return what is wrong with each file of the user's own catalogue that cannot be used, of every kind."""
+    names = {slot.folder: name for name, slot in SLOTS.items()}
+    return [fault for name in names.values() for fault in catalogue_list(name).faults]
+
+
+def shown_name(entry: Any) -> str:
+    """Return the name of an entry of the catalogue; the user's own are marked."""
+    return f"{entry.name} (own: {entry.id})" if entry.origin is not None and entry.origin.own else str(entry.name)
 
 
 def controller_of(case: Case) -> Controller:

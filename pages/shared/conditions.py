@@ -24,6 +24,7 @@ from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared import show
 from pages.shared.show import plain
+from pages.shared.state import choose, session
 from pages.shared.words import land_name, listed, pair
 
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
@@ -141,14 +142,14 @@ def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
         show.verdict_table(rows, dict.fromkeys(("Before [%]", "After [%]"), 1))
         as_left = "is as its repair leaves it" if plan.cost else "is made as new"
         st.caption(f"Total share before and after, when each land {as_left}, one after another.")
-        _options(plan)
+        _options(diagnosis, plan)
     st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan)))
     if plan.steps and len(diagnosis.projections) > 1:
         with st.expander("Every step at every condition"):
             _steps_at_conditions(diagnosis, plan)
 
 
-def _options(plan: RepairPlan) -> None:
+def _options(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show the repairs that the valve body's file names for the plan's lands."""
     say = wording("en")
     rows = [
@@ -164,9 +165,22 @@ def _options(plan: RepairPlan) -> None:
         }
         for row in option_rows(plan)
     ]
-    if rows:
-        show.table(rows)
-        st.caption("Planned is the cheapest repair of the valve body's file that leaves a land within its limit.")
+    if not rows:
+        return
+    show.table(rows)
+    st.caption("Planned is the cheapest repair of the valve body's file that leaves a land within its limit.")
+    names = {repair.id: repair.label for repair in diagnosis.controller.repairs}
+    now = session()
+    key = f"planned-repairs-{diagnosis.controller.sha256}-{now.generation}"
+    st.multiselect(
+        "Plan with these repairs",
+        list(names),
+        default=[repair.id for repair in diagnosis.repairs],
+        key=key,
+        format_func=names.__getitem__,
+        on_change=lambda: choose(repairs=tuple(st.session_state[key])),
+        help="One of each land; for the others the cheapest is planned. Report, workbook and job file keep them.",
+    )
 
 
 def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan) -> None:

@@ -13,7 +13,7 @@ from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
 from atleak.job.record import Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
-from atleak.written_numbers import MEASURING_TEMPERATURE
+from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import fields, show
 from pages.shared.state import choose, session
 
@@ -55,6 +55,14 @@ def draw(controller: Controller) -> Job:
                 key=key("measuring-temperature"),
                 optional=True,
             )
+            for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
+                values[f"pump_{side}_clearance_um"] = fields.number(
+                    f"Pump {side} clearance",
+                    asked,
+                    getattr(record, f"pump_{side}_clearance_um"),
+                    key=key(f"pump-{side}"),
+                    optional=True,
+                )
         for place, (title, (table, names)) in zip(st.columns(4), _TEXTS.items(), strict=True):
             place.markdown(f"**{title}**")
             values[table] = getattr(record, table).model_dump() | {
@@ -75,9 +83,13 @@ def draw(controller: Controller) -> Job:
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
     st.session_state["job"] = changed
-    if changed.measuring_temperature_c != session().case.measuring_temperature:
-        choose(measuring_temperature=changed.measuring_temperature_c)
-        st.rerun()  # what stands above this form was computed at the temperature before
+    measured = {
+        "measuring_temperature": changed.measuring_temperature_c,
+        "pump_clearances": changed.pump_clearances,
+    }
+    if any(getattr(session().case, name) != value for name, value in measured.items()):
+        choose(**measured)
+        st.rerun()  # what stands above this form was computed with what was measured before
     return changed
 
 

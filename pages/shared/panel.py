@@ -9,7 +9,6 @@ from typing import Any, get_args, get_type_hints
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import USED_THINNER, FluidState
 from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
@@ -18,7 +17,7 @@ from atleak.intake.units import unit
 from atleak.job.case import SLOTS, Slot, SourceFile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from pages.shared import fields, show
-from pages.shared.cases import PageCase, catalogue_entry, controller_of, diagnosis_of
+from pages.shared.cases import PageCase, catalogue_list, controller_of, diagnosis_of, own_faults, shown_name
 from pages.shared.state import choose, current_diagnosis, new_job, open_job, put_file, session, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
@@ -86,6 +85,7 @@ def draw() -> None:
             for choice in SLOTS.values():
                 if choice.part is not None:
                     _choice(choice)
+        _left_aside()
         _complaint()
         _condition()
         _profile()
@@ -167,16 +167,15 @@ def _status(slot: str, result: Diagnosis) -> None:
 
 def _choice(slot: Slot) -> None:
     current = getattr(session().case, slot.name)
-    ids = list(catalogue_files(slot.folder))
-    if slot.part is not None:
-        ids = [name for name in ids if slot.part in catalogue_entry(slot.name, name).measures]
+    known = catalogue_list(slot.name).entries
+    ids = [name for name, entry in known.items() if slot.part is None or slot.part in entry.measures]
     options = [*dict.fromkeys([*ids, *([current] if isinstance(current, str) else [])]), OWN]
     picked = st.selectbox(
         slot.label,
         options,
         index=options.index(current if isinstance(current, str) else OWN),
         key=_key(slot.name),
-        format_func=lambda option: option if option == OWN else catalogue_entry(slot.name, option).name,
+        format_func=lambda option: shown_name(known[option]) if option in known else option,
     )
     if picked != OWN:
         choose(**{slot.name: picked})
@@ -186,6 +185,21 @@ def _choice(slot: Slot) -> None:
     own = st.file_uploader(f"Your own file: {slot.label.lower()}", key=_key(f"own-{slot.name}"))
     if own is not None:
         choose(**{slot.name: SourceFile(own.name, own.getvalue())})
+
+
+def pick(slot: str, name: str) -> None:
+    """Choose an entry of the catalogue by id, in job and sidebar; for a callback, before anything is drawn."""
+    choose(**{slot: name})
+    st.session_state[_key(slot)] = name
+
+
+def _left_aside() -> None:
+    """Say which files of the user's own catalogue cannot be used, and where they are explained."""
+    faults = own_faults()
+    with st.container():
+        if faults:
+            files = ", ".join(show.plain(fault.place.file) for fault in faults)
+            st.warning(f"**Own files that cannot be used:** {files}. What is wrong: page Catalogue.")
 
 
 def _fluid_state() -> None:

@@ -16,6 +16,7 @@ from atleak.views.flow_diagram import flow_diagram, flow_rows
 from atleak.views.flow_svg import flow_svg
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import pump_over_speed
+from atleak.views.pump_words import full_stroke, pump_sentence
 from atleak.views.sentences import pressure_sentence, reserve_sentence, unsolved
 from atleak.wording import signed, wording
 from atleak.workshop_units import KPA, RPM
@@ -38,15 +39,21 @@ def section(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show the pressures of a diagnosis: every condition in a table, one of them in full."""
     every = [pressures_at(diagnosis, each, plan) for each in diagnosis.presented]
     said = unsolved(diagnosis, wording("en"))
-    if said is not None:
-        st.write(plain(said))
+    for sentence in (said, pump_sentence(diagnosis, wording("en"))):
+        if sentence is not None:
+            st.write(plain(sentence))
     show.verdict_table(_filled([_condition_row(each) for each in every]), DIGITS)
     st.caption(
         "Reserve: how many times the pump supplies what leakage, slip and consumers take at the required pressure; "
         "under 1 main pressure falls. Low to high, and the reserve within: 95 % intervals. The verdict is the worst of "
-        "reserve, permissible main pressure and circuits."
+        f"reserve, permissible main pressure and circuits.{_of_full_stroke(diagnosis)}"
     )
     _in_full(diagnosis, plan)
+
+
+def _of_full_stroke(diagnosis: Diagnosis) -> str:
+    said = full_stroke(diagnosis, wording("en"))
+    return "" if said is None else f" {said}"
 
 
 @st.fragment

@@ -13,7 +13,7 @@ from atleak.errors import AtleakError, CatalogueError, PressureTableError, Readi
 from atleak.job.case import SLOTS, SourceFile
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
-from pages.shared.cases import FITTED, PageCase, diagnosis_of, opened_case, sample_case
+from pages.shared.cases import FITTED, PageCase, chosen_by_id, diagnosis_of, held, opened_case, sample_case
 
 FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
@@ -84,6 +84,7 @@ def choose(**changes: Any) -> None:
     other = changes.get("controller", now.case.controller) != now.case.controller
     if other:
         changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None, "complaint": None}
+        changes["repairs"] = ()
         now.away.clear()
         if now.case.sample:
             changes |= {**dict.fromkeys(FILES), "sample": False}
@@ -104,7 +105,7 @@ def take_sample() -> None:
 def new_job() -> None:
     """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
-    case = PageCase(**{name: getattr(now.good, name) for name in KEPT})
+    case = PageCase(**{name: getattr(now.good, name) for name in KEPT} | chosen_by_id(now.good))
     st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
     _empty_record()
 
@@ -145,7 +146,7 @@ def current_diagnosis() -> Diagnosis:
             return current_diagnosis()
         now.refused[slot] = Refusal("", error)
         return diagnosis_of(now.good)
-    now.good, now.before = now.case, None
+    now.good, now.before = held(now.case), None
     return result
 
 

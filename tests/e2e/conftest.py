@@ -32,10 +32,16 @@ def free_port() -> int:
 
 
 @pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def server_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the user who started the dashboard."""
+    return tmp_path_factory.mktemp("home")
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory, server_home: Path) -> Iterator[str]:
     """Address of a dashboard started by ``python -m atleak app`` in a directory of its own."""
     port, folder = free_port(), tmp_path_factory.mktemp("elsewhere")
-    environment = {**os.environ, "XDG_CONFIG_HOME": str(folder), "APPDATA": str(folder)}
+    environment = {**os.environ, "ATLEAK_HOME": str(server_home)}
     environment["STREAMLIT_SERVER_HEADLESS"] = "true"  # no window of its own
     command = [sys.executable, "-m", "atleak", "app", "--port", str(port)]
     with (folder / "server.log").open("wb") as log:

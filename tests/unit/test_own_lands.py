@@ -59,6 +59,11 @@ SHEETS = {
         "pressure_regulator;1;spool;14.998;0.16535433\n"
         "pressure_regulator;1;bore;15.058;0.16535433\n"
     ),
+    "with a column of units": (
+        "Valve;Land;Part;Unit;Diameter;Contact length\n"
+        "pressure_regulator;1;spool;mm;14.998;4.2\n"
+        "pressure_regulator;1;bore;mm;15.058;4.2\n"
+    ),
     "a table of its own": (
         "Valve;Land;Part;Diameter [mm]\n"
         "pressure_regulator;1;spool;14.998\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import openpyxl
@@ -16,6 +17,9 @@ from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
+from atleak.errors import InputError
+from atleak.job.case import Case, SourceFile
+from atleak.job.file import read_job_file, write_job_file
 from atleak.readings import Readings
 from atleak.repair import RepairPlan, plan_repairs
 from atleak.report.terminal import print_diagnosis
@@ -224,3 +228,30 @@ def test_every_language_says_what_the_plan_costs(language: str, plan_of: PlanOf)
     said = " ".join(plan_ends(plan, wording(language)))
     assert "061,50 EUR" in said
     assert "1,5 h" in said
+
+
+def test_what_the_workshop_chooses_goes_before_the_cheapest_and_stays_in_the_job_file(
+    tmp_path: Path, plan_of: PlanOf
+) -> None:
+    diagnosis, _ = plan_of(
+        repair(1, "sleeve", price=50.0, currency="EUR", mounting_clearance_um=12.0),
+        repair(2, "new_valve", price=90.0, currency="EUR", mounting_clearance_um=10.0),
+    )
+    path = tmp_path / "own.toml"
+    lines = ["Valve;Land;Part;Diameter [mm]"]
+    for land in (1, 2):
+        spool, sleeve = (diameter * 1e3 for diameter in _worn(diagnosis.controller, land))
+        lines += [f"{PR};{land};spool;{spool:.4f}", f"{PR};{land};bore;{sleeve:.4f}"]
+    sheet = tmp_path / "sheet.csv"
+    sheet.write_text("\n".join(lines), encoding="utf-8")
+    case = Case(readings=SourceFile.at(sheet), controller=SourceFile.at(path))
+    assert chosen(plan_repairs(case.diagnose()))[0][1] == "option_1"
+    other = replace(case, repairs=("option_2",))
+    wanted = other.diagnose()
+    assert chosen(plan_repairs(wanted))[0][1] == "option_2"
+    bundle = write_job_file(wanted, case=other)
+    assert read_job_file(bundle).case.repairs == ("option_2",)
+    with pytest.raises(InputError, match="names no such repair"):
+        replace(case, repairs=("option_3",)).diagnose()
+    with pytest.raises(InputError, match="both repair component pressure_regulator land 1"):
+        replace(case, repairs=("option_1", "option_2")).diagnose()

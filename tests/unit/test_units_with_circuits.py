@@ -373,6 +373,7 @@ def test_every_table_says_what_it_is_known_from_and_names_who_says_so(unit: str)
     feeds = chain.from_iterable(table.get("feeds", []) for table in data["circuits"])
     assert all("evidence" in table for table in (*feeds, *data["gaps"]))
     assert {"nominal_diameter_mm", "contact_length_mm"} <= set(data["representative_values"])
+    assert data["defaults"]["published"] == ["mounting_clearance_um"]
     assert {"displacement_mm3", "volumetric_efficiency", "slip_coefficient"} <= set(data["pump"]["representative"])
 
 

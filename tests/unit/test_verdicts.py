@@ -112,7 +112,7 @@ def test_a_level_is_added_in_three_places_and_every_renderer_shows_it(root: Path
     own.write_text(limits.replace("replace = 50.0", "soon = 15.0\nreplace = 50.0"), encoding="utf-8")
     walk = tmp_path / "walk.py"
     walk.write_text(WALK, encoding="utf-8")
-    environment = os.environ | {"PYTHONPATH": str(copy), "XDG_CONFIG_HOME": str(tmp_path), "APPDATA": str(tmp_path)}
+    environment = os.environ | {"PYTHONPATH": str(copy), "ATLEAK_HOME": str(tmp_path)}
     walked = subprocess.run(
         [sys.executable, str(walk), str(copy), str(own)],
         capture_output=True, encoding="utf-8", env=environment, cwd=tmp_path, check=False,

@@ -26,7 +26,7 @@ def test_a_language_is_added_as_one_file_and_the_command_line_prints_it(root: Pa
     report = tmp_path / "report.pdf"
     sheet = root / "sample_data" / "measuring_sheet_four_speed.xlsx"
     command = [sys.executable, "-m", "atleak", "diagnose", str(sheet), "--pdf", str(report), "--language", added]
-    environment = os.environ | {"PYTHONPATH": str(copy), "XDG_CONFIG_HOME": str(tmp_path), "APPDATA": str(tmp_path)}
+    environment = os.environ | {"PYTHONPATH": str(copy), "ATLEAK_HOME": str(tmp_path)}
     done = subprocess.run(command, capture_output=True, encoding="utf-8", env=environment, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stderr
     assert "Fugas internas de la caja de válvulas" in pypdfium2.PdfDocument(report)[0].get_textpage().get_text_range()

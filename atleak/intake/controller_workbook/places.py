@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
-from atleak.controller_sheets.kinds import Number
 from atleak.controller_sheets.layout import SHEETS
+from atleak.controller_sheets.meaning import fault_of_cell
 from atleak.controller_sheets.shapes import Column
 from atleak.controller_sheets.units import Units
-from atleak.errors import CatalogueError, Place
+from atleak.errors import CatalogueError, InputError, Place
 from atleak.intake.controller_workbook.rows import Page
 from atleak.intake.sheets.sheet import column_letter
-
-_LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
 
 
 @dataclass
@@ -27,27 +24,22 @@ class Places:
 
     def fault(self, fault: Fault) -> CatalogueError:
         """Return a fault as an error that names sheet, row and column."""
-        return CatalogueError(
-            fault.problem,
-            place=self.place(fault.spot),
-            value=fault.value,
-            expected=fault.expected,
-            nearest=fault.nearest,
-        )
+        return _at(self.place(fault.spot), fault)
 
     def place(self, spot: Spot) -> Place:
         """Return where a cell is: the column by its letter and heading."""
         page = self.pages.get(spot.sheet)
         if page is None:
             return Place(self.file, spot.sheet, spot.row, spot.heading)
-        row, column = spot.row, page.columns.get(spot.heading or "")
-        if spot.heading in page.lines:
-            line, column = page.lines[spot.heading]
+        name = spot.heading or ""
+        row, column = spot.row, page.columns.get(name)
+        if name in page.lines:
+            line, column = page.lines[name]
             row = page.sheet.row_number(line)
         heading = spot.heading if column is None else f"{column_letter(column)} ({spot.heading})"
         return Place(self.file, page.sheet.name, row, heading)
 
-    def of_meaning(self, error: CatalogueError, into: Description) -> CatalogueError | None:
+    def of_meaning(self, error: InputError, into: Description) -> CatalogueError | None:
         """Return a fault of the tables as one of the workbook; None where its cell has one already.
 
         Parameters
@@ -62,54 +54,13 @@ class Places:
         if into.is_unread(steps):
             return None
         spot = into.spot(steps)
-        if spot is None:
-            return CatalogueError(
-                error.problem,
-                place=Place(self.file, table=error.place.table, key=error.place.key),
-                value=error.value,
-                expected=error.expected,
-                nearest=error.nearest,
-            )
+        if spot is None:  # no sheet says it
+            place = Place(self.file, table=error.place.table, key=error.place.key)
+            return _at(place, error)
         column, row = self._column(spot), self._row(spot)
-        if column is None or row is None:
-            return CatalogueError(
-                error.problem,
-                place=self.place(spot),
-                value=error.value,
-                expected=error.expected,
-                nearest=error.nearest,
-            )
-        if column.heading not in row.cells:
-            expected = column.kind.wanted(self.units) if isinstance(column.kind, Number) else None
-            return CatalogueError("this cell must be filled in", place=self.place(spot), expected=expected)
-        return CatalogueError(
-            error.problem + self._converted(column, row),
-            place=self.place(spot),
-            value=row.cells[column.heading],
-            expected="; ".join(filter(None, (error.expected, self._other_unit(column, row)))) or None,
-            nearest=error.nearest,
-        )
-
-    def _converted(self, column: Column, row: Row) -> str:
-        """Say what a number is in the unit of the file, where that is another one, since limits are stated in it."""
-        value: Any = row.values.get(column.heading)
-        kind = column.kind
-        if not isinstance(kind, Number) or not isinstance(value, float) or kind.value(1.0, self.units) == 1.0:
-            return ""
-        return f" (it is {value:.6g} {kind.label(Units())})"
-
-    def _other_unit(self, column: Column, row: Row) -> str:
-        """Ask for the unit in which a length would be a usual one, where it is none as it stands."""
-        kind, cell = column.kind, row.cells[column.heading]
-        if not isinstance(kind, Number) or kind.measure.usual == (0.0, 0.0) or column.heading not in row.values:
-            return ""
-        low, high = kind.measure.usual
-        if low <= row.values[column.heading] <= high:
-            return ""
-        number = float(kind.written(cell, self.units)) if isinstance(cell, int | float) else 0.0
-        sides = 2.0 if kind.measure.of_clearance and self.units.clearance == "diametral" else 1.0
-        names = [name for name, si in _LENGTHS.items() if low <= number * si / float(kind.measure.si) / sides <= high]
-        return f"was it in {' or '.join(names)}?" if names else ""
+        if column is None:
+            return _at(self.place(spot), error)
+        return self.fault(fault_of_cell(error, column, row or Row(spot, {}, {}), self.units))
 
     def order(self, error: CatalogueError) -> tuple[int, int, str]:
         """Return the key by which faults are listed: sheet by sheet, row by row."""
@@ -126,3 +77,8 @@ class Places:
     def _row(self, spot: Spot) -> Row | None:
         page = self.pages.get(spot.sheet)
         return None if page is None else next((row for row in page.rows if row.spot.row == spot.row), None)
+
+
+def _at(place: Place, fault: Fault | InputError) -> CatalogueError:
+    """Return a fault as it is, at a place of the workbook."""
+    return CatalogueError(fault.problem, place=place, value=fault.value, expected=fault.expected, nearest=fault.nearest)

@@ -15,7 +15,7 @@ What happens to a file:
 6. `values` converts the numbers into metres, and finds the unit where none is stated.
 7. `unread` looks at all cells again: what has the size of a diameter (`sizes`) and was not read is named or refused.
 8. `agreement` compares the diameters with clearances and means on the sheet, `checks` with the controller.
-9. `head` reads the measuring temperature and the date that stand above the headings.
+9. `head` reads the measuring temperature, the date and the pump's clearances that stand above the headings.
 10. `land_values` reads what stands there of lands themselves: contact lengths, positions, repairs that are fitted. A
     fitted repair comes first: the diameters are compared with its nominal ones.
 """
@@ -148,6 +148,7 @@ def read_readings(
         temperature=head.temperature,
         date=head.date,
         pressures=pressures,
+        pump=head.pump,
         own_lands=of_lands.own,
         unworn=tuple(converted.unworn),
     )

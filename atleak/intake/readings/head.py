@@ -1,4 +1,4 @@
-"""What stands above the headings about the measurement itself: the temperature of gauge and parts, and the date."""
+"""What stands above the headings about the measurement itself: its temperature and date, and the pump's clearances."""
 
 from __future__ import annotations
 
@@ -7,39 +7,93 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.errors import Message, Place, ReadingsError
 from atleak.intake.dates import sure_date
 from atleak.intake.readings.sheet_tables import Table
 from atleak.intake.readings.words import Vocabulary, is_blank, letters, text_of, vocabulary
 from atleak.intake.sheets.sheet import Cell, Sheet
 from atleak.intake.units import Unit, find_unit, unit
-from atleak.written_numbers import MEASURING_TEMPERATURE, possible_values, read_number
+from atleak.written_numbers import (
+    MEASURING_TEMPERATURE,
+    PUMP_SIDE_CLEARANCE,
+    PUMP_TIP_CLEARANCE,
+    AskedNumber,
+    possible_values,
+    read_number,
+)
 
-_TEMPERATURE, _DATE = vocabulary("temperature"), vocabulary("date")
+_DATE = vocabulary("date")
 _BESIDE = vocabulary("beside_head")
 # words that head cells of their own: one of these beside a label is no value of it
 _OTHER_LABELS = vocabulary(
-    *("state", "person", "quantity", "remark", "gauge", "name", "number", "component", "part", "unit", "date")
+    *("state", "person", "pump", "quantity", "remark", "gauge", "name", "number", "component", "part", "unit", "date")
 )
 _LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<told>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
 _VALUE = re.compile(
-    r"(?P<number>[+\-−]?\s?\d[\d.,]*)\s*(?:(?:±|\+/?-)\s*[\d.,]+\s*)?(?P<unit>[^\d\s.,±].*)?", re.DOTALL
+    r"(?P<number>[+\-−]?\s?[.,]?\d[\d.,]*)\s*(?:(?:±|\+/?-)\s*[\d.,]+\s*)?(?P<unit>[^\d\s.,±].*)?", re.DOTALL
 )
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _REACH = 2  # cells to the right of a label in which its value may stand
-_CELSIUS = unit("°C", "temperature")
-_ONE_TEMPERATURE = "one temperature, such as 21.5 °C"
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    """A number that a head may state: by which words its label is known, and in which units it is read."""
+
+    words: tuple[Vocabulary, ...]  # a label has one of each of these
+    beside: Vocabulary  # and no other words but these
+    kind: str  # of its units
+    unit: Unit  # where none is written, and for people
+    asked: AskedNumber
+    what: str  # it is, in a message
+    of: str  # what
+    unlikely: str  # what is said of one outside the limits
+    code: str  # of the message that several are stated
+
+    @property
+    def example(self) -> str:
+        """Return what would have been read."""
+        return f"one {self.what}, such as {self.asked.example:g} {self.asked.unit}"
+
+
+_TEMPERATURE = _Quantity(
+    (vocabulary("temperature"),),
+    _BESIDE,
+    "temperature",
+    unit("°C", "temperature"),
+    MEASURING_TEMPERATURE,
+    "temperature",
+    "of gauge and parts",
+    "at which anybody measures",
+    "measuring_temperature_unclear",
+)
+_SIDE, _TIP = (
+    _Quantity(
+        (vocabulary("pump"), vocabulary(words)),
+        vocabulary("beside_pump", "beside_head"),
+        "length",
+        unit("µm", "length"),
+        asked,
+        asked.name,
+        "of this pump",
+        "that a pump has",
+        "pump_clearance_unclear",
+    )
+    for words, asked in (("pump_side", PUMP_SIDE_CLEARANCE), ("pump_tip", PUMP_TIP_CLEARANCE))
+)
 
 
 @dataclass(frozen=True)
 class Head:
-    """The measuring temperature [°C] and the date that a sheet's head states, None where it states none.
+    """The measuring temperature [°C], the date and the pump's clearances of a sheet's head, None where it has none.
 
     ``cells`` are those read, as sheet, row and column.
     """
 
     temperature: float | None = None
     date: dt.date | None = None
+    pump: PumpClearances = NO_CLEARANCES
     cells: tuple[tuple[str | None, int, int], ...] = ()
     messages: tuple[Message, ...] = ()
     problems: tuple[ReadingsError, ...] = ()
@@ -71,58 +125,82 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
     for table in tables:
         first[table.sheet.name] = min(table.header.first, first.get(table.sheet.name, table.header.first))
     heads = [(sheet, range(max(first[sheet.name], 0))) for sheet in sheets if sheet.name in first]
-    temperatures: dict[float, _Stated] = {}
-    problems = []
-    stated = [each for sheet, rows in heads for each in _values(sheet, rows, _TEMPERATURE)]
-    for each in stated:
-        try:
-            temperatures.setdefault(_celsius(each), each)
-        except ReadingsError as error:
-            problems.append(error)
-    dates = [each for sheet, rows in heads for each in _values(sheet, rows, _DATE)]
+    read = {quantity: _read(heads, quantity) for quantity in (_TEMPERATURE, _SIDE, _TIP)}
+    dates = [each for sheet, rows in heads for each in _values(sheet, rows, (_DATE,), _BESIDE, "temperature")]
     known = {date for each in dates if (date := _date(each.value)) is not None}
+    temperature, side, tip = (one.value for one in read.values())
+    every = [each for one in read.values() for each in one.stated]
     return Head(
-        temperature=next(iter(temperatures)) if len(temperatures) == 1 else None,
+        temperature=temperature,
         date=max(known, default=None),
-        cells=tuple((each.sheet.name, each.row, each.column) for each in (*stated, *dates)),
-        messages=tuple(_several(temperatures)),
-        problems=tuple(problems),
+        pump=PumpClearances.of_um(side, tip),
+        cells=tuple((each.sheet.name, each.row, each.column) for each in (*every, *dates)),
+        messages=tuple(message for one in read.values() for message in one.messages),
+        problems=tuple(problem for one in read.values() for problem in one.problems),
     )
 
 
-def _several(temperatures: Mapping[float, _Stated]) -> Iterator[Message]:
-    if len(temperatures) > 1:
-        named = " and ".join(f"{value:g} °C ({each.place})" for value, each in temperatures.items())
-        text = f"the head states several temperatures, {named}: none is taken. State the one of gauge and parts"
-        yield Message("warning", "measuring_temperature_unclear", text, next(iter(temperatures.values())).place)
+@dataclass(frozen=True)
+class _Read:
+    """What the heads say of one quantity, in the unit in which people are asked for it."""
+
+    value: float | None
+    stated: list[_Stated]
+    messages: list[Message]
+    problems: list[ReadingsError]
 
 
-def _values(sheet: Sheet, rows: range, meaning: Vocabulary) -> Iterator[_Stated]:
+def _read(heads: Sequence[tuple[Sheet, range]], quantity: _Quantity) -> _Read:
+    """Read one quantity; of several that differ none is taken."""
+    stated = [
+        each for sheet, rows in heads for each in _values(sheet, rows, quantity.words, quantity.beside, quantity.kind)
+    ]
+    values: dict[float, _Stated] = {}
+    problems = []
+    for each in stated:
+        try:
+            values.setdefault(_number(each, quantity), each)
+        except ReadingsError as error:
+            problems.append(error)
+    messages = [_several(values, quantity)] if len(values) > 1 else []
+    return _Read(next(iter(values)) if len(values) == 1 else None, stated, messages, problems)
+
+
+def _several(values: Mapping[float, _Stated], quantity: _Quantity) -> Message:
+    named = " and ".join(f"{value:g} {quantity.asked.unit} ({each.place})" for value, each in values.items())
+    text = f"the head states several {quantity.what}s, {named}: none is taken. State the one {quantity.of}"
+    return Message("warning", quantity.code, text, next(iter(values.values())).place)
+
+
+def _values(
+    sheet: Sheet, rows: range, meaning: Sequence[Vocabulary], beside: Vocabulary, kind: str
+) -> Iterator[_Stated]:
     """Yield what stands behind, beside or under every label of this meaning."""
     for row in rows:
         for column, cell in enumerate(sheet.rows[row]):
             match = _LABEL.fullmatch(cell.strip()) if isinstance(cell, str) else None
-            if match is None or sheet.is_struck(row, column) or not _means(match["label"], meaning):
+            if match is None or sheet.is_struck(row, column) or not _means(match["label"], meaning, beside):
                 continue
             in_cell = (match["told"] or match["number"] or "").strip()
-            stated = _Stated(sheet, row, column, in_cell, _unit_in(match["label"]))
-            found = stated if in_cell else _beside(stated, row + 1 in rows)
+            stated = _Stated(sheet, row, column, in_cell, _unit_in(match["label"], kind))
+            found = stated if in_cell else _beside(stated, row + 1 in rows, kind)
             if found is not None and not sheet.is_struck(found.row, found.column):
                 yield found
 
 
-def _means(label: str, meaning: Vocabulary) -> bool:
+def _means(label: str, meaning: Sequence[Vocabulary], beside: Vocabulary) -> bool:
     words = letters(label)
-    return any(word in meaning for word in words) and all(word in meaning or word in _BESIDE for word in words)
+    known = all(any(word in each for each in (*meaning, beside)) for word in words)
+    return known and all(any(word in each for word in words) for each in meaning)
 
 
-def _unit_in(label: str) -> Unit | None:
+def _unit_in(label: str, kind: str) -> Unit | None:
     bracketed = [match[1] for match in _BRACKETS.finditer(label)]
     written = [*bracketed, *label.split()[-1:]]
-    return next((found for text in written if (found := find_unit(text.strip(), "temperature"))), None)
+    return next((found for text in written if (found := find_unit(text.strip(), kind))), None)
 
 
-def _beside(label: _Stated, has_row_below: bool) -> _Stated | None:
+def _beside(label: _Stated, has_row_below: bool, kind: str) -> _Stated | None:
     """Return the value of a label that stands alone: to its right, or under it where labels stand in a row."""
     sheet, row = label.sheet, label.row
     for column in range(label.column + 1, label.column + 1 + _REACH):
@@ -133,7 +211,7 @@ def _beside(label: _Stated, has_row_below: bool) -> _Stated | None:
             following = text_of(sheet.cell(row, column + 1))
             if sheet.is_text and text_of(cell).isdecimal() and following[:1].isdecimal():
                 cell = f"{cell} | {following}"  # a decimal comma that the file also uses between its columns
-            return _Stated(sheet, row, column, cell, find_unit(following, "temperature") or label.unit)
+            return _Stated(sheet, row, column, cell, find_unit(following, kind) or label.unit)
         break
     below = sheet.cell(row + 1, label.column) if has_row_below else ""
     if is_blank(below) or _is_label(below):
@@ -148,36 +226,37 @@ def _is_label(cell: Cell) -> bool:
     return cell.rstrip().endswith(":") or any(word in _OTHER_LABELS for word in letters(cell))
 
 
-def _celsius(stated: _Stated) -> float:
-    """Return a temperature [°C].
+def _number(stated: _Stated, quantity: _Quantity) -> float:
+    """Return a number in the unit in which people are asked for it.
 
     Raises
     ------
     ReadingsError
-        with its place: no number, another unit, or no temperature at which anybody measures.
+        with its place: no number, a unit of something else, or out of what there can be.
     """
-    number, written = stated.value, stated.unit or _CELSIUS
+    number, written = stated.value, stated.unit or quantity.unit
+    problem = f"no {quantity.what}"
     if isinstance(number, str):
         match = _VALUE.fullmatch(re.sub(r"\s*\([^()]*\)$", "", number.strip()))
         values = possible_values(match["number"]) if match else ()
         behind = match["unit"] if match else None
-        found = find_unit(behind, "temperature") if behind else written
+        found = find_unit(behind, quantity.kind) if behind else written
         if not values or found is None:
-            raise ReadingsError("no temperature", place=stated.place, value=number, expected=_ONE_TEMPERATURE)
+            raise ReadingsError(problem, place=stated.place, value=number, expected=quantity.example)
         number, written = values[0], found
     if isinstance(number, bool) or not isinstance(number, int | float):
-        raise ReadingsError("no temperature", place=stated.place, value=str(number), expected=_ONE_TEMPERATURE)
-    celsius = round(float(written.to_si(float(number))), 9)
-    doubt = read_number(repr(celsius), MEASURING_TEMPERATURE)
-    if doubt.value is None:
-        low, high = MEASURING_TEMPERATURE.limits
+        raise ReadingsError(problem, place=stated.place, value=str(number), expected=quantity.example)
+    value = round(float(quantity.unit.from_si(written.to_si(float(number)))), 9)
+    if read_number(repr(value), quantity.asked).value is None:
+        low, high = quantity.asked.limits
+        within = f"from {low:g} to {high:g} {quantity.asked.unit}".replace("-", "−")
         raise ReadingsError(
-            "no temperature at which anybody measures",
+            f"{problem} {quantity.unlikely}",
             place=stated.place,
             value=stated.value,
-            expected=f"the temperature of gauge and parts, from {low:g} to {high:g} °C".replace("-", "−"),
+            expected=f"the {quantity.what} {quantity.of}, {within}",
         )
-    return celsius
+    return value
 
 
 def _date(cell: Cell) -> dt.date | None:

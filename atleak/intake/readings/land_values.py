@@ -21,7 +21,7 @@ from atleak.intake.readings.sizes import MM
 from atleak.intake.readings.states import rows_left_out
 from atleak.intake.readings.words import at, is_blank, number, text_of
 from atleak.intake.sheets.sheet import Cell, Sheet
-from atleak.intake.units import Unit
+from atleak.intake.units import Unit, find_unit
 from atleak.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
 from atleak.readings import NOMINAL_TOLERANCE
 
@@ -113,17 +113,16 @@ class _Reader:
             value, written = number(cell)
         except ReadingsError as problem:
             raise ReadingsError(problem.problem, place=place, value=problem.value, expected=_LENGTH) from problem
-        metres = (written or given_unit or column.unit or columns.sheet_unit or MM).to_si(value)
+        of_row = find_unit(text_of(table.sheet.filled(row, columns.unit.index)), "length") if columns.unit else None
+        metres = (written or given_unit or of_row or column.unit or columns.sheet_unit or MM).to_si(value)
         if column.role == "contact length":
             self._check_contact_length(land, metres, cell, place)
         elif not 0.0 <= metres <= 1.0:
             raise ReadingsError("no position on a spool", value=cell, expected="0 or more, from the spool's left end")
         known = self.lengths.setdefault((column.role, land.key), (metres, place))
         if abs(known[0] - metres) > _SAME:
-            problem = (
-                f"another {column.role} of component {land.component} land {land.land} stands in {known[1]} already"
-            )
-            raise ReadingsError(problem, value=cell, expected="each once")
+            other = f"another {column.role} of component {land.component} land {land.land} stands in {known[1]} already"
+            raise ReadingsError(other, value=cell, expected="each once")
 
     def _component(self, table: Table, columns: Columns, row: int) -> str | None:
         """Return the component of a row; None where nothing names one, which a row of diameters reports itself."""

@@ -16,6 +16,7 @@ from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.measured_words import measured_sentence
 from atleak.views.positions import position_band
 from atleak.views.pressures import lowest_first, pressures_at
+from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import (
     because_of,
     circuit_sentence,
@@ -145,6 +146,9 @@ class Front:
         speed = say.number(at.minimum_speed * RPM, 0)
         more.append(say("sentences.holds", speed=speed, counted=counted_in_speed(diagnosis, say)))
         more += self._positions(at)
+        measured = pump_sentence(diagnosis, say, self.names.condition)
+        if measured is not None:
+            more.append(measured)
         more += self._pressures()
         missing = len(diagnosis.lands) - diagnosis.measured
         if missing and diagnosis.judged:

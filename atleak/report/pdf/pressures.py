@@ -14,6 +14,7 @@ from atleak.views.flow_diagram import FlowDiagram, flow_diagram, flow_words
 from atleak.views.flow_svg import flow_svg
 from atleak.views.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.views.pump_speed import PumpOverSpeed, pump_over_speed
+from atleak.views.pump_words import pump_sentence
 from atleak.views.sentences import circuit_sentence
 from atleak.workshop_units import KPA, RPM
 
@@ -100,6 +101,9 @@ class Pressures:
         if solved:
             yield self._line(conditions)
         yield self._pump(conditions)
+        measured = pump_sentence(self.diagnosis, say, self.names.condition)
+        if measured is not None:
+            yield text(measured)
         yield text(say("texts.held") if solved else say("held.not_solved"), small=True)
         yield self._drawing(charts, "pump", self._crossings_in_words)
         if solved and self.diagnosis.controller.circuits:

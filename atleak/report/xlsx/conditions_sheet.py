@@ -184,19 +184,26 @@ class ConditionsSheet:
 
     def _pump(self, at: SheetCondition) -> Iterable[Quantity]:
         engine, projection = self.diagnosis.model, at.projection
-        pump, condition = engine.controller.pump, projection.condition
+        pump = engine.controller.pump
         yield Quantity("pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3")
         if engine.uses_slip:
-            yield Quantity("slip coefficient C_s", "", "C_s", None, pump.slip_coefficient, "scientific")
-            slip = f"{at('q_p')}*{at('C_s')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
-            lost = float(engine.pump_slip(condition.main_pressure, condition.temperature))
-            yield Quantity("slip", "dm³/min", "slip", slip, lost * DM3_MIN, "flow")
+            yield from self._slip(at, "", "", pump.slip_coefficient, projection.slip)
+            if pump.as_new is not None:
+                yield from self._slip(at, "_new", " of the same pump new", pump.as_new.slip_coefficient, at.new.slip)
         else:
             yield Quantity("volumetric efficiency", "", "eta_v", None, pump.volumetric_efficiency, "plain")
         supply = f"{self._per_revolution(at)}*{at('n')}"
         yield Quantity("pump supply", "dm³/min", "supply", supply, projection.pump_supply * DM3_MIN, "flow")
         capacity = f"MAX({at('supply')}-{at('slip')},0)" if engine.uses_slip else at("supply")
         yield Quantity("pump capacity", "dm³/min", "capacity", capacity, projection.pump_capacity * DM3_MIN, "flow")
+
+    def _slip(
+        self, at: SheetCondition, end: str, of: str, coefficient: float | None, slip: float
+    ) -> Iterable[Quantity]:
+        """Return a slip coefficient and the slip that follows from it."""
+        yield Quantity(f"slip coefficient C_s{of}", "", f"C_s{end}", None, coefficient, "scientific")
+        text = f"{at('q_p')}*{at(f'C_s{end}')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
+        yield Quantity(f"slip{of}", "dm³/min", f"slip{end}", text, slip * DM3_MIN, "flow")
 
     def _per_revolution(self, at: SheetCondition) -> str:
         """Return the formula of what the pump delivers in one revolution before slip [dm³]."""
@@ -286,9 +293,9 @@ class ConditionsSheet:
     def _covers(self, at: SheetCondition) -> str:
         return f"({self._demand(at, 'leakage')})/({self._per_revolution(at)})"
 
-    def _demand(self, at: SheetCondition, leakage: str) -> str:
+    def _demand(self, at: SheetCondition, leakage: str, slip_name: str = "slip") -> str:
         """Return the formula of all that leaves the pump, its own slip included."""
-        slip = [at("slip")] if self.diagnosis.model.uses_slip else []
+        slip = [at(slip_name)] if self.diagnosis.model.uses_slip else []
         return "+".join([at(leakage), *slip, at("consumers")])
 
     def _reserve(self, at: SheetCondition) -> Iterable[Quantity]:
@@ -299,11 +306,12 @@ class ConditionsSheet:
         starved = f"MAX({behind}-MAX({left},0),0)" if behind else "0"
         label = "by which consumers behind the line's regulator go short"
         yield Quantity(label, "dm³/min", "starved", starved, now.starved * DM3_MIN, "flow")
-        for name, label, leakage, each in (
-            ("reserve", "reserve of the pump: supply / (leakage + slip + consumers)", "leakage", now),
-            ("reserve_new", "reserve of the same unit new", "leakage_new", at.new),
+        new_slip = "slip" if self.diagnosis.controller.pump.as_new is None else "slip_new"
+        for name, label, leakage, slip, each in (
+            ("reserve", "reserve of the pump: supply / (leakage + slip + consumers)", "leakage", "slip", now),
+            ("reserve_new", "reserve of the same unit new", "leakage_new", new_slip, at.new),
         ):
-            demand = self._demand(at, leakage)
+            demand = self._demand(at, leakage, slip)
             text = f"IF({demand}>0,{at('supply')}/({demand}),{exact(NO_DELIVERY)})"
             yield Quantity(label, "", name, text, each.reserve, "reserve")
         low, high = self._interval(at, lambda total: total.reserve_interval)

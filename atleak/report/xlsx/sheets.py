@@ -254,8 +254,8 @@ class Sheets:
         book.headings(sheet, row, names)
         for at, each in enumerate(rows, start=row + 1):
             repair = each.option.repair
-            values = (each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price)
-            values += (repair.currency, repair.hours, repair.tool, each.lands, repair.source)
+            values: list[Any] = [each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price]
+            values += [repair.currency, repair.hours, repair.tool, each.lands, repair.source]
             for column, value in enumerate(values):
                 if value is not None:
                     put(sheet, at, column, value, book.form(align="left"))

@@ -12,9 +12,11 @@ import pytest
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_tables import PumpTable
 from atleak.catalogue.entries import read_tables
+from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.known_values import known_values
 from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.equations import pump as equations
-from atleak.errors import CatalogueError, InputError
+from atleak.errors import CatalogueError
 
 GEAR: dict[str, Any] = {
     "kind": "external_gear",
@@ -170,55 +172,57 @@ def test_the_vanes_of_a_pump_leave_only_its_faces() -> None:
     read = pump_of(**VANE, rotor_diameter_mm=57.0, shaft_diameter_mm=35.0, side_clearance_um=40.0)
     slips = equations.slip_coefficient(equations.face_slip(40e-6, 0.057, 0.035), read.displacement)
     assert read.slip_coefficient == pytest.approx(slips, rel=1e-12, abs=0.0)
-    with pytest.raises(InputError, match=r"tip clearance was measured of a vane pump.*side clearance alone"):
-        read.with_measured(PumpClearances(tip=50e-6), "unit.toml")
+    measured = read.with_measured(PumpClearances(tip=50e-6))
+    assert measured.slip_coefficient == read.slip_coefficient
+    assert measured.left_out == (("tip", "the vanes of such a pump lie against their ring"),)
 
 
 def test_a_measured_pump_slips_what_its_gaps_have_opened_by() -> None:
     stated = pump_of(**CRESCENT, **LANDS, **NEW, slip_coefficient=5e-8)
-    worn = stated.with_measured(PumpClearances(side=85e-6), "unit.toml")
+    worn = stated.with_measured(PumpClearances(side=85e-6))
     opened = equations.face_slip(85e-6, 0.066, 0.048) + equations.face_slip(85e-6, 0.110, 0.094)
     opened -= equations.face_slip(35e-6, 0.066, 0.048) + equations.face_slip(35e-6, 0.110, 0.094)
     expected = 5e-8 + equations.slip_coefficient(opened, stated.displacement)
     assert worn.slip_coefficient == pytest.approx(expected, rel=1e-12, abs=0.0)
     assert worn.new == stated
     assert worn.measured == PumpClearances(side=85e-6)
-    as_new = stated.with_measured(PumpClearances(35e-6, 110e-6), "unit.toml")
+    as_new = stated.with_measured(PumpClearances(35e-6, 110e-6))
     assert as_new.slip_coefficient == pytest.approx(5e-8, rel=1e-12, abs=0.0)
-    assert stated.with_measured(PumpClearances(), "unit.toml") is stated
+    assert stated.with_measured(PumpClearances()) is stated
 
 
 def test_without_clearances_of_a_new_pump_the_larger_slip_counts() -> None:
     stated = pump_of(**CRESCENT, **LANDS, slip_coefficient=5e-8)
-    tight, worn = (
-        stated.with_measured(PumpClearances(side * 1e-6, tip * 1e-6), "unit.toml")
-        for side, tip in ((20, 40), (90, 250))
-    )
+    tight, worn = (stated.with_measured(PumpClearances(side * 1e-6, tip * 1e-6)) for side, tip in ((20, 40), (90, 250)))
     assert tight.slip_coefficient == 5e-8
     assert (worn.slip_coefficient or 0.0) > 3 * 5e-8
-    nothing_stated = pump_of(**CRESCENT, **LANDS).with_measured(PumpClearances(90e-6, 250e-6), "unit.toml")
+    nothing_stated = pump_of(**CRESCENT, **LANDS).with_measured(PumpClearances(90e-6, 250e-6))
     assert nothing_stated.slip_coefficient == pytest.approx(worn.slip_coefficient, rel=1e-12, abs=0.0)
     assert nothing_stated.new is nothing_stated  # what it slipped when new nobody knows
 
 
 @pytest.mark.parametrize(
-    ("pump", "measured", "words"),
+    ("pump", "measured", "name", "words"),
     [
-        ({"displacement_mm3": 17e3}, PumpClearances(side=5e-5), "unit.toml does not say.*kind and dimensions"),
-        (GEROTOR, PumpClearances(side=5e-5), "side clearance.*shaft_diameter_mm, ring_outer_diameter_mm"),
-        (CRESCENT, PumpClearances(tip=5e-5), "tip clearance.*tip_land_mm, sealing_tips"),
-        ({**CRESCENT, **LANDS}, PumpClearances(side=5e-5), "what else slips in this pump.*slip_coefficient"),
+        ({"displacement_mm3": 17e3}, PumpClearances(side=5e-5), "side", "does not state the kind"),
+        (GEROTOR, PumpClearances(side=5e-5), "side", "state shaft_diameter_mm, ring_outer_diameter_mm"),
+        (CRESCENT, PumpClearances(tip=5e-5), "tip", "state tip_land_mm, sealing_tips"),
+        ({**CRESCENT, **LANDS}, PumpClearances(side=5e-5), "side", "what else slips: slip_coefficient"),
     ],
 )
-def test_a_measured_clearance_without_what_turns_it_into_slip_is_refused(
-    pump: dict[str, Any], measured: PumpClearances, words: str
+def test_a_measured_clearance_that_the_file_cannot_turn_into_slip_says_what_lacks(
+    pump: dict[str, Any], measured: PumpClearances, name: str, words: str
 ) -> None:
-    with pytest.raises(InputError, match=words):
-        pump_of(**pump).with_measured(measured, "unit.toml")
+    read = pump_of(**pump)
+    known = read.with_measured(measured)
+    assert (known.slip_coefficient, known.measured, known.counted.known) == (None, measured, False)
+    ((which, why),) = known.left_out
+    assert which == name
+    assert words in why
 
 
 def test_an_uncertain_clearance_counts_with_its_cube() -> None:
-    worn = pump_of(**CRESCENT, **LANDS, **NEW).with_measured(PumpClearances(85e-6, 160e-6), "unit.toml")
+    worn = pump_of(**CRESCENT, **LANDS, **NEW).with_measured(PumpClearances(85e-6, 160e-6))
     step = 1e-8
     moved = [
         (replace(worn, measured=measured).gaps.coefficient(measured) - (worn.slip_coefficient or 0.0)) / step * 5e-6
@@ -227,3 +231,16 @@ def test_an_uncertain_clearance_counts_with_its_cube() -> None:
     relative = math.hypot(*moved) / (worn.slip_coefficient or 1.0)
     assert worn.relative_uncertainty(5e-6) == pytest.approx(relative, rel=1e-3, abs=0.0)
     assert worn.new.relative_uncertainty(5e-6) == 0.0
+
+
+def test_what_a_pump_is_known_from_is_that_of_its_least_sure_dimension() -> None:
+    pump = {**GEROTOR, **NEW, "shaft_diameter_mm": 30.0, "side_clearance_limit_um": 50.0}
+    measured = ["teeth", "width_mm", "tip_diameter_mm", "root_diameter_mm"]
+    entry = checked_controller(tables({**pump, "measured": measured, "representative": ["tip_clearance_um"]})).entry
+    assert entry is not None
+    known = {each.value: each.evidence for each in known_values(entry) if each.table == "pump"}
+    assert known == {
+        "displacement": Evidence.MEASURED,
+        "gaps": Evidence.REPRESENTATIVE,
+        "volumetric_efficiency": Evidence.PUBLISHED,
+    }

@@ -18,12 +18,9 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(autouse=True)
-def own_home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Keep columns that someone chose on this machine from deciding a test."""
-    home = tmp_path / "home"
-    monkeypatch.setenv("APPDATA", str(home))
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(home))
-    return home
+def home(own_home: Path) -> Path:
+    """Keep columns that one test chose from deciding another."""
+    return own_home
 
 
 @pytest.fixture

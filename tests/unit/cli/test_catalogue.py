@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.catalogue.entries import catalogue_files
+from atleak.catalogue.entries import KINDS, catalogue_files
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -39,3 +39,23 @@ def test_a_controller_lists_its_complaints(run: Run) -> None:
     assert [complaint["id"] for complaint in study["complaints"]] == ["slips_hot", "slips_in_second"]
     for complaint in study["complaints"]:
         assert set(complaint["conditions"]) <= set(study["operating_points"])
+
+
+def test_the_own_catalogue_is_made_where_it_is_said_to_be(run: Run, home: Path) -> None:
+    status, out, err = run("catalogue", "path")
+    assert (status, out, err) == (0, f"{home / 'catalogue'}\n", "")
+    assert sorted(path.name for path in (home / "catalogue").iterdir()) == sorted(KINDS)
+
+
+def test_lists_show_own_entries_and_name_those_that_cannot_be_used(run: Run, home: Path) -> None:
+    run("catalogue", "path")
+    text = catalogue_files("controllers")["minimal_example"].read_text(encoding="utf-8")
+    folder = home / "catalogue" / "controllers"
+    (folder / "my_box.toml").write_text(text.replace('id = "minimal_example"', 'id = "my_box"'), encoding="utf-8")
+    (folder / "torn.toml").write_text("[", encoding="utf-8")
+    status, out, err = run("controllers", "--json", "-")
+    assert status == 0
+    assert [row["id"] for row in json.loads(out) if row["own"]] == ["my_box"]
+    assert err.startswith("atleak: left aside: torn.toml: is not valid TOML")
+    _, out, _ = run("controllers")
+    assert next(line for line in out.splitlines() if "my_box" in line).split("│")[-2].strip() == "yes"

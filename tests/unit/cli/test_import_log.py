@@ -38,8 +38,7 @@ def test_a_home_that_cannot_be_written_is_no_failure(
     run: Run, sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
-    monkeypatch.setenv("APPDATA", str(tmp_path / "file"))
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "file"))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "file"))
     status, out, err = run("import-log", sample_log, "--unit", "engine_speed=rpm")
     assert status == 0
     assert "1201 rows" in out

@@ -39,6 +39,24 @@ def test_at_35_degrees_a_pair_of_the_sample_is_worn_by_less_than_a_tenth(
     assert given["readings"]["measuring_temperature_assumed"] is False
 
 
+def test_the_pump_s_clearances_are_options_with_their_unit_or_stand_in_the_job_record(
+    root: Path, record_of: RecordOf, tmp_path: Path, sample_readings: Path
+) -> None:
+    unit = tmp_path / "unit.toml"
+    text = Path(catalogue_files("controllers")["four_speed_2023"]).read_text(encoding="utf-8")
+    lands = "kind = 'crescent'\nroot_diameter_mm = 42.0\nshaft_diameter_mm = 32.0\nring_root_diameter_mm = 70.0\n"
+    lands += "ring_outer_diameter_mm = 82.0\nside_clearance_um = 35.0\n"
+    unit.write_text(text.replace("[pump]\n", f"[pump]\n{lands}", 1), encoding="utf-8")
+    job = tmp_path / "job.toml"
+    job.write_text("pump_side_clearance_um = 76.2", encoding="utf-8")
+    given = record_of(sample_readings, "--controller", unit, "--pump-side-clearance", "0.003in")
+    assert given["pump"]["side_clearance_measured_um"] == 76.2
+    assert given["hot_idle"]["pump_slip_dm3_min"] > given["hot_idle"]["pump_slip_new_dm3_min"]
+    assert given["hot_idle"]["leakage_dm3_min"] > 0.0
+    of_job = record_of(sample_readings, "--controller", unit, "--job", job)
+    assert (of_job["pump"], of_job["hot_idle"]) == (given["pump"], given["hot_idle"])
+
+
 def test_the_limits_of_earlier_versions_called_that_pair_watch_only_when_it_was_warm(
     sample_readings: Path, record_of: RecordOf, tmp_path: Path
 ) -> None:

@@ -21,8 +21,7 @@ LOG = ("time [s];engine_speed [rpm];p one [bar];p two [bar];atf_temperature [°C
 @pytest.fixture
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Answers given earlier for logs with this header."""
-    for name in ("XDG_CONFIG_HOME", "APPDATA"):
-        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     path = default_path()
     answers = {"main_pressure": "p one [bar]", "converter_pressure": "p two [bar]"}
     remember(path, understand(LOG, name="a.csv").signature, answers, {"main_pressure": "kPa"})

@@ -15,6 +15,7 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import load_limits
+from atleak.catalogue.pump import PumpClearances
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import stated_condition
@@ -287,6 +288,14 @@ def test_a_job_file_of_earlier_versions_is_measured_as_its_record_says():
     content = write_job_file(case.diagnose(), Job(measuring_temperature_c=35.0), case)
     assert "readings" not in json.loads(zipfile.ZipFile(io.BytesIO(content)).read("job.json"))  # no choice of its own
     assert read_job_file(content).diagnose().measured_at.value == 35.0
+
+
+def test_the_pump_s_clearances_are_kept():
+    clearances = PumpClearances.of_um(85.0, None)
+    case = replace(Case(readings=SourceFile("sheet.csv", SHEET)), pump_clearances=clearances)
+    opened = read_job_file(write_job_file(case.diagnose(), Job(), case))
+    assert opened.case.pump_clearances == clearances
+    assert (opened.job.pump_side_clearance_um, opened.job.pump_tip_clearance_um) == (85.0, None)
 
 
 def test_another_measuring_temperature_is_another_result():

@@ -19,8 +19,7 @@ def app(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_pat
     elsewhere and runs ``app.py``.
     """
     monkeypatch.syspath_prepend(str(ROOT))
-    for name in ("XDG_CONFIG_HOME", "APPDATA"):
-        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     main = tmp_path / "main.py"
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
     opened = AppTest.from_file(str(main), default_timeout=240)

@@ -87,8 +87,7 @@ def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path
 
 def test_remembered_columns_go_into_the_job_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.syspath_prepend(str(ROOT))
-    for name in ("XDG_CONFIG_HOME", "APPDATA"):
-        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     from pages.shared import cases
 
     log = SourceFile("two.csv", TWO_PRESSURES.encode())

@@ -60,6 +60,10 @@ def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTes
     assert field(app, "Measuring temperature [°C]").value == "35,0"
     field(app, "Measuring temperature [°C]").set_value("").run()
     assert "assumed 20 °C" in measured()
+    field(app, "Pump side clearance [µm]").set_value("85,5").run()
+    assert not app.exception
+    assert app.session_state["job"].pump_side_clearance_um == 85.5
+    assert app.session_state["atleak"].good.pump_clearances.um == (85.5, None)
 
 
 def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:

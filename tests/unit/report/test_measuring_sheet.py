@@ -261,3 +261,18 @@ def test_every_cell_of_the_tab_is_read_back_at_the_tap_of_its_circuit():
         assert each.pressure == (100 + 10 * each.place.row + 3 + list(Engine).index(each.cell.engine)) * 1e3
         assert applied(controller, each.cell)
     assert len(table.readings) == 3 * (sheet.max_row - 6)
+
+
+def test_the_lands_of_end_plugs_and_pistons_are_read_back():
+    controller = load_controller("gm_4l60e")
+    assert {land.part for land in controller.lands} == {"end_plug", "piston", "spool"}
+    lands = {land.key: land.nominal_diameter for land in controller.lands}
+    written = [
+        Reading(component, part, plane, 0.0, 1, lands[component, land] + wider)
+        for component, land in lands
+        for plane in controller.land(component, land).planes
+        for part, wider in (("spool", 0.0), ("sleeve", 30e-6))
+    ]
+    states = clearances(read_readings(write_readings(controller, written), controller), controller)
+    assert {state.land.key for state in states} == set(lands)
+    assert [state.radial_clearance for state in states] == pytest.approx([15e-6] * len(lands), abs=1e-9)

@@ -23,8 +23,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    for name in ("APPDATA", "XDG_CONFIG_HOME"):
-        monkeypatch.setenv(name, str(tmp_path / "home"))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("ATLEAK_TRACEBACK", "1")
 
     def command(*arguments: object) -> tuple[int, str, str]:

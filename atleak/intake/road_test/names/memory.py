@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ from typing import Any
 from atleak.errors import OutputError, Place
 from atleak.intake.plain_words import words
 from atleak.system.files import PRIVATE, replace_file
+from atleak.system.home import earlier_file, home, made
 
 _PATIENCE = 30  # [s] to wait for other writers
 _POLL = 0.01  # [s]
@@ -37,14 +37,19 @@ def signature(labels: Iterable[str]) -> str:
     return hashlib.sha256(text.encode("utf-8")).hexdigest()[:16]
 
 
-def default_path(environment: Mapping[str, str] | None = None, home: Path | None = None) -> Path:
-    """Return where the choices are kept: under %APPDATA% on Windows, else under XDG_CONFIG_HOME or ~/.config."""
-    environment = os.environ if environment is None else environment
-    if folder := environment.get("APPDATA"):
-        return Path(folder) / "atleak" / "road-test-columns.json"
-    if folder := environment.get("XDG_CONFIG_HOME"):
-        return Path(folder) / "atleak" / "road-test-columns.json"
-    return (home or Path.home()) / ".config" / "atleak" / "road-test-columns.json"
+def default_path() -> Path:
+    """Return where the choices are kept: in the user's folder, into which a file of version 0.1.0 is taken over once.
+
+    Where that file cannot be copied, it stays the one that is used.
+    """
+    path = home() / "road-test-columns.json"
+    earlier = None if path.exists() else earlier_file(path.name)
+    if earlier is not None:
+        try:
+            replace_file(made(path.parent) / path.name, earlier.read_bytes(), mode=PRIVATE)
+        except (OutputError, OSError):
+            return earlier
+    return path
 
 
 def recall(path: Path, header: str) -> RememberedColumns | None:

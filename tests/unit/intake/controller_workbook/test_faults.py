@@ -74,7 +74,7 @@ def _names() -> list[str]:
         ("Diameter", 0.0, "expected greater than 0.5"),
         ("Diameter", 14.5, "(it is 368.3 mm) (found 14.5); expected less than 200; was it in mm?"),
         ("Land", 1.5, "a whole number"),
-        ("Component", "solenoid_modulators", "no such id in this workbook"),
+        ("Component", "solenoid_modulators", "no such id here"),
         ("Component", "", "this row does not say to what it belongs"),
         ("Mounting clearance", 14.0, "(it is 177800 µm, radial) (found 14.0)"),
         ("Diameter", "=1/0", "a formula without a result"),

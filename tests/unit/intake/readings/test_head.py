@@ -154,6 +154,48 @@ def test_the_printed_form_takes_temperature_and_date(controller):
     assert again.temperature == 23.5
 
 
+@pytest.mark.parametrize(
+    ("head", "side_um", "tip_um"),
+    [
+        ("Pump side clearance [µm];85", 85.0, None),
+        ("Pump side clearance [µm];0.0033 in", 83.82, None),
+        ("Pump side clearance [in];0.0033\nPump tip clearance [in];.0063", 83.82, 160.02),
+        ("Pump tip clearance: 0,16 mm", None, 160.0),
+        ("Oil pump axial play;60 µm;Pump tip clearance;120", 60.0, 120.0),
+        ("Pumpenseitenspiel: 60 µm", 60.0, None),
+        ("Luz boczny pompy [mm];0,06", 60.0, None),
+        ("Pump;side", None, None),
+        ("Pump body clearance;120", None, None),
+    ],
+)
+def test_the_pump_s_clearances_are_read_in_the_units_of_workshops(controller, head, side_um, tip_um):
+    pump = under(head, controller).pump
+    assert (pump.side, pump.tip) == tuple(
+        None if um is None else pytest.approx(um * 1e-6, rel=1e-9, abs=0.0) for um in (side_um, tip_um)
+    )
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("Pump side clearance [µm];0.0033", ("no pump side clearance that a pump has", "0.0033", "from 1 to 2000 µm")),
+        ("Pump tip clearance;large", ("no pump tip clearance", "large", "such as 150.5 µm")),
+        ("Pump side clearance;20 °C", ("no pump side clearance", "20 °C")),
+    ],
+)
+def test_what_is_no_clearance_of_a_pump_is_refused_with_its_place(controller, head, words):
+    with pytest.raises(ReadingsError) as caught:
+        under(head, controller)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_two_clearances_of_one_pump_are_named_and_none_is_taken(controller):
+    readings = under("Pump side clearance;85 µm\nPump side clearance;0.09 mm", controller)
+    assert readings.pump.side is None
+    assert "pump_clearance_unclear" in codes(readings)
+
+
 def test_a_crossed_out_temperature_is_not_read(controller):
     book = openpyxl.Workbook()
     book.active.append(["Temperature", 35.0])

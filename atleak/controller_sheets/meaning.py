@@ -1,0 +1,53 @@
+"""Say of a cell what a check of the tables says of its value: in the unit, and with the text, that was typed there."""
+
+from __future__ import annotations
+
+from atleak.controller_sheets.description import Fault, Row
+from atleak.controller_sheets.kinds import NotAccepted, Number
+from atleak.controller_sheets.shapes import Column
+from atleak.controller_sheets.units import Units
+from atleak.errors import InputError
+
+_LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
+
+
+def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> Fault:
+    """Return a fault of the tables as one of the cell in which the value was typed, or is missing."""
+    spot = row.at(column.heading)
+    if column.heading not in row.cells:
+        if error.value is not None:  # of a value that nobody typed
+            return Fault(spot, error.problem, error.value, error.expected, error.nearest)
+        expected = column.kind.wanted(units) if isinstance(column.kind, Number) else None
+        return Fault(spot, "this cell must be filled in", expected=expected)
+    return Fault(
+        spot,
+        error.problem + _converted(column, row, units),
+        row.cells[column.heading],
+        "; ".join(filter(None, (error.expected, _other_unit(column, row, units)))) or None,
+        error.nearest,
+    )
+
+
+def _converted(column: Column, row: Row, units: Units) -> str:
+    """Say what a number is in the unit of the file, where that is another one, since limits are stated in it."""
+    value, kind = row.values.get(column.heading), column.kind
+    if not isinstance(kind, Number) or not isinstance(value, float) or kind.value(1.0, units) == 1.0:
+        return ""
+    return f" (it is {value:.6g} {kind.label(Units())})"
+
+
+def _other_unit(column: Column, row: Row, units: Units) -> str:
+    """Ask for the unit in which a length would be a usual one, where it is none as it stands."""
+    kind, cell = column.kind, row.cells[column.heading]
+    if not isinstance(kind, Number) or kind.measure.usual == (0.0, 0.0) or column.heading not in row.values:
+        return ""
+    low, high = kind.measure.usual
+    if low <= row.values[column.heading] <= high:
+        return ""
+    try:
+        number = float(kind.written(cell, units))
+    except NotAccepted:  # a unit stands in the cell already
+        return ""
+    sides = 2.0 if kind.measure.of_clearance and units.clearance == "diametral" else 1.0
+    names = [name for name, si in _LENGTHS.items() if low <= number * si / float(kind.measure.si) / sides <= high]
+    return f"was it in {' or '.join(names)}?" if names else ""

@@ -1,0 +1,53 @@
+"""The folder in which atleak keeps what belongs to the user of this computer: own catalogue files, columns, drafts."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from atleak.errors import OutputError, Place
+
+HOME = "ATLEAK_HOME"
+"""The variable of the environment that names another folder."""
+
+
+def home() -> Path:
+    """Return the user's folder, whether or not it is there: ``ATLEAK_HOME``, else where the system keeps such data.
+
+    The latter is ``%LOCALAPPDATA%\\atleak`` on Windows, ``~/Library/Application Support/atleak`` on macOS, and
+    ``$XDG_DATA_HOME/atleak`` (``~/.local/share/atleak``) elsewhere.
+    """
+    if folder := os.environ.get(HOME):
+        return Path(folder)
+    from platformdirs import user_data_path  # only who names no folder of their own needs it
+
+    return user_data_path("atleak", appauthor=False)
+
+
+def made(folder: Path) -> Path:
+    """Make a folder where it is not there yet, and return it.
+
+    Raises
+    ------
+    OutputError
+        naming the folder and why it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        expected = f"a folder that can be written; {HOME} in the environment names another one"
+        place = Place(file=str(folder))
+        raise OutputError(f"cannot be made: {error.strerror}", place=place, expected=expected) from error
+    return folder
+
+
+def earlier_file(name: str) -> Path | None:
+    """Return a file of version 0.1.0, which kept it where programs keep their settings; None without one.
+
+    Where ``ATLEAK_HOME`` names the folder, everything is in that folder and nothing is looked for elsewhere.
+    """
+    if os.environ.get(HOME):
+        return None
+    folder = os.environ.get("APPDATA") or os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
+    path = Path(folder) / "atleak" / name
+    return path if path.is_file() else None

@@ -1,0 +1,71 @@
+"""Draw the valve body that is being described: its spools with their lands, and where its flow goes."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_toml import written_toml
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.errors import AtleakError
+from atleak.report.controller_workbook.picture import spool_picture
+from atleak.views.controller_form import Checked, sketch
+from atleak.views.drawing import controller_svg
+from atleak.views.flow_diagram import flow_diagram
+from atleak.views.flow_svg import flow_svg
+from pages.shared import show
+from pages.shared.transmission_tables import COMPONENTS
+
+_BESIDE = 5  # components side by side
+_ROW, _HIGHEST = 130, 330  # pixels of one row of components, and of the picture; more of it scrolls
+_MEANT = 720  # pixels of the picture that explains
+_COLUMN = 135  # pixels of a column of the flows, at which its words can be read
+
+
+def draw_spools(step: str, found: Checked) -> None:
+    """Draw every component with the lands that are typed so far, beside the tables in which they are typed."""
+    if step == COMPONENTS:
+        with st.expander("What diameter, clearance, contact length and position of a land mean"):
+            st.image(spool_picture(), width=_MEANT)
+    with st.container():
+        if step != COMPONENTS:
+            return
+        controller = found.controller or sketch(found.data)
+        if controller is None:
+            st.caption("The picture begins with the first land that has a component and a diameter.")
+        else:
+            rows = -(-len({land.component for land in controller.lands}) // _BESIDE)
+            with st.container(height=min(rows * _ROW, _HIGHEST), border=False):
+                drawing = controller_svg(controller, columns=_BESIDE, title="lands as described")
+                show.svg(drawing, "every spool with its lands")
+
+
+def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
+    """Draw where the flow of the unit as new goes at one of its operating points, with the fluid of the job."""
+    if step == COMPONENTS:
+        return
+    st.subheader("Where its flow goes when new")
+    with st.container():
+        if found.controller is None:
+            st.caption("Drawn once nothing is missing or wrong.")
+            return
+        points = {point.name: point.label for point in found.controller.operating_points}
+        chosen = st.selectbox(
+            "At", list(points), format_func=lambda name: points.get(name, name), key="transmission-at"
+        )
+        try:
+            key = written_toml(found.data), job.fluid.origin.sha256, job.fluid.state, job.limits.origin.sha256
+            drawing, columns = _flow(key, chosen or next(iter(points)), found.controller, job)
+        except AtleakError as error:
+            st.caption(f"It cannot be drawn: {show.plain(error)}")
+            return
+        show.svg(drawing, "where the flow goes", least_width=_COLUMN * columns)
+
+
+@st.cache_resource(max_entries=8, show_spinner=False)
+def _flow(key: tuple[str, ...], point: str, _controller: Controller, _job: Diagnosis) -> tuple[str, int]:
+    """Return the drawing of the flows at an operating point, and how many columns it has."""
+    diagnosis = diagnose(_controller, _job.fluid, _job.limits)
+    projection = next(each for each in diagnosis.presented if each.condition.name == point)
+    diagram = flow_diagram(diagnosis, projection)
+    return flow_svg(diagram, f"flow at {projection.condition.label}"), diagram.columns

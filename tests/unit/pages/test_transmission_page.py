@@ -1,0 +1,116 @@
+"""The page on which a valve body is described. What is typed into its tables is tried in a browser: tests/e2e."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+from streamlit.testing.v1 import AppTest
+
+from atleak.catalogue.entries import own_folder, read_tables
+from atleak.controller_sheets.layout import SHEETS
+from atleak.report.controller_workbook import write_controller_workbook
+from atleak.system.drafts import drafts
+from pages.shared.transmission_tables import STEPS
+
+from .conftest import choice, go, texts
+
+PAGE = "9_Transmission"
+
+
+def labelled(elements: Any, label: str) -> Any:
+    return next(element for element in elements if element.label == label)
+
+
+def start(app: AppTest, name: str = "minimal_example") -> AppTest:
+    go(app, PAGE)
+    labelled(app.selectbox, "Start from").select(name).run()
+    return labelled(app.button, "Start").click().run()
+
+
+def step(app: AppTest, name: str) -> AppTest:
+    return next(group for group in app.button_group if "step" in group.key).set_value(name).run()
+
+
+def test_every_sheet_of_the_workbook_has_its_place_on_the_page() -> None:
+    assert sorted(name for names in STEPS.values() for name in names) == sorted(sheet.name for sheet in SHEETS)
+
+
+def test_every_table_opens_for_a_unit_and_for_nothing(app: AppTest) -> None:
+    for name in ("five_speed_2005", "an empty description"):
+        start(app, name)
+        for each, tables in STEPS.items():
+            step(app, each)
+            assert not app.exception
+            assert [heading.value for heading in app.subheader][: len(tables)] == list(tables)
+        labelled(app.button, "Describe another one").click().run()
+
+
+def test_a_copy_is_named_kept_saved_used_and_edited_again(app: AppTest) -> None:
+    start(app)
+    assert "Nothing is missing or wrong." in texts(app)
+    labelled(app.text_input, "Name *").set_value("Our box").run()
+    labelled(app.text_input, "Gears *").set_value("x").run()
+    assert "cannot be read (found 'x')" in texts(app)
+    assert labelled(app.button, "Save as own file").disabled
+    go(app, "1_Diagnosis")
+    go(app, PAGE)
+    assert labelled(app.text_input, "Gears *").value == "x"
+    labelled(app.text_input, "Gears *").set_value("R 1 2 3 4").run()
+    assert labelled(app.button, "Use it for this job").disabled
+    labelled(app.button, "Save as own file").click().run()
+    path = own_folder("controllers") / "our_box.toml"
+    assert f"Saved: {path}" in texts(app)
+    assert tomllib.loads(path.read_text(encoding="utf-8"))["gears"] == [-1, 1, 2, 3, 4]
+    assert not drafts()
+    labelled(app.button, "Use it for this job").click().run()
+    assert choice(app, "Valve body").value == "our_box"
+    assert "-1" in next(box for box in app.sidebar.selectbox if box.label == "Gear").options
+    labelled(app.text_input, "Gears *").set_value("1 2 3 4").run()
+    labelled(app.button, "Save as own file").click().run()  # over the file that it was saved as
+    assert tomllib.loads(path.read_text(encoding="utf-8"))["gears"] == [1, 2, 3, 4]
+    assert not app.exception
+
+
+def test_a_file_that_is_there_is_replaced_only_where_that_is_decided(app: AppTest) -> None:
+    start(app)
+    labelled(app.text_input, "Name *").set_value("Our box").run()
+    labelled(app.button, "Save as own file").click().run()
+    labelled(app.button, "Describe another one").click().run()
+    start(app)
+    labelled(app.text_input, "Name *").set_value("Our box").run()
+    labelled(app.text_input, "Note").set_value("the second").run()
+    labelled(app.button, "Save as own file").click().run()
+    assert "our_box.toml: is in your catalogue already" in texts(app)
+    labelled(app.checkbox, "Replace our_box.toml, which is in your catalogue already").check().run()
+    labelled(app.button, "Save as own file").click().run()
+    assert "Saved:" in texts(app)
+    assert "the second" in (own_folder("controllers") / "our_box.toml").read_text(encoding="utf-8")
+
+
+def test_a_draft_is_gone_on_with_in_its_units_and_thrown_away(app: AppTest) -> None:
+    start(app)
+    labelled(app.text_input, "Name *").set_value("Half a box").run()
+    labelled(app.text_input, "Contact length unless stated [mm]").set_value("2,54").run()
+    labelled(app.selectbox, "Lengths are in").select("inch").run()
+    labelled(app.button, "Describe another one").click().run()
+    assert labelled(app.selectbox, "Go on with a draft").options[0].startswith("Half a box, ")
+    labelled(app.button, "Go on").click().run()
+    assert labelled(app.text_input, "Name *").value == "Half a box"
+    assert labelled(app.text_input, "Contact length unless stated [inch]").value == "0.1"
+    labelled(app.button, "Describe another one").click().run()
+    labelled(app.button, "Throw it away").click().run()
+    assert not drafts()
+    assert not app.exception
+
+
+def test_a_workbook_is_read_into_the_tables_and_a_damaged_one_refused(app: AppTest) -> None:
+    content = write_controller_workbook(read_tables("controllers", "minimal_example")[0])
+    go(app, PAGE)
+    upload = labelled(app.file_uploader, "or read a workbook or a TOML file")
+    upload.upload("torn.xlsx", content[:300], "").run()
+    assert "torn.xlsx was not taken" in texts(app)
+    labelled(app.file_uploader, "or read a workbook or a TOML file").upload("box.xlsx", content, "").run()
+    assert not app.exception
+    assert "Nothing is missing or wrong." in texts(app)
+    assert labelled(app.text_input, "Id *").value == "minimal_example"

@@ -1,0 +1,42 @@
+"""What somebody is typing is kept in the user's folder, under names that lead nowhere else."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from atleak.system import drafts as kept
+from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
+
+
+def test_a_draft_is_kept_replaced_and_forgotten(own_home: Path) -> None:
+    token = new_token()
+    assert draft_text(token) is None
+    keep_draft(token, "größer")
+    keep_draft(token, "länger")
+    assert list(drafts()) == [token]
+    assert draft_text(token) == "länger"
+    forget_draft(token)
+    assert not drafts()
+
+
+def test_the_newest_drafts_are_kept(own_home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept, "_MOST", 2)
+    tokens = [new_token() for _ in range(3)]
+    for age, token in enumerate(tokens):
+        keep_draft(token, token)
+        os.utime(drafts()[token], (1e9 + age, 1e9 + age))
+    keep_draft(tokens[2], "again")
+    assert list(drafts()) == [tokens[2], tokens[1]]
+
+
+@pytest.mark.parametrize("token", ["../secret", "", "ABCDEF012345", "0123456789ab/"])
+def test_no_other_file_is_read_or_deleted_by_the_name_of_a_draft(own_home: Path, token: str) -> None:
+    keep_draft(new_token(), "")
+    secret = own_home / "secret.json"
+    secret.write_text("mine", encoding="utf-8")
+    assert draft_text(token) is None
+    forget_draft(token)
+    assert secret.exists()
