@@ -22,6 +22,7 @@ from atleak.views.controller_form import Checked, Draft, checked, copy_of, draft
 from atleak.views.evidence_rows import evidence_counts, still_to_measure
 from pages.shared import panel, show
 from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.learn_form import learn_form
 
 _STATE = "transmission"
 _EMPTY = "an empty description"
@@ -218,6 +219,19 @@ def draw_faults(found: Checked) -> None:
                 st.markdown("\n".join([*lines, *more]))
         for note in found.notes:
             st.caption(show.plain(note))
+
+
+def draw_learning(editing: Editing, found: Checked) -> None:
+    """Offer to learn mounting clearances from measuring sheets of new units, and take them over into the tables."""
+    with st.expander("Mounting clearances from measuring sheets of new units"):
+        if found.controller is None:
+            st.caption("Once nothing is missing or wrong.")
+            return
+        learned = learn_form(found.data, key=editing.key("learn"))
+    if learned is not None:
+        editing.put(draft_of(learned, editing.draft.units))
+        editing.anew()
+        st.rerun()
 
 
 # --- saving -------------------------------------------------------------------------------------------------------
