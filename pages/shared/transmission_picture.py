@@ -16,7 +16,7 @@ from atleak.views.flow_svg import flow_svg
 from pages.shared import show
 from pages.shared.transmission_tables import COMPONENTS
 
-_BESIDE = 6  # components side by side
+_BESIDE = 5  # components side by side
 _ROW, _HIGHEST = 130, 330  # pixels of one row of components, and of the picture; more of it scrolls
 _MEANT = 720  # pixels of the picture that explains
 _COLUMN = 135  # pixels of a column of the flows, at which its words can be read
