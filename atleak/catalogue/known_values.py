@@ -9,9 +9,14 @@ from typing import Any, get_args
 
 from atleak.catalogue.controller_tables import ControllerFile, LandValue, PumpTable
 from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.pump_tables import OF_GAPS
 
 LAND_VALUES: tuple[LandValue, ...] = get_args(LandValue)
 _OF_PUMP = ("volumetric_efficiency", "slip_coefficient")
+_BESIDE_SIZE = (
+    *("kind", "held_at_demand", "side_clearance_limit_um", "tip_clearance_limit_um"),
+    *("source", "representative", "measured"),
+)
 
 
 @dataclass(frozen=True)
@@ -75,10 +80,13 @@ def _known_values(entry: ControllerFile) -> Iterator[KnownValue]:
 
 
 def _of_pump(pump: PumpTable) -> Iterator[KnownValue]:
-    """Yield how large the pump is, and what else the file says of it."""
-    others = {"volumetric_efficiency", "slip_coefficient", "source", "representative", "measured", "kind"}
-    size = [key for key in pump.model_fields_set if key not in others]
+    """Yield how large the pump is, what its gaps are, and what else the file says of it."""
+    stated = [key for key in pump.model_fields_set if getattr(pump, key) is not None]
+    gaps = [key for key in stated if key in OF_GAPS]
+    size = [key for key in stated if key not in (*_BESIDE_SIZE, *_OF_PUMP, *gaps)]
     yield KnownValue("pump", "", "displacement", _of_keys(pump, size), pump.source)
+    if gaps:
+        yield KnownValue("pump", "", "gaps", _of_keys(pump, gaps), pump.source)
     for key in _OF_PUMP:
         if getattr(pump, key) is not None:
             yield KnownValue("pump", "", key, _of_keys(pump, [key]), pump.source)

@@ -14,6 +14,19 @@ Length = Annotated[float, Field(gt=0, lt=1000)]
 Clearance = Annotated[float, Field(gt=0, lt=2000)]
 Count = Annotated[int, Field(ge=1, le=200)]
 
+#: Keys that only the slip through a pump's gaps needs.
+OF_GAPS = frozenset(
+    {
+        "ring_root_diameter_mm",
+        "ring_outer_diameter_mm",
+        "shaft_diameter_mm",
+        "tip_land_mm",
+        "sealing_tips",
+        "side_clearance_um",
+        "tip_clearance_um",
+    }
+)
+
 
 class PumpTable(Strict):
     """A pump: ``displacement_mm3``, or the dimensions of one kind, from which its displacement follows."""

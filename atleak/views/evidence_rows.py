@@ -12,6 +12,7 @@ from atleak.catalogue.known_values import KnownValue, counted, known_values
 _NAMES = {
     ("materials", "expansion_per_k"): ("thermal expansion of a material", "thermal expansions of materials"),
     ("pump", "displacement"): ("the pump's displacement",) * 2,
+    ("pump", "gaps"): ("the pump's gaps",) * 2,
     ("pump", "volumetric_efficiency"): ("the pump's efficiency",) * 2,
     ("pump", "slip_coefficient"): ("the pump's slip coefficient",) * 2,
     ("pressures", ""): ("pressure relation", "pressure relations"),

@@ -106,10 +106,10 @@ def write_form(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units:
         _write_cell(page, styles, row, 2, line, value, units, style=style)
         page.set_row(row, _LINE * (1 + len(str(value or "")) // _FORM_WIDTHS[2]))
         _write_unit(page, row, 3, line.kind, units, styles["unit"])
-        column = known.get(line.key)
-        if column is not None:
-            _write_cell(page, styles, row, 4, column, values.get(column.heading), units)
-            _offer(page, row, row, 4, column)
+        origin = known.get(line.key)
+        if origin is not None:
+            _write_cell(page, styles, row, 4, origin, values.get(origin.heading), units)
+            _offer(page, row, row, 4, origin)
         page.write_string(row, 5, line.help, styles["note"])
         _offer(page, row, row, 2, line)
     page.freeze_panes(_HEADINGS + 1, 2)

@@ -12,6 +12,8 @@ import pytest
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_tables import PumpTable
 from atleak.catalogue.entries import read_tables
+from atleak.catalogue.evidence import Evidence
+from atleak.catalogue.known_values import known_values
 from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.equations import pump as equations
 from atleak.errors import CatalogueError
@@ -229,3 +231,16 @@ def test_an_uncertain_clearance_counts_with_its_cube() -> None:
     relative = math.hypot(*moved) / (worn.slip_coefficient or 1.0)
     assert worn.relative_uncertainty(5e-6) == pytest.approx(relative, rel=1e-3, abs=0.0)
     assert worn.new.relative_uncertainty(5e-6) == 0.0
+
+
+def test_what_a_pump_is_known_from_is_that_of_its_least_sure_dimension() -> None:
+    pump = {**GEROTOR, **NEW, "shaft_diameter_mm": 30.0, "side_clearance_limit_um": 50.0}
+    measured = ["teeth", "width_mm", "tip_diameter_mm", "root_diameter_mm"]
+    entry = checked_controller(tables({**pump, "measured": measured, "representative": ["tip_clearance_um"]})).entry
+    assert entry is not None
+    known = {each.value: each.evidence for each in known_values(entry) if each.table == "pump"}
+    assert known == {
+        "displacement": Evidence.MEASURED,
+        "gaps": Evidence.REPRESENTATIVE,
+        "volumetric_efficiency": Evidence.PUBLISHED,
+    }

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
 from streamlit.testing.v1 import AppTest
 
-from .conftest import go
 
-
+@pytest.mark.page("7_Catalogue")
 def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_representative(app: AppTest) -> None:
-    go(app, "7_Catalogue")
     assert not app.exception
     assert "Circuits" not in [heading.value for heading in app.subheader]
     chosen = next(widget for widget in app.selectbox if widget.key == "catalogue-controller")
