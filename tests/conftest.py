@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import os
 import tempfile
 import zipfile
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from atleak.catalogue.controller import HOT_IDLE, Controller, OperatingPoint
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
+from atleak.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -70,6 +72,33 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
         report.outcome = "failed"
         report.longrepr = f"skipped where nothing may skip: {report.longrepr}"
     return report
+
+
+FEW_DRAWS = 1_000
+
+
+def drawing(draws: int, of_circuits: int) -> Iterator[None]:
+    """Let a diagnosis draw so many times, until the fixture that yields from this ends."""
+    module = importlib.import_module("atleak.uncertainty.assess")  # the package's name for it is the function in it
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "DRAWS", draws)
+        patch.setattr(module, "DRAWS_OF_CIRCUITS", of_circuits)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def few_draws() -> Iterator[None]:
+    """Let a diagnosis draw less often than it does for users: more than half of its time goes into its 20 000 draws.
+
+    What a test says of intervals and probabilities must hold all the same; where digits count, it asks for `all_draws`.
+    """
+    yield from drawing(FEW_DRAWS, FEW_DRAWS)
+
+
+@pytest.fixture(scope="module")
+def all_draws() -> Iterator[None]:
+    """Let a diagnosis draw as often as it does for users, in all tests of one file."""
+    yield from drawing(DRAWS, DRAWS_OF_CIRCUITS)
 
 
 @pytest.fixture(scope="session")

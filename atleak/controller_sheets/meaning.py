@@ -15,6 +15,8 @@ def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> 
     """Return a fault of the tables as one of the cell in which the value was typed, or is missing."""
     spot = row.at(column.heading)
     if column.heading not in row.cells:
+        if error.value is not None:  # of a value that nobody typed
+            return Fault(spot, error.problem, error.value, error.expected, error.nearest)
         expected = column.kind.wanted(units) if isinstance(column.kind, Number) else None
         return Fault(spot, "this cell must be filled in", expected=expected)
     return Fault(

@@ -294,7 +294,7 @@ def _left_out(
     for row, column in zip(*np.nonzero(outliers.wide | outliers.tight), strict=True):
         land = controller.lands[column]
         expected = float(outliers.expected[row, column])
-        yield LeftOut(sheets[row].file, *land.key, float(measured[row, column]), expected)
+        yield LeftOut(sheets[row].file, land.component, land.land, float(measured[row, column]), expected)
 
 
 def _rms(values: Sequence[float] | Table) -> float | None:

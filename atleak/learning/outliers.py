@@ -126,7 +126,7 @@ def _start(clearances: Table, measured: Mask, least: float) -> tuple[Mask, Mask]
     1273), which a worn unit can hardly change. Of two units only the wider can be worn.
     """
     count = len(clearances)
-    enough = measured.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
+    enough = _show_shift(measured)
     shifts = np.zeros(count)
     for _ in range(_ROUNDS):
         centres = _nan_median(clearances - shifts[:, None], axis=0)
@@ -159,16 +159,14 @@ def _start(clearances: Table, measured: Mask, least: float) -> tuple[Mask, Mask]
 def _compared(clearances: Table, measured: Mask, kept: Mask, least: float, *, cut: bool = False) -> _Fit:
     """Compare every pair with those that are kept, itself left out; ``cut`` where these were cut at 2.5 spreads."""
     shifts, centres = _two_way(clearances, kept)
-    shifted = kept.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
-    of_unit = measured.sum(axis=1)
-    for row in np.flatnonzero(~kept.any(axis=1) & (of_unit >= LANDS_TO_SHOW_A_SHIFT)):
+    for row in np.flatnonzero(~kept.any(axis=1) & _show_shift(measured)):
         shifts[row] = np.nan_to_num(_nan_median(clearances[row] - centres, axis=0))
     level = clearances - shifts[:, None]
     here = np.where(kept, level, 0.0)
     pairs = kept.sum(axis=0)
     lands = int((pairs > 0).sum())
     free = np.maximum(pairs - 1, 0)
-    all_free = max(float(kept.sum()) - lands - max(float(shifted.sum()) - 1.0, 0.0), 0.0)
+    all_free = max(float(kept.sum()) - lands - max(float(_show_shift(kept).sum()) - 1.0, 0.0), 0.0)
     degrees = free * all_free / max(free.sum(), 1)  # of each land, less its part of what the shifts take
     squares = np.where(kept, (level - centres) ** 2, 0.0).sum(axis=0)
     pooled = max(squares.sum() / max(all_free, 1.0) / (_CUT_VARIANCE if cut else 1.0), least**2)
@@ -195,7 +193,7 @@ def _compared(clearances: Table, measured: Mask, kept: Mask, least: float, *, cu
     probability = np.where(t > 0.0, tail, 1.0) if len(clearances) < UNITS_TO_NAME_ONE else 2.0 * tail
     return _Fit(
         shifts,
-        np.sqrt(pooled / np.maximum(of_unit, 1)),
+        np.sqrt(pooled / np.maximum(measured.sum(axis=1), 1)),
         deviation,
         deviate,
         np.where(comparable, probability, 1.0),
@@ -210,11 +208,11 @@ def _units_left_out(fit: _Fit, measured: Mask, kept: Mask, units: Mask) -> dict[
         return {}
     limit = FALSE_ALARM / _KINDS_OF_TEST / count
     wide = (measured & ~kept & (fit.deviation > 0.0)).sum(axis=1)
-    shifted = measured.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
+    shifted = _show_shift(measured)
     why: dict[int, WhyUnit] = {}
     for row in np.flatnonzero(measured.any(axis=1)):
         over = np.maximum(fit.deviate[row][kept[row]], 0.0)
-        if _shift_probability(fit, shifted & units, row) <= limit:
+        if shifted[row] and _shift_probability(fit, shifted & units, row) <= limit:
             why[int(row)] = WhyUnit.WIDE_THROUGHOUT if fit.shifts[row] > 0.0 else WhyUnit.TIGHT_THROUGHOUT
         elif wide[row] >= WIDE_LANDS_OF_A_WORN_UNIT:
             why[int(row)] = WhyUnit.WIDE_LANDS
@@ -225,20 +223,24 @@ def _units_left_out(fit: _Fit, measured: Mask, kept: Mask, units: Mask) -> dict[
 
 def _shift_probability(fit: _Fit, units: Mask, row: int) -> float:
     """Return how probable it is by chance that all lands of a unit are off together by so much."""
-    beside = units & (np.arange(len(units)) != row)
-    others = fit.shifts[beside]
-    if others.size < UNITS_TO_JUDGE_A_SHIFT - 1 or fit.shifts[row] == 0.0:
+    others = fit.shifts[units & (np.arange(len(units)) != row)]
+    if others.size < UNITS_TO_JUDGE_A_SHIFT - 1:
         return 1.0
     spread = max(float(np.std(others, ddof=1)), float(fit.shift_error[row]))
     t = (fit.shifts[row] - float(others.mean())) / (spread * math.sqrt(1.0 + 1.0 / others.size))
     return 2.0 * float(student_tail(abs(t), others.size - 1))
 
 
+def _show_shift(pairs: Mask) -> Mask:
+    """Tell which units have enough pairs to show what all their lands have in common."""
+    return pairs.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
+
+
 def _two_way(clearances: Table, kept: Mask) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the shifts of units and the means of lands [m] that fit the kept pairs best by least squares."""
     values = np.where(kept, clearances, 0.0)
     of_land, of_unit = np.maximum(kept.sum(axis=0), 1), np.maximum(kept.sum(axis=1), 1)
-    there = kept.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
+    there = _show_shift(kept)
     shifts = np.zeros(len(clearances))
     centres = np.zeros(clearances.shape[1])
     for _ in range(100):

@@ -21,10 +21,11 @@ from pages.shared import show
 if TYPE_CHECKING:
     from pages.shared.transmission import Editing
 
-COMPONENTS = "Components"
+COMPONENTS, NEW_PARTS = "Components", "New parts"
 STEPS = {
     "Head": ("Head",),
     COMPONENTS: ("Components", "Lands", "Materials"),
+    NEW_PARTS: (),  # no tables of its own: sheets of new units, from which mounting clearances are learned
     "Pump": ("Pump",),
     "Operating points": ("Operating points",),
     "Circuits": ("Circuits", "Feeds", "Set pressures", "Apply chart"),
@@ -40,6 +41,7 @@ _MORE = 10
 _TALL, _LINE = 20, 35  # rows that are shown at most, and pixels of one
 _LETTER, _SIGN = 7, 40  # pixels of a letter, and of the sign before a heading
 _OPEN = {"pressure"}  # whose names are offered by no list: a share of one may be typed too
+_WIDEST = 40  # letters of a column
 _NONE = ""
 
 
@@ -124,7 +126,7 @@ def _table(editing: Editing, sheet: Sheet, found: Checked) -> None:
             _WRONG: [" · ".join(wrong.get(number, ())) for number in numbers],
         }
     )
-    config = {column.heading: _config(column, editing, sheet) for column in columns}
+    config = {column.heading: _config(column, editing, sheet, base) for column in columns}
     config[_ROW] = st.column_config.TextColumn(_ROW, width=52, disabled=True, pinned=True)
     config[_WRONG] = st.column_config.TextColumn(_WRONG, width=420, disabled=True)
     st.data_editor(
@@ -175,9 +177,10 @@ def _cells(column: Column, rows: list[dict[str, str]]) -> Any:
 # --- columns ------------------------------------------------------------------------------------------------------
 
 
-def _config(column: Column, editing: Editing, sheet: Sheet) -> Any:
+def _config(column: Column, editing: Editing, sheet: Sheet, base: list[dict[str, str]]) -> Any:
     label, tip = _label(column, editing), column.help or None
-    width = max(column.width * _LETTER, len(label) * _LETTER + _SIGN)
+    longest = max((len(row.get(column.heading, "")) for row in base), default=0)
+    width = max(min(max(column.width, longest + 2), _WIDEST) * _LETTER, len(label) * _LETTER + _SIGN)
     if isinstance(column.kind, Mark):
         return st.column_config.CheckboxColumn(label, width=60, help=tip)
     typed = (row.get(column.heading, "") for row in editing.draft.rows(sheet.name))

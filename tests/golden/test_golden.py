@@ -30,6 +30,7 @@ def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, value
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("profile", ["workshop", "paper"])
 def test_sample_job_computes_what_it_did(profile: str) -> None:
     before = dict(leaves(json.loads(regenerate.golden_file(profile).read_text(encoding="utf-8"))))

@@ -14,10 +14,11 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
+from atleak.controller_sheets.kinds import Choice
 from atleak.controller_sheets.layout import HEAD, INSTRUCTIONS, LISTS, SHEETS, UNIT_LINES
 from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import Units
-from atleak.errors import CatalogueError, Place, ReadingsError
+from atleak.errors import CatalogueError, Place, ReadingsError, one_of
 from atleak.faults import together
 from atleak.intake.controller_workbook.places import Places
 from atleak.intake.controller_workbook.rows import Page, form_page, table_page
@@ -153,7 +154,8 @@ def _units(sheet: Sheet | None, into: Description) -> Units:
     row = page.rows[0] if page.rows else Row(Spot(HEAD.name), {}, {})
     for line in UNIT_LINES:
         if line.heading not in row.cells:
-            into.fault(row, line.heading, "not chosen", f"one of {', '.join(line.kind.shown)}")
+            options = line.kind.shown if isinstance(line.kind, Choice) else ()
+            into.fault(row, line.heading, "not chosen", one_of(options))
     chosen = {line.keys[0]: row.values[line.heading] for line in UNIT_LINES if line.heading in row.values}
     return Units(**chosen)
 

@@ -9,7 +9,7 @@ from atleak.controller_sheets.layout import SHEETS
 from atleak.controller_sheets.meaning import fault_of_cell
 from atleak.controller_sheets.shapes import Column
 from atleak.controller_sheets.units import Units
-from atleak.errors import CatalogueError, Place
+from atleak.errors import CatalogueError, InputError, Place
 from atleak.intake.controller_workbook.rows import Page
 from atleak.intake.sheets.sheet import column_letter
 
@@ -24,27 +24,22 @@ class Places:
 
     def fault(self, fault: Fault) -> CatalogueError:
         """Return a fault as an error that names sheet, row and column."""
-        return CatalogueError(
-            fault.problem,
-            place=self.place(fault.spot),
-            value=fault.value,
-            expected=fault.expected,
-            nearest=fault.nearest,
-        )
+        return _at(self.place(fault.spot), fault)
 
     def place(self, spot: Spot) -> Place:
         """Return where a cell is: the column by its letter and heading."""
         page = self.pages.get(spot.sheet)
         if page is None:
             return Place(self.file, spot.sheet, spot.row, spot.heading)
-        row, column = spot.row, page.columns.get(spot.heading or "")
-        if spot.heading in page.lines:
-            line, column = page.lines[spot.heading]
+        name = spot.heading or ""
+        row, column = spot.row, page.columns.get(name)
+        if name in page.lines:
+            line, column = page.lines[name]
             row = page.sheet.row_number(line)
         heading = spot.heading if column is None else f"{column_letter(column)} ({spot.heading})"
         return Place(self.file, page.sheet.name, row, heading)
 
-    def of_meaning(self, error: CatalogueError, into: Description) -> CatalogueError | None:
+    def of_meaning(self, error: InputError, into: Description) -> CatalogueError | None:
         """Return a fault of the tables as one of the workbook; None where its cell has one already.
 
         Parameters
@@ -59,24 +54,13 @@ class Places:
         if into.is_unread(steps):
             return None
         spot = into.spot(steps)
-        if spot is None:
-            return CatalogueError(
-                error.problem,
-                place=Place(self.file, table=error.place.table, key=error.place.key),
-                value=error.value,
-                expected=error.expected,
-                nearest=error.nearest,
-            )
+        if spot is None:  # no sheet says it
+            place = Place(self.file, table=error.place.table, key=error.place.key)
+            return _at(place, error)
         column, row = self._column(spot), self._row(spot)
-        if column is None or row is None:
-            return CatalogueError(
-                error.problem,
-                place=self.place(spot),
-                value=error.value,
-                expected=error.expected,
-                nearest=error.nearest,
-            )
-        return self.fault(fault_of_cell(error, column, row, self.units))
+        if column is None:
+            return _at(self.place(spot), error)
+        return self.fault(fault_of_cell(error, column, row or Row(spot, {}, {}), self.units))
 
     def order(self, error: CatalogueError) -> tuple[int, int, str]:
         """Return the key by which faults are listed: sheet by sheet, row by row."""
@@ -93,3 +77,8 @@ class Places:
     def _row(self, spot: Spot) -> Row | None:
         page = self.pages.get(spot.sheet)
         return None if page is None else next((row for row in page.rows if row.spot.row == spot.row), None)
+
+
+def _at(place: Place, fault: Fault | InputError) -> CatalogueError:
+    """Return a fault as it is, at a place of the workbook."""
+    return CatalogueError(fault.problem, place=place, value=fault.value, expected=fault.expected, nearest=fault.nearest)

@@ -11,17 +11,20 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture
-def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
-    """The dashboard, run once.
+def app(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
+    """The dashboard, run once: on the page that the test's mark names, else on the diagnosis.
 
-    The harness takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one
-    that stands elsewhere and runs ``app.py``.
+    The diagnosis is the page that takes longest: a test of what every page has starts on a quicker one. The harness
+    takes a main script beside a ``pages`` folder for an app without `st.navigation`, so it is given one that stands
+    elsewhere and runs ``app.py``.
     """
     monkeypatch.syspath_prepend(str(ROOT))
     monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     main = tmp_path / "main.py"
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    return AppTest.from_file(str(main), default_timeout=240).run()
+    opened = AppTest.from_file(str(main), default_timeout=240)
+    mark = request.node.get_closest_marker("page")
+    return opened.run() if mark is None else go(opened, *mark.args)
 
 
 def go(app: AppTest, page: str) -> AppTest:

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
+import pytest
 from streamlit.testing.v1 import AppTest
 
-from .conftest import go
 
-
+@pytest.mark.page("7_Catalogue")
 def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_representative(app: AppTest) -> None:
-    go(app, "7_Catalogue")
     assert not app.exception
     assert "Circuits" not in [heading.value for heading in app.subheader]
     chosen = next(widget for widget in app.selectbox if widget.key == "catalogue-controller")
     chosen.select("Five-speed after Ford's 5R55S, with its circuits").run()
     assert not app.exception
     headings = [heading.value for heading in app.subheader]
-    assert headings[:5] == [
+    assert headings[:6] == [
+        "What the values are known from",
         "Operating points",
         "Circuits",
         "Leaks beside the lands",
         "Consumers",
         "Permissible main pressure",
     ]
-    circuits = app.dataframe[1].value
+    circuits = app.dataframe[2].value
     assert "overdrive_band · overdrive band servo" in list(circuits["circuit"])
     assert any("Representative" in info.value and "pump" in info.value for info in app.info)

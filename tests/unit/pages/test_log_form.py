@@ -11,6 +11,8 @@ from atleak.job.case import SourceFile
 
 from .conftest import ROOT, go, texts, uploader
 
+pytestmark = pytest.mark.page("4_Road_test")
+
 TWO_PRESSURES = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
     + "".join(f"{step / 10};800;{600 + step};{900 - step};80;2\n" for step in range(100))
@@ -20,7 +22,6 @@ TWO_PRESSURES = (
 def test_a_log_with_a_question_is_settled_by_the_form(app: AppTest) -> None:
     uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
     assert "two.csv was not taken" in texts(app)
-    go(app, "4_Road_test")
     assert not app.exception
     assert "Which column is it?" in texts(app)
     next(widget for widget in app.main.selectbox if widget.label.startswith("main")).select("line pressure 2 [kPa]")
@@ -40,7 +41,7 @@ def use_columns(app: AppTest) -> AppTest:
 
 
 def most_leakage(app: AppTest) -> float:
-    return go(app, "4_Road_test").dataframe[-1].value.set_index("what")["largest"]["leakage"]
+    return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
 
 
 def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
@@ -60,7 +61,6 @@ def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: 
 
 def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppTest) -> None:
     uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
-    go(app, "4_Road_test")
     column_box(app, "main").select("line pressure 2 [kPa]")
     use_columns(app)
     uploader(app, "Road-test log").set_value(None).run()
@@ -74,9 +74,8 @@ def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppT
 
 
 def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path: Path) -> None:
-    (tmp_path / "atleak").write_text("a file where the folder should be", encoding="utf-8")
+    (tmp_path / "home").write_text("a file where the folder should be", encoding="utf-8")
     uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
-    go(app, "4_Road_test")
     assert "for everyone who uses it" in texts(app)
     column_box(app, "main").select("line pressure 2 [kPa]")
     use_columns(app)
@@ -101,26 +100,24 @@ def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
     def largest() -> float:
         return app.dataframe[-1].value.set_index("what")["largest"]["leakage"]
 
-    go(app, "4_Road_test")
     assert largest() == pytest.approx(2.92, rel=0.02, abs=0.0)
     app.main.slider[0].set_value((8.0, 12.0)).run()
     assert not app.exception
     less = largest()
     assert less < 2.6
-    go(app, "1_Diagnosis")
+    go(app, "2_Readings")
     go(app, "4_Road_test")
     assert app.main.slider[0].value == (8.0, 12.0)
     assert largest() == less
 
 
 def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) -> None:
-    go(app, "4_Road_test")
     next(widget for widget in app.main.file_uploader if widget.label == "Other road-test log").upload(
         "after.csv", sample_log.read_bytes(), "text/csv"
     ).run()
     next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
     assert not app.exception
-    go(app, "1_Diagnosis")
+    go(app, "2_Readings")
     go(app, "4_Road_test")
     assert "after.csv" in texts(app)
     assert next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").value == "1,25"
@@ -131,11 +128,16 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
 # --- a log without a sheet
 
 
-@pytest.mark.parametrize("page", ["1_Diagnosis", "4_Road_test", "5_Report", "2_Readings", "3_Uncertainty"])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=pytest.mark.page(page))
+        for page in ("1_Diagnosis", "4_Road_test", "5_Report", "2_Readings", "3_Uncertainty")
+    ],
+)
 @pytest.mark.parametrize("kept", [6, 2], ids=["whole", "without main pressure"])
 def test_a_log_alone_shows_on_every_page(app: AppTest, sample_log: Path, page: str, kept: int) -> None:
     uploader(app, "Road-test log").upload("alone.csv", columns_of(sample_log, kept), "text/csv").run()
-    go(app, page)
     assert not app.exception
     assert "green" not in texts(app)
 
@@ -146,6 +148,7 @@ def columns_of(log: Path, kept: int) -> bytes:
     return "\n".join(";".join(line.split(";")[:kept]) for line in lines).encode()
 
 
+@pytest.mark.page("1_Diagnosis")
 def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Path) -> None:
     low = [line.split(";") for line in sample_log.read_text(encoding="utf-8").splitlines()]
     rows = [";".join(low[0]), *(";".join([*row[:2], f"{0.4 * float(row[2]):.2f}", *row[3:]]) for row in low[1:])]
@@ -163,6 +166,7 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     assert "minimum-acceleration test" in app.dataframe[2].value["event"].tolist()
 
 
+@pytest.mark.page("1_Diagnosis")
 def test_a_log_without_main_pressure_is_taken_and_says_what_to_gauge(app: AppTest, sample_log: Path) -> None:
     uploader(app, "Road-test log").upload("phone.csv", columns_of(sample_log, 2), "text/csv").run()
     assert not app.exception

@@ -26,7 +26,9 @@ from atleak.job.record import Job
 from atleak.uncertainty import DEFAULTS
 from atleak.views.diagnosis_record import diagnosis_record
 
-ROOT = Path(__file__).resolve().parents[3]
+from .conftest import ROOT, go
+
+pytestmark = pytest.mark.page("2_Readings")
 LOG = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];gear\n"
     + "".join(f"{step / 10};{800 + step};{600 + step};{900 - step};2\n" for step in range(100))
@@ -93,15 +95,6 @@ def packed(diagnosis: Diagnosis, sheet: bytes, own_limits: bytes) -> bytes:
     )
 
 
-@pytest.fixture
-def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
-    monkeypatch.syspath_prepend(str(ROOT))
-    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
-    main = tmp_path / "main.py"
-    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    return AppTest.from_file(str(main), default_timeout=240).run()
-
-
 SEVERAL = (
     b"Inspection;Valve;Land;Part;Diameter [mm]\n"
     b"May;accumulator;1;piston;17.998\nMay;accumulator;1;bore;18.041\n"
@@ -163,7 +156,7 @@ def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content:
     assert not [error.value for error in app.error if "not taken" in error.value]
     expected = diagnosis_record(diagnosis)
     assert shown(app) == expected
-    app.switch_page(str(ROOT / "pages" / "2_Readings.py")).run()
+    go(app, "1_Diagnosis")
     app.run()
     assert shown(app) == expected
 

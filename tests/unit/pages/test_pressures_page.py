@@ -16,6 +16,7 @@ from pages.shared.pressure_form import UNITS
 from .conftest import choice, go, texts, uploader
 
 PAGE = "8_Pressures"
+pytestmark = pytest.mark.page(PAGE)
 
 
 def field(app: AppTest, label: str):
@@ -28,7 +29,6 @@ def tap(app: AppTest, label: str):
 
 @pytest.fixture
 def page(app: AppTest) -> AppTest:
-    go(app, PAGE)
     return app
 
 

@@ -15,20 +15,9 @@ from streamlit.testing.v1 import AppTest
 from atleak.job.record import Job
 from atleak.report.pdf.body import SECTIONS
 
-ROOT = Path(__file__).resolve().parents[3]
+from .conftest import ROOT, go
 
-
-@pytest.fixture
-def app(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> AppTest:
-    monkeypatch.syspath_prepend(str(ROOT))
-    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
-    main = tmp_path / "main.py"
-    main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
-    return go(AppTest.from_file(str(main), default_timeout=240).run(), "5_Report")
-
-
-def go(app: AppTest, page: str) -> AppTest:
-    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+pytestmark = pytest.mark.page("5_Report")
 
 
 def field(app: AppTest, label: str):

@@ -94,6 +94,11 @@ def a_sheet(
     return Readings("sheet.csv", "", None, "mm", False, "tidy", tuple(readings))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def as_for_users(all_draws: None) -> None:
+    """Draw as often as for users: the draws are what is tested here."""
+
+
 @dataclass(frozen=True)
 class Case:
     model: LeakageModel
