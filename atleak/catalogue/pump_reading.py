@@ -86,6 +86,7 @@ def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
     _check_kind(table, reading)
     _check_clearances(table, reading)
     sizes = _dimensions(table)
+    _check_faces(table.kind, sizes, reading)
     displacement, gaps = None, PumpGaps(None, None)
     try:
         displacement = _displacement(table, sizes, reading)
@@ -137,6 +138,15 @@ def _check_kind(table: PumpTable, reading: Reading) -> None:
             problem = f"no dimension of a {kind.name}"
             expected = f"of {', '.join(name for name in _DIMENSIONS if name in own)}"
             reading.faults.append(reading.fault(("pump", key), problem, value=getattr(table, key), expected=expected))
+
+
+def _check_faces(kind: PumpKind | None, sizes: dict[str, Any], reading: Reading) -> None:
+    """Refuse a sealing land that ends where it begins, and go on without the diameter where it does."""
+    for outer, inner in () if kind is None else dict.fromkeys(_KINDS[kind].faces):
+        if sizes.get(outer, 1.0) <= sizes.get(inner, 0.0):
+            at, value, expected = ("pump", inner), sizes.pop(inner) * 1e3, f"less than {outer}"
+            problem = "the sealing land of the faces would end where it begins"
+            reading.faults.append(reading.fault(at, problem, value=value, expected=expected))
 
 
 def _check_clearances(table: PumpTable, reading: Reading) -> None:

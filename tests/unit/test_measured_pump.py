@@ -217,6 +217,8 @@ def test_the_sheet_s_head_asks_for_what_the_file_can_use_and_is_read_back(
     assert of_sheet.controller.pump.measured.um == (85.0, 160.02)
     of_job = diagnose(unit, hipol, limits, readings=again, pump_clearances=PumpClearances.of_um(60.0, None))
     assert of_job.controller.pump.measured.um == (60.0, 160.02)
+    texts = {message.code: message.text for message in of_job.messages}
+    assert "states a pump side clearance of 85 µm, the job 60 µm" in texts["pump_clearance_differs"]
 
 
 def test_a_profile_with_a_constant_efficiency_says_that_the_clearances_count_nowhere(

@@ -116,6 +116,11 @@ def test_each_kind_displaces_what_its_dimensions_say(pump: dict[str, Any], displ
         ({**CRESCENT, "ring_teeth": 24}, ("pump",), ("above the pinion's",)),
         ({**GEROTOR, **NEW, "tip_clearance_limit_um": 90.0}, ("pump", "tip_clearance_limit_um"), ("at least 110 µm",)),
         ({**VANE, "tip_clearance_um": 30.0}, ("pump", "tip_clearance_um"), ("vanes lie against the ring",)),
+        (
+            {**GEROTOR, "shaft_diameter_mm": 50.0},
+            ("pump", "shaft_diameter_mm"),
+            ("end where it begins", "less than root_diameter_mm"),
+        ),
         ({**GEAR, "measured": ["teeth", "tooth"]}, ("pump", "measured"), ("'tooth'",)),
     ],
 )
