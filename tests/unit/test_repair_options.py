@@ -168,6 +168,8 @@ def test_prices_in_two_currencies_are_added_apart_and_never_compared(
     assert sorted(chosen(plan)) == [((PR, 1), "option_1"), ((PR, 2), "option_3")]
     assert plan.cost.prices == {"PLN": 500.0, "EUR": 90.0}
     assert plan.cost.without_hours == 2
+    said = " ".join(plan_ends(plan))
+    assert "Parts 500.00 PLN + 90.00 EUR, work – h. Not in these sums" in said.replace("\u00a0", " ")
 
 
 def test_a_repair_without_a_price_comes_after_those_with_one(
@@ -177,6 +179,8 @@ def test_a_repair_without_a_price_comes_after_those_with_one(
         repair(1, "sleeve", lands=[1]), repair(2, "sleeve", lands=[1], price=900.0, currency="EUR"), worn=(1,)
     )
     assert chosen(plan) == [((PR, 1), "option_2")]
+    _, unknown = plan_of(repair(1, "sleeve", lands=[1]), worn=(1,))
+    assert "Repairs planned: 1. The valve body's file states neither price nor hours of them." in plan_ends(unknown)
 
 
 def test_terminal_record_and_workbook_show_options_price_and_sum(
