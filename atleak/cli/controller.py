@@ -76,14 +76,14 @@ def _template(options: argparse.Namespace) -> int:
     _check_name(options.output, ".xlsx", "the workbook to fill in")
     data = None
     if options.start is not None:
-        tables = _tables(options.start)
+        tables = _described(options.start)[0]
         data = {key: value for key, value in tables.items() if key not in Entry.model_fields}
     return _write_workbook(options, options.start, data)
 
 
 def _to_workbook(options: argparse.Namespace) -> int:
     _check_name(options.output, ".xlsx", "the workbook")
-    status = _write_workbook(options, options.controller, _tables(options.controller))
+    status = _write_workbook(options, options.controller, _described(options.controller)[0])
     print(f"atleak: {_LOST}", file=sys.stderr)
     return status
 
@@ -100,32 +100,30 @@ def _write_workbook(options: argparse.Namespace, source: str | None, data: Mappi
 
 def _from_workbook(options: argparse.Namespace) -> int:
     from atleak.catalogue.controller_toml import written_toml
-    from atleak.intake.controller_workbook import read_controller_workbook
 
     if options.output != "-":
         _check_name(options.output, ".toml", "the description")
     check_targets(options, [options.workbook], [("TOML file", options.output)])
-    described = read_controller_workbook(options.workbook)
-    for note in described.notes:
-        print(f"atleak: {note}", file=sys.stderr)
-    say_written(write_text(options.output, written_toml(described.data)))
+    tables, controller = _from_sheets(options.workbook)
+    say_written(write_text(options.output, written_toml(tables)))
     if options.output != "-":
-        print(_summary(described.controller))
+        print(_summary(controller))
     return 0
 
 
 def _check(options: argparse.Namespace) -> int:
-    from atleak.catalogue.controller_reading import load_controller
-    from atleak.intake.controller_workbook import is_workbook, read_controller_workbook
+    from atleak.views.evidence_rows import evidence_counts, still_to_measure
 
-    if is_workbook(options.file) or Path(options.file).suffix.lower() == ".xlsx":
-        described = read_controller_workbook(options.file)
-        for note in described.notes:
-            print(f"atleak: {note}", file=sys.stderr)
-        controller = described.controller
-    else:
-        controller = load_controller(options.file)
+    controller = _described(options.file)[1]
     print(f"{_summary(controller)}; nothing is wrong with it")
+    if not controller.gaps_described:
+        print(
+            "no gap is described: every land is taken to leak from main pressure to the sump, which is an upper bound"
+        )
+    counts = evidence_counts(controller)
+    print("values: " + ", ".join(f"{count} {known.replace('_', ' ')}" for known, count in counts.items()))
+    if to_measure := still_to_measure(controller):
+        print(f"representative, to be measured or looked up: {', '.join(to_measure)}")
     return 0
 
 
@@ -134,20 +132,33 @@ def _summary(controller: Controller) -> str:
     counts = {
         "components": len(controller.components),
         "lands": len(controller.lands),
-        "gaps": len(controller.gaps),
+        "gaps": len(controller.gaps) if controller.gaps_described else 0,
         "circuits": len(controller.circuits),
         "operating points": len(controller.operating_points),
     }
     return f"{controller.name}: " + ", ".join(f"{number} {what}" for what, number in counts.items())
 
 
-def _tables(id_or_path: str) -> dict[str, Any]:
-    """Return the tables of a controller's file that is as it must be."""
+def _described(id_or_path: str) -> tuple[dict[str, Any], Controller]:
+    """Return the tables of a controller, described in a TOML file or in a workbook, and the controller."""
     from atleak.catalogue.controller_reading import load_controller
     from atleak.catalogue.entries import read_tables
+    from atleak.intake.controller_workbook import is_workbook
 
-    load_controller(id_or_path)
-    return read_tables("controllers", id_or_path)[0]
+    if is_workbook(id_or_path) or Path(id_or_path).suffix.lower() == ".xlsx":
+        return _from_sheets(id_or_path)
+    controller = load_controller(id_or_path)
+    return read_tables("controllers", id_or_path)[0], controller
+
+
+def _from_sheets(path: str) -> tuple[dict[str, Any], Controller]:
+    """Return what a workbook describes; what was taken for granted is said aloud."""
+    from atleak.intake.controller_workbook import read_controller_workbook
+
+    described = read_controller_workbook(path)
+    for note in described.notes:
+        print(f"atleak: {note}", file=sys.stderr)
+    return described.data, described.controller
 
 
 def _check_name(name: str, suffix: str, what: str) -> None:

@@ -151,8 +151,9 @@ _PUMP_KNOWN = Choice((Evidence.MEASURED, Evidence.REPRESENTATIVE))
 
 def _pump(heading: str, key: str, kind: Kind) -> tuple[Column, Column]:
     """Return the field of a key of the pump and the one that says how it is known; its help is the key's own."""
-    about = PumpTable.model_fields[key].description or ""
-    return Column(heading, (key,), kind, help=about), known(f"{heading} is", key, kind=_PUMP_KNOWN)
+    field = PumpTable.model_fields[key]
+    column = Column(heading, (key,), kind, required=field.is_required(), help=field.description or "")
+    return column, known(f"{heading} is", key, kind=_PUMP_KNOWN)
 
 
 PUMP = Form(

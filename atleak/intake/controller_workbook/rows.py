@@ -103,6 +103,9 @@ def form_page(
             places.setdefault(each.heading, (row, column))
             _read_cell(page, row, column, each, units, cells, values, Spot(declared.name, None, each.heading), into)
     page.lines = places
+    note = columns.get(words(NOTE_HEADING))
+    if note is not None and lines is declared.columns:
+        _say_lost(sheet, [row for row in range(top + 1, len(sheet.rows)) if _own(sheet, row, note)], into)
     if cells:
         page.rows.append(Row(Spot(declared.name), cells, values))
     return page
@@ -143,10 +146,7 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
             _read_cell(page, row, number, column, units, cells, values, at, into)
         absent = frozenset(column.heading for column in missing)
         page.rows.append(Row(spot, cells, values, absent))
-    if remarks:
-        into.notes.append(
-            f"sheet {sheet.name!r}, {rows_named(sheet, remarks)}: what stands under Note is not carried over"
-        )
+    _say_lost(sheet, remarks, into)
     return page
 
 
@@ -210,6 +210,13 @@ def _is_example(declared: Declared, columns: Any, stands: Mapping[str, Cell]) ->
         for example in declared.examples
         for units in every
     )
+
+
+def _say_lost(sheet: Sheet, rows: Sequence[int], into: Description) -> None:
+    """Say which remarks are not carried over."""
+    if rows:
+        where = rows_named(sheet, rows)
+        into.notes.append(f"sheet {sheet.name!r}, {where}: what stands under {NOTE_HEADING} is not carried over")
 
 
 def _is(cell: Cell, mark: str) -> bool:

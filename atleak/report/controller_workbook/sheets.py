@@ -64,6 +64,9 @@ def formats(book: xlsxwriter.Workbook) -> Styles:
         "unit": book.add_format({**given, "align": "center"}),
         "example": book.add_format({**given, "italic": True}),
         "note": book.add_format({"italic": True, "font_color": SHEET_COLOURS["soft"], "valign": "top"}),
+        "long note": book.add_format(
+            {"italic": True, "text_wrap": True, "font_color": SHEET_COLOURS["soft"], "valign": "top"}
+        ),
         "text": book.add_format({**entry, "num_format": "@", "align": "left"}),
         "long text": book.add_format({**entry, "num_format": "@", "text_wrap": True, "align": "left"}),
         "number": book.add_format({**entry, "align": "right"}),
@@ -104,13 +107,14 @@ def write_form(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units:
         value = values.get(line.heading)
         style = "long text" if _style(line.kind) == "text" else ""
         _write_cell(page, styles, row, 2, line, value, units, style=style)
-        page.set_row(row, _LINE * (1 + len(str(value or "")) // _FORM_WIDTHS[2]))
+        lines_needed = max(len(str(value or "")) // _FORM_WIDTHS[2], len(line.help) // _FORM_WIDTHS[5])
+        page.set_row(row, _LINE * (1 + lines_needed))
         _write_unit(page, row, 3, line.kind, units, styles["unit"])
         origin = known.get(line.key)
         if origin is not None:
             _write_cell(page, styles, row, 4, origin, values.get(origin.heading), units)
             _offer(page, row, row, 4, origin)
-        page.write_string(row, 5, line.help, styles["note"])
+        page.write_string(row, 5, line.help, styles["long note"])
         _offer(page, row, row, 2, line)
     page.freeze_panes(_HEADINGS + 1, 2)
     _finish(page, sheet)

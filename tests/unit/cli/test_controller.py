@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -223,7 +224,11 @@ def test_all_mistakes_are_shown_at_once_and_nothing_is_written(run: Run, ford_li
 def test_check_counts_what_is_described(run: Run, name: str) -> None:
     status, out, err = run("controller", "check", name)
     assert (status, err) == (0, "")
-    assert f"{len(load_controller(name).lands)} lands" in out
+    lines = out.splitlines()
+    assert f"{len(load_controller(name).lands)} lands" in lines[0]
+    assert ("which is an upper bound" in lines[1]) == (name == "minimal_example")
+    assert re.fullmatch(r"values: \d+ measured, \d+ published, \d+ representative, \d+ not stated", lines[-2])
+    assert lines[-1].startswith("representative, to be measured or looked up: ")
 
 
 def test_a_template_starts_from_a_shipped_unit_without_its_name(run: Run, tmp_path: Path) -> None:
@@ -253,6 +258,15 @@ def test_what_cannot_be_done_is_said(run: Run, tmp_path: Path, arguments: tuple[
     status, out, err = run("controller", *places)
     assert (status, out) == (2, "")
     assert message in err
+
+
+def test_a_workbook_is_written_in_other_units(run: Run, tmp_path: Path) -> None:
+    first, second, unit = (tmp_path / name for name in ("first.xlsx", "second.xlsx", "unit.toml"))
+    assert run("controller", "to-workbook", "minimal_example", "-o", first, "--units", "inch")[0] == 0
+    assert run("controller", "to-workbook", first, "-o", second, "--pressure", "bar")[0] == 0
+    assert run("controller", "from-workbook", second, "-o", unit)[0] == 0
+    shipped = load_controller("minimal_example")
+    assert replace(load_controller(unit), origin=shipped.origin) == shipped
 
 
 def test_a_file_of_somebody_s_own_is_not_written_over(run: Run, tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ class Book:
                     for column in columns
                     if not column.how_known
                 ]
-                self.sheets[sheet.name] = [[FIELD, VALUE, HOW_KNOWN], *head, *lines]
+                self.sheets[sheet.name] = [[FIELD, VALUE, HOW_KNOWN, NOTE_HEADING], *head, *lines]
             else:
                 headings = [NOTE_HEADING, *(column.heading for column in columns)]
                 cells = [[row.get(heading, "") for heading in headings] for row in rows]

@@ -69,9 +69,13 @@ def test_remarks_are_left_out_and_that_is_said(minimal_book: Book) -> None:
     plain = minimal_book.read().data
     minimal_book.put("Lands", 2, "Note", "bore looks scratched")
     minimal_book.put("Lands", 3, "Note", "new spool")
+    minimal_book.sheets["Head"][5] += [*[""] * (3 - len(minimal_book.sheets["Head"][5])), "ask the owner"]
     described = minimal_book.read()
     assert described.data == plain
-    assert described.notes == ("sheet 'Lands', rows 3–4: what stands under Note is not carried over",)
+    assert described.notes == (
+        "sheet 'Head', row 6: what stands under Note is not carried over",
+        "sheet 'Lands', rows 3–4: what stands under Note is not carried over",
+    )
 
 
 def test_sheets_that_hold_nothing_may_be_deleted(minimal_book: Book) -> None:

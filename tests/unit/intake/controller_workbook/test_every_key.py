@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.controller_toml import written_toml
-from atleak.catalogue.entries import catalogue_files
+from atleak.catalogue.entries import shipped_files
 from atleak.controller_sheets.layout import SHEETS
 from atleak.controller_sheets.units import Units
 from atleak.intake.controller_workbook import read_controller_workbook
@@ -74,7 +74,7 @@ QUICK = {("three_circuits", MM), ("five_speed_2005", INCH)}
     ("name", "units"),
     [
         pytest.param(name, units, marks=() if (name, units) in QUICK else pytest.mark.slow, id=f"{name}-{units.length}")
-        for name in ("three_circuits", *catalogue_files("controllers"))
+        for name in ("three_circuits", *shipped_files("controllers"))
         for units in (MM, INCH)
     ],
 )
