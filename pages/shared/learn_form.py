@@ -61,8 +61,8 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
         return None
     sources = tuple((file.name, file.getvalue()) for file in files)
     try:
-        choices = {"unit": None if unit == AS_STATED else unit, "made_for": made_for}
-        learned = _learned(_digest(data, sources), data, sources, choices, gauges)
+        stated = None if unit == AS_STATED else unit
+        learned = _learned(_digest(data, sources), data, sources, stated, made_for, gauges)
         tables = with_learned(data, learned, dt.date.today())
         checked_controller(tables)
     except AtleakError as error:
@@ -96,12 +96,17 @@ def _learned(
     digest: tuple[str, ...],
     _data: Mapping[str, Any],
     _sources: tuple[tuple[str, bytes], ...],
-    choices: dict[str, str | None],
+    unit: str | None,
+    made_for: str,
     gauges: dict[str, str],
 ) -> Learned:
     """Learn once for the same tables, sheets and choices; ``digest`` stands for the first two."""
     controller = checked_controller(_data)
-    return learn(controller, read_several(_sources, controller, **choices), instruments=load_instruments(**gauges))
+    return learn(
+        controller,
+        read_several(_sources, controller, unit=unit, made_for=made_for),
+        instruments=load_instruments(**gauges),
+    )
 
 
 def _show(learned: Learned) -> None:
