@@ -87,7 +87,7 @@ def _gauge(place: Any, part: Part, key: str) -> str:
 
 
 def _digest(data: Mapping[str, Any], sources: tuple[tuple[str, bytes], ...]) -> tuple[str, ...]:
-    contents = (written_toml(data).encode(), *(content for _, content in sources))
+    contents = (written_toml(data).encode(), *(part for name, content in sources for part in (name.encode(), content)))
     return tuple(hashlib.sha256(content).hexdigest() for content in contents)
 
 
