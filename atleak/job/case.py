@@ -281,7 +281,7 @@ class Case:
         readings = None if self.readings is None else loader.readings(self, controller)
         pressures = None if self.pressures is None else loader.pressures(self, controller)
         diagnosis = diagnose(
-            controller,
+            controller if readings is None else readings.own_lands.applied(controller),
             fluid,
             limits,
             fluid_state=self.fluid_state,

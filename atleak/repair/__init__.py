@@ -259,9 +259,10 @@ def _jobs(diagnosis: Diagnosis, chosen: Mapping[LandKey, Option | None]) -> list
     done: set[LandKey] = set()
     for key, option in chosen.items():
         if key not in done:
-            keys = [key] if option is None else [key, *(each for each in option.lands if each not in {key, *done})]
-            jobs.append([by_key[each] for each in keys])
-            done.update(keys)
+            changed = option.lands if option is not None else ()
+            together = [each for each in changed if each not in {key, *done} and chosen.get(each, option) is option]
+            jobs.append([by_key[each] for each in (key, *together)])
+            done.update((key, *together))
     return jobs
 
 

@@ -11,6 +11,7 @@ from functools import cached_property
 from atleak.catalogue.repairs import Repair
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import repaired
 from atleak.readings import LandClearance
 from atleak.rules import LandKey, clearance_limits
 from atleak.verdicts import Verdict
@@ -105,14 +106,16 @@ class Options:
         return chosen
 
     def model(self, chosen: Chosen) -> LeakageModel:
-        """Return the unit with every land as its chosen option leaves it; one without an option is as new."""
-        states = {
-            key: state for option in chosen.values() if option is not None for key, state in option.states.items()
-        }
+        """Return the unit with every land as its chosen option leaves it; one without an option is as new.
+
+        A land for which nothing is chosen is as the option of another one leaves it, where that changes it too.
+        """
+        states: dict[LandKey, LandClearance] = {}
+        for option in filter(None, chosen.values()):
+            states |= {key: state for key, state in option.states.items() if key not in chosen}
+        states |= {key: option.states[key] for key, option in chosen.items() if option is not None}
         if not states:
             return self.diagnosis.as_new
-        # a land that calls for its own option goes before what another one does to it
-        states |= {key: option.states[key] for key, option in chosen.items() if option is not None}
         as_new = self.diagnosis.as_new
         return replace(as_new, clearances=tuple(states.get(each.land.key, each) for each in as_new.clearances))
 
@@ -142,7 +145,7 @@ def _option(repair: Repair, lands: Mapping[LandKey, LandDiagnosis], diagnosis: D
         land.key
         for land in mine
         if states[land.key].radial_clearance < land.state.radial_clearance
-        and _within_limits(states[land.key], diagnosis)
+        and (not repair.ends or _within_limits(states[land.key], diagnosis))  # new parts are as new
     )
     return Option(repair, states, mending)
 
@@ -152,16 +155,14 @@ def _after(repair: Repair, state: LandClearance) -> LandClearance:
     if repair.keeps_clearance:
         return state
     land = state.land.with_repair(repair)
-    spool = state.spool_diameter if repair.nominal_diameter is None else land.nominal_diameter
-    clearance = land.new_clearance
-    sleeve = spool + 2.0 * clearance
-    return replace(
-        state, land=land, spool_diameter=spool, sleeve_diameter=sleeve, radial_clearance=clearance, stations=()
-    )
+    if repair.nominal_diameter is not None:
+        state = replace(state, spool_diameter=repair.nominal_diameter)
+    (after,) = repaired([replace(state, land=land)], [land.key])
+    return after
 
 
 def _within_limits(state: LandClearance, diagnosis: Diagnosis) -> bool:
-    """Tell whether even the widest that a repair commonly leaves is within the limit of the land's clearance."""
+    """Tell whether even the widest that a repair states to leave is within the limit of the land's clearance."""
     steps = clearance_limits(state, diagnosis.limits)
     return steps is None or steps.judge(state.land.widest_new, Verdict.OK)[0] == Verdict.OK
 

@@ -5,6 +5,7 @@ Verdicts differ in shade, outline and sign, so that a greyscale print still show
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from html import escape
 
@@ -20,7 +21,7 @@ _WIDTH = 1000.0
 _ROW = 104.0
 _ROD = 0.45  # diameter of the rod as a fraction of the smallest land's diameter
 _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
-_BETWEEN = 5.0  # [mm] of rod between two lands, which no catalogue states
+_BETWEEN = 5.0  # [mm] of rod between two lands, where the file states no positions
 
 
 def sign_svg(verdict: str, x: float, y: float, size: float, colour: str) -> str:
@@ -170,12 +171,20 @@ def _spool(
 
 def _places(lands: tuple[Land, ...], centre: float, scale: tuple[float, float]) -> list[tuple[Land, float, float]]:
     """Return each land with its left edge and width on the drawing."""
-    places, x = [], centre - _length(lands) * scale[0] / 2.0
-    for land in lands:
-        width = land.contact_length * MM * scale[0]
-        places.append((land, x, width))
-        x += width + _BETWEEN * scale[0]
-    return places
+    left = centre - _length(lands) * scale[0] / 2.0
+    return [
+        (land, left + start * scale[0], land.contact_length * MM * scale[0])
+        for land, start in zip(lands, _starts(lands), strict=True)
+    ]
+
+
+def _starts(lands: tuple[Land, ...]) -> list[float]:
+    """Return where each land begins [mm]: as it lies on its spool, where that is known of all of them."""
+    positions = [land.position * MM for land in lands if land.position is not None]
+    if len(positions) == len(lands):
+        return [position - min(positions) for position in positions]
+    ends = itertools.accumulate(land.contact_length * MM + _BETWEEN for land in lands[:-1])
+    return [0.0, *ends]
 
 
 def _scale(width: float, longest: float, height: float, thickest: float) -> tuple[float, float]:
@@ -185,7 +194,7 @@ def _scale(width: float, longest: float, height: float, thickest: float) -> tupl
 
 
 def _length(lands: tuple[Land, ...]) -> float:
-    return sum(land.contact_length * MM for land in lands) + _BETWEEN * (len(lands) - 1)
+    return max(start + land.contact_length * MM for land, start in zip(lands, _starts(lands), strict=True))
 
 
 def shortened(text: str, width: int) -> str:

@@ -56,10 +56,12 @@ class OptionRow:
         return say.number(self.option.repair.hours, 1)
 
     def use(self, say: Wording) -> str:
-        """Say whether it is the one that is planned, and if it cannot be, why."""
-        if self.chosen:
-            return say("plan.chosen")
-        return "" if self.option.mends(self.step.land.key) else say("plan.mends_not")
+        """Say whether it is the one that is planned, and where it does not mend the land."""
+        said = [
+            say("plan.chosen") if self.chosen else "",
+            "" if self.option.mends(self.step.land.key) else say("plan.mends_not"),
+        ]
+        return ", ".join(filter(None, said))
 
 
 def leaves(option: Option, key: LandKey, say: Wording) -> str:

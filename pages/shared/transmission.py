@@ -22,6 +22,8 @@ from atleak.views.controller_form import Checked, Draft, checked, copy_of, draft
 from atleak.views.evidence_rows import evidence_counts, still_to_measure
 from pages.shared import panel, show
 from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.learn_form import learn_form
+from pages.shared.transmission_tables import NEW_PARTS
 
 _STATE = "transmission"
 _EMPTY = "an empty description"
@@ -218,6 +220,21 @@ def draw_faults(found: Checked) -> None:
                 st.markdown("\n".join([*lines, *more]))
         for note in found.notes:
             st.caption(show.plain(note))
+
+
+def draw_learning(editing: Editing, step: str, found: Checked) -> None:
+    """Learn mounting clearances from measuring sheets of new units, into the tables of lands."""
+    if step != NEW_PARTS:
+        return
+    st.subheader("Mounting clearances from new parts")
+    if found.controller is None:
+        st.caption("Sheets can be read once nothing is missing or wrong: type a guess for clearances not known yet.")
+        return
+    tables = learn_form(found.data, key=editing.key("learn"))
+    if tables is not None:
+        editing.put(draft_of(tables, editing.draft.units))
+        editing.anew()
+        st.rerun()
 
 
 # --- saving -------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from atleak.views.drawing import controller_svg
 from atleak.views.flow_diagram import flow_diagram
 from atleak.views.flow_svg import flow_svg
 from pages.shared import show
-from pages.shared.transmission_tables import COMPONENTS
+from pages.shared.transmission_tables import COMPONENTS, NEW_PARTS
 
 _BESIDE = 5  # components side by side
 _ROW, _HIGHEST = 130, 330  # pixels of one row of components, and of the picture; more of it scrolls
@@ -42,7 +42,7 @@ def draw_spools(step: str, found: Checked) -> None:
 
 def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
     """Draw where the flow of the unit as new goes at one of its operating points, with the fluid of the job."""
-    if step == COMPONENTS:
+    if step in (COMPONENTS, NEW_PARTS):
         return
     st.subheader("Where its flow goes when new")
     with st.container():

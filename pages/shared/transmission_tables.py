@@ -21,10 +21,11 @@ from pages.shared import show
 if TYPE_CHECKING:
     from pages.shared.transmission import Editing
 
-COMPONENTS = "Components"
+COMPONENTS, NEW_PARTS = "Components", "New parts"
 STEPS = {
     "Head": ("Head",),
     COMPONENTS: ("Components", "Lands", "Materials"),
+    NEW_PARTS: (),  # no tables of its own: sheets of new units, from which mounting clearances are learned
     "Pump": ("Pump",),
     "Operating points": ("Operating points",),
     "Circuits": ("Circuits", "Feeds", "Set pressures", "Apply chart"),

@@ -45,7 +45,7 @@ def verdict_sentence(diagnosis: Diagnosis, record: dict[str, Any]) -> str:
     """Return the verdict in one paragraph, in markdown; without a sheet what gauges and log say."""
     say = wording("en")
     marks = [f"**{mark.capitalize()}.** " for mark in caveat_marks(diagnosis, say)]
-    reasons = [f" {plain(each)}" for each in caveats(diagnosis, say)]
+    reasons = [f"\n\n{plain(each)}" for each in caveats(diagnosis, say)]
     return "".join([*marks, _verdict_sentence(diagnosis, record, say), *reasons])
 
 

@@ -106,8 +106,11 @@ def visit(browser: playwright_api.Browser) -> Iterator[Callable[[str], playwrigh
 
 
 @pytest.fixture
-def page(visit: Callable[[str], playwright_api.Page], server: str) -> playwright_api.Page:
-    """The dashboard, freshly opened on the sample job."""
-    opened = visit(server)
+def page(
+    request: pytest.FixtureRequest, visit: Callable[[str], playwright_api.Page], server: str
+) -> playwright_api.Page:
+    """The dashboard, freshly opened on the sample job: on the page of the test's mark, else on the diagnosis."""
+    mark = request.node.get_closest_marker("page")
+    opened = visit(server if mark is None else f"{server}/{mark.args[0][2:]}")
     opened.get_by_text("Sample job: representative data").wait_for()
     return opened

@@ -73,8 +73,8 @@ def test_a_fresh_start_shows_the_sample_jobs_flagged_pairs(page: Page) -> None:
     assert "replace" in banner(page)
 
 
-def test_sorting_by_verdict_goes_by_severity(page: Page) -> None:
-    order = page.evaluate(
+def test_sorting_by_verdict_goes_by_severity(visit: Visit) -> None:
+    order = visit("about:blank").evaluate(
         "texts => texts.sort((one, other) => one.localeCompare(other))",
         ["● ok", "\u200a" * 3 + "✖ critical", "\u200a▲ watch", "\u200a\u200a■ replace"],
     )
@@ -91,12 +91,14 @@ def test_both_files_give_the_flagged_table(page: Page, sample_readings: Path, sa
     expect(page.get_by_text("Sample job: representative data")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_an_own_sheet_does_not_keep_the_samples_log(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
     expect(page.get_by_text("Over the road test")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "swapped.xlsx", changed(sample_readings, swap))
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
@@ -133,6 +135,7 @@ def test_an_empty_workbook_says_so(page: Page) -> None:
     assert "■ replace" in cells(page)
 
 
+@pytest.mark.slow
 def test_decimal_commas_are_read(page: Page, sample_log: Path) -> None:
     lines = sample_log.read_text(encoding="utf-8").replace(".", ",").encode("utf-8")
     upload(page, LOG, "komma.csv", lines)
@@ -240,8 +243,8 @@ AT_REST = """element => new Promise(done => {
 })"""
 
 
-def test_dragging_across_the_log_sets_the_cursors(page: Page, server: str) -> None:
-    page.goto(f"{server}/Road_test")
+@pytest.mark.page("4_Road_test")
+def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
     chart.wait_for()
     wait_until_idle(page)  # a script that still runs draws the chart anew and loses the drag
@@ -291,12 +294,14 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert WIDTHS["Pair"] + 2 * CONDITION_WIDTH <= matrix.bounding_box()["width"] + 2.0
 
 
-@pytest.mark.parametrize("address", ["Diagnosis", "Readings", "Uncertainty", "Road_test", "Report", "Catalogue"])
-def test_every_page_opens(page: Page, server: str, address: str) -> None:
-    page.get_by_role("link", name=address.replace("_", " ")).click()
-    expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible()
-    assert page.get_by_test_id("stException").count() == 0
-    assert page.url.rstrip("/") == f"{server}/{address}".removesuffix("/Diagnosis")
+@pytest.mark.page("2_Readings")
+def test_every_page_opens(page: Page, server: str) -> None:
+    for address in ("Uncertainty", "Road_test", "Report", "Catalogue", "Readings", "Diagnosis"):
+        page.get_by_role("link", name=address.replace("_", " ")).click()
+        expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible()
+        wait_until_idle(page)
+        assert page.get_by_test_id("stException").count() == 0
+        assert page.url.rstrip("/") == f"{server}/{address}".removesuffix("/Diagnosis")
 
 
 def test_a_pages_own_address_opens_it(visit: Visit, server: str) -> None:

@@ -96,9 +96,10 @@ def write(fold: Locator, label: str, text: str) -> None:
     box.press("Enter")
 
 
+@pytest.mark.page("5_Report")
 @pytest.mark.parametrize("delay", [60, pytest.param(100, marks=pytest.mark.slow)])
 def test_a_vehicle_typed_with_tab_stands_in_its_fields(page: Page, delay: int) -> None:
-    to(page, "Report")
+    wait_until_idle(page)
     field(page, "Make").click()
     for value in VEHICLE.values():
         page.keyboard.type(value, delay=delay)
@@ -131,8 +132,9 @@ def test_a_vehicle_typed_in_another_order_is_printed_where_it_belongs(page: Page
     assert "Fault codes" not in first
 
 
+@pytest.mark.page("5_Report")
 def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
-    to(page, "Report")
+    wait_until_idle(page)
     field(page, "Make").click()
     page.keyboard.type("Mercedes", delay=60)
     page.keyboard.press("Tab")
@@ -222,7 +224,9 @@ def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
     [
         ("Mileage [km]", "123.456", "write 123456 for 123456 km, or 123.4560 for 123.456 km. No mileage is used."),
         pytest.param("Mileage [km]", "−5", "must be from 0 to 9999999 km", marks=pytest.mark.slow),
-        ("Temperature [°C]", "955", "must be from −60 to 200 °C. 80 °C stays in use."),
+        pytest.param(
+            "Temperature [°C]", "955", "must be from −60 to 200 °C. 80 °C stays in use.", marks=pytest.mark.slow
+        ),
         pytest.param("Temperature [°C]", "abc", "'abc' is not a number", marks=pytest.mark.slow),
         pytest.param("Temperature [°C]", "", "80 °C stays in use", marks=pytest.mark.slow),
         pytest.param(
@@ -254,14 +258,8 @@ def test_a_doubt_stands_beneath_its_field_and_is_there_after_another_page(
     assert page.get_by_test_id("stException").count() == 0
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
-        ("95,5", "95.5 °C"),
-        pytest.param("9,55e1", "95.5 °C", marks=pytest.mark.slow),
-        pytest.param("−5", "-5 °C", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "shown"), [("95,5", "95.5 °C"), ("9,55e1", "95.5 °C"), ("−5", "-5 °C")])
 def test_a_temperature_is_taken_as_it_was_written(page: Page, text: str, shown: str) -> None:
     fold = condition(page)
     write(fold, "Temperature [°C]", text)
@@ -274,8 +272,9 @@ def gauge(page: Page, cell: str) -> Locator:
     return page.get_by_role("textbox", name=f"{cell} [kPa]", exact=True)
 
 
+@pytest.mark.page("8_Pressures")
 def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page) -> None:
-    to(page, "Pressures")
+    wait_until_idle(page)
     values = {
         f"{selected}, {engine}": text
         for selected, texts in {"P": ("400", "", ""), "R": ("650,5", "720", ""), "N": ("405,25", "", "")}.items()

@@ -144,6 +144,13 @@ def test_a_length_that_is_none_is_refused_with_its_cell(own_box: Controller) -> 
     assert "a length such as 5.25" in message
 
 
+def test_a_length_of_a_component_that_is_none_is_refused_and_never_lost(own_box: Controller) -> None:
+    among = SHEETS["a column among the diameters"] + "pressure_regulater;1;spool;;4.4\n"
+    beside = SHEETS["a table of its own"] + "pressure_regulater;1;4.4;\n"
+    for sheet in (among, beside):
+        assert "did you mean 'pressure_regulator'" in refused(sheet, own_box)
+
+
 def test_a_length_far_from_the_stated_one_is_taken_with_a_warning(own_box: Controller) -> None:
     readings = read_readings(SHEETS["a column among the diameters"].replace(";4.2", ";1.9").encode(), own_box)
     warning = next(each for each in readings.messages if each.code == "contact_length_differs")

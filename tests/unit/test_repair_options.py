@@ -49,14 +49,14 @@ def plan_of(tmp_path: Path, hipol: Fluid, limits: Limits, readings_of: Build) ->
     """Plans the repairs of the minimal example with some repairs in its file and both regulator lands worn."""
 
     def build(
-        *repairs: str, worn: tuple[int, ...] = (1, 2), limit: float | None = None
+        *repairs: str, worn: tuple[int, ...] = (1, 2), limits_of: dict[int, float] | None = None
     ) -> tuple[Diagnosis, RepairPlan]:
         path = tmp_path / "own.toml"
         text = load_controller("minimal_example").origin.path.read_text(encoding="utf-8")
-        if limit is not None:
-            text = text.replace(
-                "mounting_clearance_um = 18.0 }", f"mounting_clearance_um = 18.0, clearance_limit_um = {limit} }}"
-            )
+        for land, most in (limits_of or {}).items():
+            stated = f"{{ land = {land}, nominal_diameter_mm = {15.0 if land == 1 else 12.5}, "
+            assert stated in text
+            text = text.replace(stated, f"{stated}clearance_limit_um = {most}, ", 1)
         path.write_text(text + "".join(repairs), encoding="utf-8")
         controller = load_controller(path)
         readings = readings_of(controller, {(PR, land): _worn(controller, land) for land in worn})
@@ -111,7 +111,7 @@ def test_the_cheapest_repair_that_leaves_a_land_within_its_limit_is_planned_and_
             mounting_clearance_um=[10.0, 20.0],
         ),
         worn=(1,),
-        limit=30.0,
+        limits_of={1: 30.0},
     )
     assert chosen(plan) == [((PR, 1), "option_4")]
     step = plan.steps[0]
@@ -255,3 +255,37 @@ def test_what_the_workshop_chooses_goes_before_the_cheapest_and_stays_in_the_job
         replace(case, repairs=("option_3",)).diagnose()
     with pytest.raises(InputError, match="both repair component pressure_regulator land 1"):
         replace(case, repairs=("option_1", "option_2")).diagnose()
+
+
+def test_a_land_that_the_chosen_repair_changes_and_does_not_mend_has_a_step_of_its_own(plan_of: PlanOf) -> None:
+    """Land 2 may be 15 µm wide at most by its own limit, so that a valve which leaves 16 µm mends land 1 alone."""
+    diagnosis, plan = plan_of(
+        repair(1, "new_valve", price=50.0, currency="EUR", mounting_clearance_um=16.0), limits_of={1: 30.0, 2: 15.0}
+    )
+    assert chosen(plan) == [((PR, 1), "option_1"), ((PR, 2), None)]
+    assert not plan.steps[0].together
+    states = plan.steps[0].chosen.states
+    assert states[PR, 2].radial_clearance == pytest.approx(16e-6, abs=1e-12)
+    new = diagnosis.controller.land(PR, 2).new_clearance
+    after = [
+        replace(state, stations=())
+        for state in (
+            states[PR, 1],
+            replace(states[PR, 2], radial_clearance=new, sleeve_diameter=states[PR, 2].spool_diameter + 2.0 * new),
+            *(land.state for land in diagnosis.lands[2:]),
+        )
+    ]
+    model = LeakageModel(diagnosis.controller, tuple(after), diagnosis.fluid, diagnosis.profile)
+    for end in plan.ends:
+        assert end.share == pytest.approx(project(model, end.condition).share, rel=1e-9, abs=0.0)
+
+
+def test_new_parts_are_within_any_limit_and_a_choice_that_mends_nothing_says_so(plan_of: PlanOf) -> None:
+    repairs = [repair(1, "new_casting"), repair(2, "clean_and_reuse")]
+    diagnosis, plan = plan_of(*repairs, worn=(1,), limits_of={1: 18.0})
+    assert chosen(plan) == [((PR, 1), "option_1")]
+    diagnosis = replace(diagnosis, repairs=diagnosis.controller.repairs[1:])
+    plan = plan_repairs(diagnosis)
+    assert chosen(plan) == [((PR, 1), "option_2")]
+    assert option_rows(plan)[0].use(wording("en")) == "planned, does not bring it within its limit"
+    assert plan.ends[0].share == pytest.approx(diagnosis.projections[0].share, rel=1e-9, abs=0.0)

@@ -131,7 +131,8 @@ class _Reader:
                 raise ReadingsError("nothing says which component this is of", expected="a column 'No.'")
             return table.component
         cell = table.sheet.filled(row, columns.component.index)
-        if table.header.values and self.names.component(cell) is None:
+        holds = any(not is_blank(table.sheet.cell(row, value.index)) for value in table.header.values)
+        if holds and self.names.component(cell) is None:
             return None
         if is_blank(cell):
             raise ReadingsError("the row names no component", expected="its number or name")

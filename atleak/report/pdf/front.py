@@ -80,10 +80,11 @@ class Front:
         """Return the verdict in one sentence, and the totals below it; without a sheet what log and gauges say."""
         diagnosis, say = self.diagnosis, self.say
         alone = diagnosis.without_sheet
+        marks = [f"{mark.capitalize()}." for mark in caveat_marks(diagnosis, say)]
         return {
             "key": diagnosis.verdict,
-            "word": ", ".join([say.level(diagnosis.verdict), *caveat_marks(diagnosis, say)]),
-            "sentence": self._sentence(),
+            "word": say.level(diagnosis.verdict),
+            "sentence": " ".join([*marks, self._sentence()]),
             "more": " ".join([*caveats(diagnosis, say), *(self._without_sheet() if alone else self._more())]),
             "complaint": Conditions(self.names).complaint(),
             "totals": None if alone else self._totals(),

@@ -13,8 +13,10 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
+from atleak.provisional import Basis
 from atleak.readings import Reading
 from atleak.report.measuring_sheet import SHEET, UNWORN_END, write_readings
+from atleak.wording import wording
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -93,6 +95,7 @@ def test_every_command_of_the_page_does_what_it_says(
     run: Run, page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
     said = {}
     listed = commands(page)
     for command in listed:
@@ -113,19 +116,23 @@ def test_every_command_of_the_page_does_what_it_says(
         [15.001] * 2 + [9.855], abs=1e-3
     )
     assert learned.operating_points[0].main_pressure == pytest.approx(65 * 6894.757, abs=1.0)
+    assert 12e-6 < learned.pump.displacement < 25e-6  # m³, of a passenger car's
     verdict = said["diagnose car_0417.xlsx"]
     assert "replace" in verdict
     assert "upper bound" in verdict
     assert Path("car_0417.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_every_sheet_and_key_that_the_page_names_is_there(page: str, tmp_path: Path, run: Run) -> None:
+def test_every_sheet_and_word_that_the_page_names_is_there(page: str, tmp_path: Path, run: Run) -> None:
     run("controller", "template", "-o", tmp_path / "any.xlsx")
     sheets = openpyxl.load_workbook(tmp_path / "any.xlsx", read_only=True).sheetnames
     named = re.findall(r"^\| ((?:\*[A-Z][\w ,]+\*)) \|", page, re.MULTILINE)
     assert len(named) > 5
     for name in named:
         assert set(name.strip("*").split(", ")) <= set(sheets), name
+    (lacking,) = re.findall(r"^\| it names \|.*\n\|[-|]+\n((?:\|.*\n)+)", page, re.MULTILINE)
+    says = wording("en")
+    assert set(re.findall(r"^\| \*(.+?)\* \|", lacking, re.MULTILINE)) <= {says(f"bases.{basis}") for basis in Basis}
     links = [link for link in re.findall(r"\]\(([^)#]+)", page) if not link.startswith("http")]
     for link in links:
         assert (Path(__file__).parents[3] / "docs" / link).is_file(), link

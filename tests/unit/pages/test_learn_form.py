@@ -8,7 +8,7 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller_reading import load_controller
 
-from .conftest import ROOT, texts
+from .conftest import ROOT, go, texts
 
 NAME = "minimal_example"
 
@@ -67,3 +67,23 @@ def test_a_sheet_that_cannot_be_used_is_named(form: AppTest) -> None:
     assert not form.exception
     assert "other.csv" in texts(form)
     assert not form.button
+
+
+def step(app: AppTest, name: str) -> None:
+    next(group for group in app.button_group if "step" in group.key).set_value(name).run()
+
+
+def test_the_page_takes_them_over_into_its_tables(app: AppTest) -> None:
+    go(app, "9_Transmission")
+    next(box for box in app.selectbox if box.label == "Start from").select(NAME).run()
+    next(button for button in app.button if button.label == "Start").click().run()
+    step(app, "New parts")
+    uploader = next(each for each in app.main.file_uploader if each.label.startswith("Measuring sheets"))
+    uploader.set_value(sheets(3)).run()
+    assert not app.exception
+    next(button for button in app.button if button.label == "Take these over").click().run()
+    assert not app.exception
+    assert "Nothing is missing or wrong." in texts(app)
+    assert not next(each for each in app.main.file_uploader if each.label.startswith("Measuring sheets")).value
+    step(app, "Head")
+    assert "were learned on" in next(field for field in app.text_input if field.label == "Note").value

@@ -74,7 +74,7 @@ def test_what_was_settled_earlier_stays_when_something_else_is_settled(app: AppT
 
 
 def test_columns_are_used_where_nothing_can_be_remembered(app: AppTest, tmp_path: Path) -> None:
-    (tmp_path / "atleak").write_text("a file where the folder should be", encoding="utf-8")
+    (tmp_path / "home").write_text("a file where the folder should be", encoding="utf-8")
     uploader(app, "Road-test log").upload("two.csv", TWO_PRESSURES.encode(), "text/csv").run()
     assert "for everyone who uses it" in texts(app)
     column_box(app, "main").select("line pressure 2 [kPa]")

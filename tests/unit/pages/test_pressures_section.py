@@ -43,7 +43,7 @@ def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed
     shown = frame_with(five_speed, "Lands that cost it")
     clutch = shown[shown["Circuit"] == "forward clutch"].iloc[0]
     assert clutch["Verdict"].strip() == "■ replace"
-    assert clutch["Lost [kPa]"] == clutch["New [kPa]"] - clutch["Held [kPa]"]
+    assert clutch["Lost [kPa]"] == pytest.approx(clutch["New [kPa]"] - clutch["Held [kPa]"], abs=1.0)  # whole kPa
     assert clutch["Low [kPa]"] < clutch["Held [kPa]"] < clutch["High [kPa]"]
     assert shown[shown["Circuit"] == "solenoid feed"]["Lands that cost it"].isna().all()
     table = next(frame for frame in five_speed.dataframe if "Lands that cost it" in frame.value)

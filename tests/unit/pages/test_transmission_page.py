@@ -14,6 +14,7 @@ from atleak.system.drafts import drafts
 from pages.shared.transmission_tables import STEPS
 
 from .conftest import choice, go, texts
+from .test_learn_form import sheets
 
 PAGE = "9_Transmission"
 
@@ -114,3 +115,15 @@ def test_a_workbook_is_read_into_the_tables_and_a_damaged_one_refused(app: AppTe
     assert not app.exception
     assert "Nothing is missing or wrong." in texts(app)
     assert labelled(app.text_input, "Id *").value == "minimal_example"
+
+
+def test_clearances_are_learned_from_sheets_of_new_units_into_the_lands(app: AppTest) -> None:
+    start(app)
+    step(app, "New parts")
+    labelled(app.file_uploader, "Measuring sheets, one for each unit").set_value(sheets(5)).run()
+    labelled(app.button, "Take these over").click().run()
+    assert not app.exception
+    assert "Nothing is missing or wrong." in texts(app)
+    lands = app.session_state["transmission"].draft.rows("Lands")
+    assert {land["Learned from"] for land in lands} == {"5"}
+    assert all(13.0 < float(land["Mounting clearance"]) < 17.0 for land in lands)  # made with 15 µm

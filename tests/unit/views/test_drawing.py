@@ -52,6 +52,21 @@ def test_spool_shows_every_plane_and_diameter():
         spool_svg(controller, "1")
 
 
+def test_lands_lie_where_their_positions_say_where_those_of_all_are_known():
+    controller = load_controller("minimal_example")
+    one, two = controller.lands_of("pressure_regulator")
+
+    def gap_over_length(*positions):
+        lands = tuple(replace(land, position=position) for land, position in zip((one, two), positions, strict=True))
+        svg = spool_svg(replace(controller, lands=(*lands, *controller.lands[2:])), "pressure_regulator")
+        fills = [each for each in rectangles(svg) if each.get("stroke-width")]
+        first, second = ((float(each["x"]), float(each["width"])) for each in fills[-2:])
+        return (second[0] - first[0] - first[1]) / first[1]
+
+    assert gap_over_length(1.0e-3, 21.0e-3) == pytest.approx(15.0 / 5.0, abs=0.02)  # 20 mm apart, each 5 mm long
+    assert gap_over_length(None, 21.0e-3) == pytest.approx(1.0, abs=0.02)
+
+
 def test_names_from_a_file_stay_text(hostile):
     controller = load_controller("four_speed_2023")
     for text in hostile:
