@@ -43,11 +43,11 @@ class Remaining:
         """Set aside what pydantic calls wrong: an unknown key alone, else the table or the land in which it stands."""
         remaining = cls(copy.deepcopy(dict(data)))
         aside: dict[Steps, set[int]] = {}
-        for fault in error.errors(include_url=False):
-            steps = steps_to(fault)
-            if fault["type"] == "extra_forbidden":
-                remaining._holder(steps).pop(steps[-1], None)  # type: ignore[arg-type]
-            elif len(steps) > 1 and isinstance(steps[1], int):
+        faults = error.errors(include_url=False)
+        for steps in (steps_to(fault) for fault in faults if fault["type"] == "extra_forbidden"):
+            remaining._holder(steps).pop(steps[-1], None)
+        for steps in (steps_to(fault) for fault in faults if fault["type"] != "extra_forbidden"):
+            if len(steps) > 1 and isinstance(steps[1], int):
                 of_land = len(steps) > 3 and steps[2] == "lands" and isinstance(steps[3], int)
                 entry = steps[:4] if of_land else steps[:2]
                 aside.setdefault(entry[:-1], set()).add(int(entry[-1]))

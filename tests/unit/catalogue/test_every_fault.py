@@ -110,6 +110,11 @@ def test_what_only_follows_from_a_fault_is_no_other_fault(
     assert set(faults_of(tables)) == {place}
 
 
+def test_an_unknown_key_is_named_beside_a_wrong_one_of_the_same_table(tables: Tables) -> None:
+    tables["pressures"] = {"p_s": {"relation": "line", "ratio": "one", "offset_kpa": 0.0, "source": "x", "colour": 1}}
+    assert set(faults_of(tables)) == {("pressures", "p_s", "ratio"), ("pressures", "p_s", "colour")}
+
+
 def test_complaints_may_name_a_land_that_has_a_fault_of_its_own(tables: Tables) -> None:
     tables["complaints"][0]["lands"] = ["boost_valve/1"]
     tables["components"][1]["lands"][0]["body"] = "brass"
