@@ -124,12 +124,22 @@ def _dimensions(table: PumpTable) -> dict[str, Any]:
     return {key: size * 1e-3 if key.endswith("_mm") else size for key, size in sizes.items()}
 
 
+def other_dimensions(kind: PumpKind | None) -> tuple[str, ...]:
+    """Return the keys of dimensions that pumps of this kind do not have; without a kind, those that need one."""
+    own = _own_dimensions(kind)
+    return tuple(key for key in _DIMENSIONS if key not in own)
+
+
+def _own_dimensions(kind: PumpKind | None) -> Collection[str]:
+    if kind is None:
+        return _BY_MODULE
+    of = _KINDS[kind]
+    return {*of.sizes, *of.of_faces, *of.of_tips, *(_BY_MODULE if kind in _WITH_MODULE else ())}
+
+
 def _check_kind(table: PumpTable, reading: Reading) -> None:
     """Refuse dimensions that a pump of this kind does not have, or those of a kind that is not stated."""
-    own: Collection[str] = _BY_MODULE
-    if table.kind is not None:
-        kind = _KINDS[table.kind]
-        own = {*kind.sizes, *kind.of_faces, *kind.of_tips, *(_BY_MODULE if table.kind in _WITH_MODULE else ())}
+    own = _own_dimensions(table.kind)
     others = [key for key in _DIMENSIONS if getattr(table, key) is not None and key not in own]
     if others and table.kind is None:
         problem, expected = f"no kind of pump, of which {others[0]} is a dimension", f"one of {', '.join(_KINDS)}"
