@@ -114,19 +114,18 @@ def _fields(
         for number, group in enumerate(groups[start : start + beside]):
             for place, column in zip(places[number * (2 if in_pairs else 1) :], group, strict=False):
                 with place:
-                    _field(editing, sheet, column)
+                    _field(editing, sheet, column, _label(column, editing) if column is group[0] else "How known")
                     with st.container():
                         if column.heading in wrong:
                             st.markdown(f":red[✗ {show.plain(wrong[column.heading])}]")
 
 
-def _field(editing: Editing, sheet: Sheet, column: Column) -> None:
+def _field(editing: Editing, sheet: Sheet, column: Column, label: str) -> None:
     key = editing.key(f"{sheet.name}-{column.heading}")
     typed = editing.draft.cell(sheet.name, column.heading)
     options = _options(column, editing.draft, typed)
     shared: dict[str, Any] = {"key": key, "help": column.help or None, "on_change": _put_field}
     shared["args"] = (editing, sheet.name, column.heading, key)
-    label = _label(column, editing)
     if options is None:
         made = "made from the name" if column.keys == ("id",) else None
         st.text_input(label, typed, placeholder=made, **shared)
