@@ -165,7 +165,7 @@ class ApplyChart(Sheet):
 
     def further_column(self, heading: Any) -> Column | None:
         try:
-            gears = gears_written(heading)
+            gears = gears_written(as_text(heading))
         except NotAccepted:
             return None
         return _gear_column(as_text(heading)) if len(gears) == 1 else None

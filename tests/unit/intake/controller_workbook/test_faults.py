@@ -101,7 +101,14 @@ def test_columns_that_are_missing_unknown_or_without_heading_are_named(minimal_b
     assert len(faults) == 3
     assert "did you mean 'Diameter'?" in faults[0] or "did you mean 'Diameter'?" in faults[1]
     assert any("the column 'Diameter' is missing" in fault for fault in faults)
-    assert any("has no heading" in fault for fault in faults)
+    assert any("column T holds something and has no heading" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("heading", [1e300, True, "1-3", "D"])
+def test_a_heading_of_the_apply_chart_that_is_no_gear_is_named(five_speed_book: Book, heading: object) -> None:
+    five_speed_book.sheets["Apply chart"][0][4] = heading
+    places = [(fault.problem, fault.place.sheet, fault.place.row) for fault in five_speed_book.faults()]
+    assert ("unknown column", "Apply chart", 1) in places
 
 
 def test_a_missing_sheet_is_named_and_nothing_that_follows_from_it(minimal_book: Book) -> None:
