@@ -122,22 +122,32 @@ def _dimensions(table: PumpTable) -> dict[str, Any]:
     return {key: size * 1e-3 if key.endswith("_mm") else size for key, size in sizes.items()}
 
 
+def other_dimensions(kind: PumpKind | None) -> tuple[str, ...]:
+    """Return the keys of dimensions that pumps of this kind do not have; without a kind, those that need one."""
+    own = _own_dimensions(kind)
+    return tuple(key for key in _DIMENSIONS if key not in own)
+
+
+def _own_dimensions(kind: PumpKind | None) -> Collection[str]:
+    if kind is None:
+        return _BY_MODULE
+    of = _KINDS[kind]
+    return {*of.sizes, *of.of_faces, *of.of_tips, *(_BY_MODULE if kind in _WITH_MODULE else ())}
+
+
 def _check_kind(table: PumpTable, reading: Reading) -> None:
     """Refuse dimensions that a pump of this kind does not have, or those of a kind that is not stated."""
-    stated = [key for key in _DIMENSIONS if getattr(table, key) is not None]
+    own = _own_dimensions(table.kind)
+    others = [key for key in _DIMENSIONS if getattr(table, key) is not None and key not in own]
     if table.kind is None:
-        others = [key for key in stated if key not in _BY_MODULE]
         if others:
             problem, expected = f"no kind of pump, of which {others[0]} is a dimension", f"one of {', '.join(_KINDS)}"
             reading.faults.append(reading.fault(("pump", "kind"), problem, expected=expected))
         return
-    kind, module = _KINDS[table.kind], _BY_MODULE if table.kind in _WITH_MODULE else ()
-    own = {*kind.sizes, *kind.of_faces, *kind.of_tips, *module}
-    for key in stated:
-        if key not in own:
-            problem = f"no dimension of a {kind.name}"
-            expected = f"of {', '.join(name for name in _DIMENSIONS if name in own)}"
-            reading.faults.append(reading.fault(("pump", key), problem, value=getattr(table, key), expected=expected))
+    for key in others:
+        problem = f"no dimension of a {_KINDS[table.kind].name}"
+        expected = f"of {', '.join(name for name in _DIMENSIONS if name in own)}"
+        reading.faults.append(reading.fault(("pump", key), problem, value=getattr(table, key), expected=expected))
 
 
 def _check_faces(kind: PumpKind | None, sizes: dict[str, Any], reading: Reading) -> None:

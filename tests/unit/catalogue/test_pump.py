@@ -14,6 +14,7 @@ from atleak.catalogue.entries import read_tables
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.known_values import known_values
 from atleak.catalogue.pump import Pump, PumpClearances
+from atleak.catalogue.pump_reading import other_dimensions
 from atleak.equations import pump as equations
 from atleak.errors import CatalogueError
 
@@ -251,3 +252,9 @@ def test_what_a_pump_is_known_from_is_that_of_its_least_sure_dimension() -> None
         "gaps": Evidence.REPRESENTATIVE,
         "volumetric_efficiency": Evidence.PUBLISHED,
     }
+
+
+def test_dimensions_of_other_kinds_are_known_by_their_keys() -> None:
+    assert "vanes" in other_dimensions("gerotor")
+    assert "vanes" not in other_dimensions("vane")
+    assert "width_mm" not in {*other_dimensions(None), *other_dimensions("vane"), *other_dimensions("gerotor")}
