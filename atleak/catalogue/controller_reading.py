@@ -135,7 +135,7 @@ def _read(
         relations=MappingProxyType(_relations(entry, gaps, reading)),
         pump=read_pump(entry.pump, reading) or _NO_PUMP,
         operating_points=points,
-        complaints=_complaints(entry.complaints, [land.key for land in lands], entry.source, reading),
+        complaints=_complaints(entry.complaints, _stated_lands(entry), entry.source, reading),
         origin=origin,
         circuits=read_circuits(entry.circuits, reading),
         leaks=read_leaks(entry.leaks, reading),
@@ -144,7 +144,7 @@ def _read(
         line_source="" if entry.line is None else entry.line.source,
         permissible=permissible_in_gear(standing),
         standing=standing,
-        repairs=tuple(_repairs(entry.repairs, lands, reading)),
+        repairs=tuple(_repairs(entry, lands, reading)),
         gaps_described=bool(entry.gaps),
         entry=entry,
     )
@@ -291,7 +291,7 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> l
         return [
             Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, None) for land in lands
         ]
-    known = [(component.id, table.land) for component in entry.components for table in component.lands]
+    known = _stated_lands(entry)
     gaps: list[Gap] = []
     for number, table in enumerate(entry.gaps):
         with reading.gathering():
@@ -325,6 +325,11 @@ def _gap(table: GapTable, known: Sequence[tuple[str, int]], where: Steps, readin
     )
 
 
+def _stated_lands(entry: ControllerFile) -> list[LandKey]:
+    """Return component and number of every land of the file; a land with a fault of its own is there all the same."""
+    return [(component.id, table.land) for component in entry.components for table in component.lands]
+
+
 def _check_land(
     component: str, lands: Iterable[int], key: str, known: Sequence[tuple[str, int]], where: Steps, reading: Reading
 ) -> None:
@@ -337,13 +342,13 @@ def _check_land(
             raise reading.fault(at, "no such land in this controller", value=value, expected=expected)
 
 
-def _repairs(tables: Sequence[RepairTable], lands: Sequence[Land], reading: Reading) -> list[Repair]:
-    known = [land.key for land in lands]
+def _repairs(entry: ControllerFile, lands: Sequence[Land], reading: Reading) -> list[Repair]:
+    known = _stated_lands(entry)
     repairs: list[Repair] = []
-    for number, table in enumerate(tables):
+    for number, table in enumerate(entry.repairs):
         where = ("repairs", number)
         with reading.gathering():
-            if any(table.id == before.id for before in tables[:number]):
+            if any(table.id == before.id for before in entry.repairs[:number]):
                 raise reading.fault((*where, "id"), "repair given twice", value=table.id)
             mine = [land for component, land in known if component == table.component]
             _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
