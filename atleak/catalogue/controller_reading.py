@@ -295,9 +295,7 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
     )
 
 
-def _gaps(
-    entry: ControllerFile, lands: tuple[Land, ...], known: Sequence[LandKey], reading: Reading
-) -> list[Gap]:
+def _gaps(entry: ControllerFile, lands: tuple[Land, ...], known: Sequence[LandKey], reading: Reading) -> list[Gap]:
     if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
         every_gear = frozenset(entry.gears)
         drain = Pressure(0.0, None)

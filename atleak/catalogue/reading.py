@@ -70,9 +70,7 @@ class Reading:
 
     def unknown_gear(self, steps: Steps, gear: int) -> CatalogueError:
         """Return the fault of a gear that the controller does not have."""
-        return self.fault(
-            steps, "unknown gear", value=gear, expected=f"one of {list(self.gears)}", refers_to="gears"
-        )
+        return self.fault(steps, "unknown gear", value=gear, expected=f"one of {list(self.gears)}", refers_to="gears")
 
     def pressure(self, text: str, steps: Steps) -> Pressure:
         """Read a pressure of one of the sections."""
