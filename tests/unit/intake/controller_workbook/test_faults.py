@@ -222,3 +222,24 @@ def test_a_land_cannot_be_representative_where_the_head_says_published_for_all(m
     minimal_book.put("Lands", 2, "Diameter is", "representative")
     (fault,) = minimal_book.faults()
     assert "row 3, column E (Diameter is): the head says that this is published in all lands" in str(fault)
+
+
+@pytest.mark.parametrize(
+    ("heading", "value", "question"),
+    [
+        ("Diameter", 7.2, "7.2 inch is unusual (it is 182.88 mm): was it in mm?"),
+        ("Contact length", 5.0, "5 inch is unusual (it is 127 mm): was it in mm?"),
+        ("Mounting clearance", 0.02, "0.02 inch, diametral is unusual (it is 254 µm, radial): was it in mm?"),
+    ],
+)
+def test_a_number_that_another_unit_would_make_usual_is_taken_and_asked_about(
+    inch_book: Book, heading: str, value: float, question: str
+) -> None:
+    inch_book.put("Lands", 4, heading, value)
+    column = chr(ord("A") + inch_book.sheets["Lands"][0].index(heading))
+    assert inch_book.read().notes == (f"unit.xlsx, sheet 'Lands', row 5, column {column} ({heading}): {question}",)
+
+
+def test_a_number_with_its_own_unit_is_not_asked_about(inch_book: Book) -> None:
+    inch_book.put("Lands", 4, "Contact length", "60 mm")
+    assert inch_book.read().notes == ()
