@@ -23,7 +23,7 @@ TABLE = """range;tap;slow idle [kPa];fast idle 1500 rpm [kPa]
 R;line;900;1000
 D;line;700;800
 2;line;690;790
-P;line;800;
+P;line;700;
 D;forward_clutch;480;
 """
 
@@ -50,19 +50,31 @@ def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnos
         assert reading in text
     for word in (say.level("watch"), say.get("engine_states", "fast_idle").split()[0], "gauges.csv"):
         assert word in text
-    assert say("texts.not_judged").split()[0] in text
     for kind in ("low_at_slow_idle", "below_line"):
         start = say.texts["patterns"][kind].split("{")[0].strip() or "forward clutch"
         assert start[:30] in text
 
 
+def readings_in(content: bytes) -> pd.DataFrame:
+    frame = pd.read_excel(io.BytesIO(content), sheet_name=SHEET, engine="calamine", dtype={"Range": str})
+    return frame[frame["State"].notna()]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_reading_for_which_the_file_permits_nothing_is_not_judged(language: str) -> None:
+    table = SourceFile("gauges.csv", b"range;slow idle [kPa]\nD;700\n")
+    diagnosis = Case(controller="minimal_example", pressures=table).diagnose()
+    assert readings_in(write_workbook(diagnosis))["Verdict"].tolist() == ["not judged"]
+    text = text_of(write_pdf(diagnosis, language=language, sections=["gauges"]))
+    assert wording(language)("texts.not_judged").split()[0] in text
+
+
 def test_the_workbook_has_a_sheet_of_them_with_numbers(gauged: Diagnosis) -> None:
     content = write_workbook(gauged)
-    frame = pd.read_excel(io.BytesIO(content), sheet_name=SHEET, engine="calamine", dtype={"Range": str})
-    readings = frame[frame["State"].notna()]
+    readings = readings_in(content)
     assert readings["Range"].tolist() == ["P", "R", "R", "D", "D", "2", "2", "D"]
-    assert readings["Gauge [kPa]"].astype(float).tolist() == [800.0, 900.0, 1000.0, 700.0, 800.0, 690.0, 790.0, 480.0]
-    assert readings["Verdict"].iloc[0] == "not judged"
+    assert readings["Gauge [kPa]"].astype(float).tolist() == [700.0, 900.0, 1000.0, 700.0, 800.0, 690.0, 790.0, 480.0]
+    assert readings["Verdict"].iloc[0] == "▲ watch"  # park is judged as neutral is
     assert readings["Below line [kPa]"].iloc[-1] == pytest.approx(220.0, abs=1e-9)
     sheet = openpyxl.load_workbook(io.BytesIO(content))[SHEET]
     notes = " ".join(str(row[1].value) for row in sheet.iter_rows() if row[0].value == "pattern")
