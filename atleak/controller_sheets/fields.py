@@ -5,10 +5,22 @@ from __future__ import annotations
 from atleak.catalogue.evidence import Evidence
 from atleak.controller_sheets.kinds import Choice, Kind, Number
 from atleak.controller_sheets.shapes import Column
-from atleak.controller_sheets.units import CLEARANCE, LENGTH, NUMBER, PRESSURE, SMALL_LENGTH, VOLUME, Measure
+from atleak.controller_sheets.units import (
+    CLEARANCE,
+    CONTACT_LENGTH,
+    LAND_DIAMETER,
+    LENGTH,
+    NUMBER,
+    ORIFICE,
+    PRESSURE,
+    SMALL_LENGTH,
+    VOLUME,
+    Measure,
+)
 
 TEXT = Kind()
 MM, UM, C_R, MM3, KPA = (Number(measure) for measure in (LENGTH, SMALL_LENGTH, CLEARANCE, VOLUME, PRESSURE))
+OF_LAND, L_C, OF_ORIFICE = (Number(measure) for measure in (LAND_DIAMETER, CONTACT_LENGTH, ORIFICE))
 PLAIN = Number(NUMBER)
 EVIDENCE = Choice(tuple(Evidence))
 

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
-from atleak.controller_sheets.description import Fault, Row
-from atleak.controller_sheets.kinds import NotAccepted, Number
-from atleak.controller_sheets.shapes import Column
+from collections.abc import Iterable, Iterator
+
+from atleak.controller_sheets.description import Fault, Row, Spot
+from atleak.controller_sheets.kinds import NotAccepted, Number, as_text
+from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import InputError
 
 _LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
+
+
+def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Spot, str]]:
+    """Yield the cells whose numbers are accepted and yet look like those of another unit, each with what to ask.
+
+    An inch sheet with a spool of 7.2, say: 183 mm is none of a valve body, 7.2 mm is.
+    """
+    for row in rows:
+        for column in sheet.columns:
+            kind = column.kind
+            if not isinstance(kind, Number) or not kind.measure.is_doubted or column.heading not in row.values:
+                continue
+            if question := _other_unit(column, row, units):
+                stands = f"{as_text(row.cells[column.heading])} {kind.label(units)}"
+                yield row.at(column.heading), f"{stands} is unusual{_converted(column, row, units)}: {question}"
 
 
 def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> Fault:

@@ -6,7 +6,7 @@ from typing import get_args
 
 from atleak.catalogue.circuit_tables import SelectorRange, StandingState
 from atleak.controller_sheets.circuit_shapes import SET_BY, ApplyChart, SetPressures
-from atleak.controller_sheets.fields import KPA, MM, PLAIN, evidence, in_unit, source
+from atleak.controller_sheets.fields import KPA, MM, OF_ORIFICE, PLAIN, evidence, in_unit, source
 from atleak.controller_sheets.kinds import Choice, Gears, Names, Number, Whole, YesNo
 from atleak.controller_sheets.shapes import Column, NamedTables, Parts, Tables, ValuesByPoint
 from atleak.controller_sheets.units import Measure
@@ -38,7 +38,7 @@ FEEDS = Parts(
     (
         Column("Circuit", (), required=True, names="circuit", width=20),
         Column("Fed from", ("from",), required=True, names="section", help="p_g is the line", width=20),
-        Column("Diameter", ("diameter_mm",), MM, required=True),
+        Column("Diameter", ("diameter_mm",), OF_ORIFICE, required=True),
         Column("Discharge coefficient", ("discharge_coefficient",), PLAIN, help="0.62 unless stated"),
         evidence(),
     ),

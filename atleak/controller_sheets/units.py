@@ -6,7 +6,7 @@ number that its cell could not hold to the last digit is written as text.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Context, Decimal
 from typing import Literal, get_args
 
@@ -49,6 +49,7 @@ class Measure:
     quantity: str = ""  # as the table of units calls it, where a cell may name a unit of its own: "length"
     si: Decimal = Decimal(1)  # of one of the file's unit
     usual: tuple[float, float] = (0.0, 0.0)  # in the file's unit: outside of it another unit may have been meant
+    is_doubted: bool = False  # outside of that range, even where the file's check accepts it
 
     def label(self, units: Units) -> str:
         """Return the unit as the column's heading says it."""
@@ -102,10 +103,12 @@ def cell_number(value: float, measure: Measure, units: Units) -> float | str:
 
 
 LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"), usual=(0.5, 100.0))
+# What is usual in valve bodies is a choice of this project: wide enough that no shipped unit is asked about.
+LAND_DIAMETER = replace(LENGTH, usual=(3.0, 80.0), is_doubted=True)
+CONTACT_LENGTH = replace(LENGTH, usual=(0.8, 40.0), is_doubted=True)
+ORIFICE = replace(LENGTH, usual=(0.2, 12.0), is_doubted=True)
 SMALL_LENGTH = Measure("µm", "inch", Decimal(1), _MM * 1000, quantity="length", si=Decimal("1e-6"))
-CLEARANCE = Measure(
-    "µm", "inch", Decimal(1), _MM * 1000, of_clearance=True, quantity="length", si=Decimal("1e-6"), usual=(2.0, 100.0)
-)
+CLEARANCE = replace(SMALL_LENGTH, of_clearance=True, usual=(2.0, 100.0), is_doubted=True)
 VOLUME = Measure("mm³", "inch³", Decimal(1), _MM**3)
 PRESSURE = Measure("kPa", of_pressure=True, quantity="pressure", si=Decimal(1000))
 EXPANSION = Measure("10⁻⁶/K", factor=Decimal("1e-6"))

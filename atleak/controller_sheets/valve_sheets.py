@@ -9,7 +9,21 @@ from atleak.catalogue.controller_tables import Bore, PartKind, Seal
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.catalogue.repairs import REPAIR_KINDS
-from atleak.controller_sheets.fields import C_R, EVIDENCE, KPA, MM, MM3, PLAIN, UM, evidence, in_unit, known, source
+from atleak.controller_sheets.fields import (
+    C_R,
+    EVIDENCE,
+    KPA,
+    L_C,
+    MM,
+    MM3,
+    OF_LAND,
+    PLAIN,
+    UM,
+    evidence,
+    in_unit,
+    known,
+    source,
+)
 from atleak.controller_sheets.kinds import Choice, Day, Gear, Gears, Kind, Names, Number, Whole, Wholes, YesNo
 from atleak.controller_sheets.shapes import Column, Form, KnownOfAll, NamedTables, Parts, Tables
 from atleak.controller_sheets.units import EXPANSION
@@ -30,7 +44,7 @@ HEAD = Form(
         KnownOfAll("Diameters are", (), EVIDENCE, value_of_all="nominal_diameter_mm", help=_OF_ALL),
         KnownOfAll("Contact lengths are", (), EVIDENCE, value_of_all="contact_length_mm", help=_OF_ALL),
         KnownOfAll("New clearances are", (), EVIDENCE, value_of_all="mounting_clearance_um", help=_OF_ALL),
-        Column("Contact length unless stated", ("defaults", "contact_length_mm"), MM, help="Of lands that state none"),
+        Column("Contact length unless stated", ("defaults", "contact_length_mm"), L_C, help="Of lands that state none"),
         Column(
             "Mounting clearance unless stated",
             ("defaults", "mounting_clearance_um"),
@@ -111,9 +125,9 @@ LANDS = Parts(
     (
         Column("Component", (), required=True, names="component", width=28),
         Column("Land", ("land",), Whole(), required=True, help="Its number on this component, 1 to 9", width=7),
-        Column("Diameter", ("nominal_diameter_mm",), MM, required=True, help="Of the spool, not of the bore"),
+        Column("Diameter", ("nominal_diameter_mm",), OF_LAND, required=True, help="Of the spool, not of the bore"),
         known("Diameter is", "nominal_diameter_mm"),
-        Column("Contact length", ("contact_length_mm",), MM, help="Over which spool and bore face each other"),
+        Column("Contact length", ("contact_length_mm",), L_C, help="Over which spool and bore face each other"),
         known("Length is", "contact_length_mm"),
         Column("Mounting clearance", ("mounting_clearance_um",), C_R, end=0, help="When new; the lower end of a range"),
         Column("Up to", ("mounting_clearance_um",), C_R, end=1, help="The upper end, where it is a range"),
@@ -248,7 +262,7 @@ REPAIRS = Tables(
         Column("Currency", ("currency",)),
         Column("Hours", ("hours",), in_unit("h")),
         Column("Tool", ("tool",), width=20),
-        Column("New diameter", ("nominal_diameter_mm",), MM, help="Of an oversize valve"),
+        Column("New diameter", ("nominal_diameter_mm",), OF_LAND, help="Of an oversize valve"),
         Column("New clearance", ("mounting_clearance_um",), C_R, end=0, help="Afterwards; the lower end of a range"),
         Column("Up to", ("mounting_clearance_um",), C_R, end=1),
         Column("Tolerance", ("mounting_tolerance_um",), C_R),

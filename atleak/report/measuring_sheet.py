@@ -93,7 +93,8 @@ _HOW_TO = (
     (
         "What to write",
         "With a microscope the two coordinates, with a micrometer or bore gauge the diameter: one of the two is "
-        "enough. Millimetres, to 0.001. Decimal point or comma, as your program writes them.",
+        "enough. Millimetres, to 0.001. Decimal point or comma, as your program writes them. In "
+        "inches: write [inch] in the heading in place of [mm]; the deviation from the nominal diameter follows.",
     ),
     (
         "Bores",
@@ -353,7 +354,7 @@ class _Sheet:
 
     def _deviation(self, row: int, first: int, entry: _Row) -> None:
         one, other, size, nominal = f"G{row + 1}", f"H{row + 1}", f"I{row + 1}", f"$J${first + 1}"
-        measured = f"IF(ISNUMBER({size}),{size},ABS({one}-{other}))"
+        measured = f"IF(ISNUMBER({size}),{_in_mm(size)},ABS({_in_mm(one)}-{_in_mm(other)}))"
         filled = f"OR(ISNUMBER({size}),AND(ISNUMBER({one}),ISNUMBER({other})))"
         known = "" if entry.reading is None else round((entry.reading.diameter - entry.nominal) * 1e6, 6)
         self.sheet.write_formula(
@@ -374,7 +375,7 @@ class _Sheet:
                 "criteria": ">",
                 "value": 0,
                 "error_title": "Not a dimension",
-                "error_message": "A number in millimetres, larger than 0, such as 9.939. "
+                "error_message": "A number in the unit of the heading, larger than 0, such as 9.939. "
                 "Leave empty what was not measured.",
             },
         )
@@ -391,6 +392,11 @@ class _Sheet:
         sheet.set_margins(left=0.4, right=0.4, top=0.5, bottom=0.6)
         sheet.set_footer(f"&L{self.controller.name.replace('&', '&&')[:120]}&RPage &P of &N")
         sheet.ignore_errors({"number_stored_as_text": f"A{first + 1}:E{last + 1}"})
+
+
+def _in_mm(cell: str) -> str:
+    """Return the formula of a cell's length in mm, whether its heading says [mm] or [inch]."""
+    return f'{cell}*IF(ISNUMBER(FIND("[in",LOWER({cell[0]}${_HEADER + 1}))),25.4,1)'
 
 
 def _instructions(sheet: Worksheet, formats: Mapping[str, Format], controller: Controller) -> None:

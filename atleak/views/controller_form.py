@@ -18,7 +18,7 @@ from atleak.catalogue.entries import id_from_name
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.kinds import Kind, NotAccepted
 from atleak.controller_sheets.layout import HEAD, SHEETS
-from atleak.controller_sheets.meaning import fault_of_cell
+from atleak.controller_sheets.meaning import doubts, fault_of_cell
 from atleak.controller_sheets.shapes import Column, Sheet
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError, InputError
@@ -157,6 +157,14 @@ def checked(draft: Draft) -> Checked:
         faults += [_of_cell(_in_its_cell(fault, into, rows, draft.units)) for fault in further]
     order = {name: number for number, name in enumerate(_SHEETS)}
     faults = sorted(dict.fromkeys(faults), key=lambda fault: (order.get(fault.table, -1), fault.row or 0))
+    wrong = {(fault.table, fault.row, fault.heading) for fault in faults}
+    for sheet in SHEETS:
+        asked = (_of_cell(Fault(spot, text)) for spot, text in doubts(sheet, rows[sheet.name], draft.units))
+        into.notes += [
+            f"{doubt.table}, {doubt.where}: {doubt.text}"
+            for doubt in asked
+            if (doubt.table, doubt.row, doubt.heading) not in wrong
+        ]
     return Checked(into.data, None if faults else controller, tuple(faults), tuple(into.notes))
 
 

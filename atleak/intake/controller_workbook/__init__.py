@@ -16,6 +16,7 @@ from atleak.catalogue.controller_reading import checked_controller
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.kinds import Choice
 from atleak.controller_sheets.layout import HEAD, INSTRUCTIONS, LISTS, SHEETS, UNIT_LINES
+from atleak.controller_sheets.meaning import doubts
 from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError, Place, ReadingsError, one_of
@@ -111,6 +112,8 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
             raise
     if faults:
         raise together(sorted(faults, key=places.order))
+    for page in places.pages.values():
+        into.notes += [f"{places.place(spot)}: {text}" for spot, text in doubts(page.declared, page.rows, units)]
     return DescribedController(into.data, controller, units, tuple(into.notes))
 
 

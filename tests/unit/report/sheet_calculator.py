@@ -38,6 +38,11 @@ _FUNCTIONS = {
     "LOG10": math.log10,
     "EXP": math.exp,
     "SQRT": math.sqrt,
+    "AND": lambda *v: all(_flat(v)),
+    "OR": lambda *v: any(_flat(v)),
+    "ISNUMBER": lambda v: isinstance(v, int | float) and not math.isnan(v),
+    "LOWER": str.lower,
+    "FIND": lambda what, text: text.find(what) + 1 or "#VALUE!",
 }
 
 

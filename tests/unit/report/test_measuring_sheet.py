@@ -184,6 +184,19 @@ def test_the_deviation_from_the_nominal_diameter_is_a_formula_with_its_value(con
     assert f"$J${HEADER + 1}" in formula
 
 
+def test_the_deviation_follows_a_heading_in_inches(controller, calculator):
+    nominal, row = controller.lands[0].nominal_diameter, HEADER + 1
+    book = calculator(write_template(controller))
+    book.set(SHEET, f"H{HEADER}", "x2 [in]")
+    book.set(SHEET, f"G{row}", 5.0)
+    book.set(SHEET, f"H{row}", (nominal + 5e-3 - 3e-6) / 0.0254)
+    book.set(SHEET, f"I{row}", float("nan"))  # stands for an empty cell, which counts as 0 in a spreadsheet
+    assert book.value(SHEET, f"M{row}") == pytest.approx(-3.0, abs=1e-6)
+    book.set(SHEET, f"I{HEADER}", "Diameter [inch]")
+    book.set(SHEET, f"I{row}", (nominal + 7e-6) / 0.0254)
+    assert book.value(SHEET, f"M{row}") == pytest.approx(7.0, abs=1e-6)
+
+
 def test_nothing_that_a_user_wrote_becomes_a_formula_or_a_link(tmp_path):
     source = load_controller("minimal_example").origin.path.read_text(encoding="utf-8")
     evil = ("=1+1", "http://example.invalid/", "@SUM(A1)", "&[Path]")

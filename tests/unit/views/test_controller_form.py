@@ -163,3 +163,11 @@ def test_lands_are_drawn_before_the_rest_is_filled_in() -> None:
     assert _drawn(found) == [("8", 1), ("8", 3)]
     with pytest.raises(CatalogueError):
         checked_controller(found.data)
+
+
+def test_a_number_that_another_unit_would_make_usual_is_asked_about_and_saved_all_the_same(typed: Draft) -> None:
+    found = checked(with_row(typed, "Lands", 1, Diameter="0,59"))
+    assert found.controller is not None
+    assert found.notes == ("Lands, row 1, Diameter: 0,59 mm is unusual: was it in inch?",)
+    refused = checked(with_row(typed, "Lands", 1, Diameter="1500"))
+    assert (len(refused.faults), refused.notes) == (1, ())

@@ -93,6 +93,28 @@ def test_a_wrong_cell_is_named(inch_book: Book, heading: str, value: object, mes
     assert len(faults) == 1 or (heading, value) in {("Land", 1.5), ("Component", "")}
 
 
+@pytest.mark.parametrize(
+    ("sheet", "row", "heading"),
+    [
+        ("Head", 0, "Contact length unless stated"),
+        ("Head", 0, "Material of the body"),
+        ("Consumer flows", 3, "Operating point"),
+        ("Consumer flows", 3, "Flow"),
+        ("Set pressures", 2, "Set by"),
+        ("Set pressures", 2, "Pressure"),
+        ("Pump", 0, "Displacement of one revolution"),
+        ("Leaks", 4, "At viscosity"),
+    ],
+)
+def test_what_follows_from_a_fault_is_none_of_its_own(
+    five_speed_book: Book, sheet: str, row: int, heading: str
+) -> None:
+    five_speed_book.put(sheet, row, heading, "?x")
+    (fault,) = five_speed_book.faults()
+    assert fault.place.sheet == sheet
+    assert f"({heading})" in fault.place.column
+
+
 def test_columns_that_are_missing_unknown_or_without_heading_are_named(minimal_book: Book) -> None:
     lands = minimal_book.sheets["Lands"]
     lands[0][lands[0].index("Diameter")] = "Diametre"
@@ -101,7 +123,7 @@ def test_columns_that_are_missing_unknown_or_without_heading_are_named(minimal_b
     assert len(faults) == 3
     assert "did you mean 'Diameter'?" in faults[0] or "did you mean 'Diameter'?" in faults[1]
     assert any("the column 'Diameter' is missing" in fault for fault in faults)
-    assert any("column T holds something and has no heading" in fault for fault in faults)
+    assert any("column U holds something and has no heading" in fault for fault in faults)
 
 
 @pytest.mark.parametrize("heading", [1e300, True, "1-3", "D"])
@@ -200,3 +222,24 @@ def test_a_land_cannot_be_representative_where_the_head_says_published_for_all(m
     minimal_book.put("Lands", 2, "Diameter is", "representative")
     (fault,) = minimal_book.faults()
     assert "row 3, column E (Diameter is): the head says that this is published in all lands" in str(fault)
+
+
+@pytest.mark.parametrize(
+    ("heading", "value", "question"),
+    [
+        ("Diameter", 7.2, "7.2 inch is unusual (it is 182.88 mm): was it in mm?"),
+        ("Contact length", 5.0, "5 inch is unusual (it is 127 mm): was it in mm?"),
+        ("Mounting clearance", 0.02, "0.02 inch, diametral is unusual (it is 254 µm, radial): was it in mm?"),
+    ],
+)
+def test_a_number_that_another_unit_would_make_usual_is_taken_and_asked_about(
+    inch_book: Book, heading: str, value: float, question: str
+) -> None:
+    inch_book.put("Lands", 4, heading, value)
+    column = chr(ord("A") + inch_book.sheets["Lands"][0].index(heading))
+    assert inch_book.read().notes == (f"unit.xlsx, sheet 'Lands', row 5, column {column} ({heading}): {question}",)
+
+
+def test_a_number_with_its_own_unit_is_not_asked_about(inch_book: Book) -> None:
+    inch_book.put("Lands", 4, "Contact length", "60 mm")
+    assert inch_book.read().notes == ()
