@@ -296,3 +296,24 @@ def test_a_repair_with_another_land_s_diameter_is_refused(edited: Edited) -> Non
     with pytest.raises(Exception, match="no oversize of it") as caught:
         load_controller(path)
     assert caught.value.place.steps == ("repairs", 0, "nominal_diameter_mm")
+
+
+@pytest.mark.parametrize("name", ["four_speed_2023", "gm_4l60e"])  # without and with repairs: other words stand above
+def test_a_length_typed_into_a_printed_form_of_a_shipped_valve_body_is_read(name: str) -> None:
+    controller = load_controller(name)
+    land, stated = controller.lands[0], controller.lands[0].contact_length
+    readings = [
+        Reading(land.component, part, plane, direction, 1, diameter)
+        for part, diameter in (("spool", land.nominal_diameter), ("sleeve", land.nominal_sleeve_diameter))
+        for plane in land.planes
+        for direction in (0.0, 90.0)
+    ]
+    book = openpyxl.load_workbook(io.BytesIO(write_readings(controller, readings)))
+    book[LANDS].cell(HEADER + 2, 4).value = stated * 1e3 - 0.2
+    target = io.BytesIO()
+    book.save(target)
+    read = read_readings(target.getvalue(), controller)
+    assert [(each.key, round(each.contact_length or 0.0, 9)) for each in read.own_lands.lengths] == [
+        (land.key, round(stated - 0.2e-3, 9))
+    ]
+    assert not [message.text for message in read.messages if message.code == "table_aside"]
