@@ -163,7 +163,7 @@ def test_a_unit_under_a_heading_that_is_not_the_workbook_s_is_a_fault(minimal_bo
     lands = minimal_book.sheets["Lands"]
     lands.insert(1, ["unit", *("inch" if heading == "Diameter" else "" for heading in lands[0][1:])])
     (fault,) = minimal_book.faults()
-    assert "another unit than that of the workbook (found 'inch'); expected mm, as the first sheet says" in str(fault)
+    assert "another unit than that of the workbook (found 'inch'); expected mm, as the sheet Head says" in str(fault)
 
 
 @pytest.mark.parametrize("units", [Units(), Units("inch", "diametral", "psi")], ids=["mm", "inch"])
