@@ -35,7 +35,7 @@ from atleak.catalogue.entries import Origin, listed, read_tables
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump
-from atleak.catalogue.reading import Reading, Steps
+from atleak.catalogue.reading import Reading, Steps, gears_listed
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Repair, RepairTable, repair_of
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
@@ -371,7 +371,7 @@ def _operating_points(entry: ControllerFile, reading: Reading) -> list[Operating
         where = ("operating_points", number)
         with reading.gathering():
             if table.gear not in entry.gears:
-                expected = f"one of {entry.gears}"
+                expected = gears_listed(entry.gears)
                 raise reading.fault((*where, "gear"), "unknown gear", value=table.gear, expected=expected)
             if table.name == STATED:
                 problem = "name of the condition that a job states, which no controller may give to a point of its own"

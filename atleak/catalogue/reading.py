@@ -86,7 +86,7 @@ class Reading:
         """Check gears; all of the controller's where none are stated."""
         others = sorted(set(stated or ()) - set(self.gears))
         if others:
-            raise self.fault(steps, "unknown gear", value=others[0], expected=f"one of {list(self.gears)}")
+            raise self.fault(steps, "unknown gear", value=others[0], expected=gears_listed(self.gears))
         return frozenset(self.gears if stated is None else stated)
 
     def by_point(self, stated: Mapping[str, float], steps: Steps, unit: float) -> Mapping[str, float]:
@@ -130,6 +130,16 @@ class Reading:
     def _without_signal(self, steps: Steps, signal: str, key: str) -> CatalogueError:
         problem = f"the set pressure follows {signal}, which an operating point does not state"
         return self.fault(steps, problem, expected=f"{key} in every table [[operating_points]]")
+
+
+def gears_listed(gears: Iterable[int]) -> str | None:
+    """List the gears that would have been right, as files write them and as people do.
+
+    >>> gears_listed([-1, 0, 1, 2])
+    'one of R (-1), N (0), 1, 2'
+    """
+    letters = {-1: "R (-1)", 0: "N (0)"}
+    return one_of([letters.get(gear, str(gear)) for gear in gears])
 
 
 def _scaled(values: Sequence[float], unit: float) -> tuple[float, ...]:
