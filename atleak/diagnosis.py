@@ -313,8 +313,8 @@ class Diagnosis:
         for rule in self.unit_rules if decided_by is None else [decided_by]:
             if isinstance(rule, Rule):
                 rules.append((rule, self.controller.lands))
-        measured = [land.state.land for land in self.lands if land.state.status == "measured"]
-        return representative_bases(rules, self.controller, self.fluid, measured)
+        states = [land.state for land in self.lands]
+        return representative_bases(rules, self.controller, self.fluid, states, uses_slip=self.model.uses_slip)
 
     @property
     def upper_bound(self) -> bool:

@@ -100,6 +100,7 @@ class CatalogueError(InputError):
     """A controller, fluid, limits or instrument file that does not say what it must."""
 
     others_shown = 59  # a whole valve body described wrongly can be mended in one go
+    refers_to: str | None = None  # of a reference to nothing: the list of tables or gears that has no such entry
 
 
 class ReadingsError(InputError):

@@ -90,8 +90,15 @@ def place_of_table(steps: Sequence[str | int], data: Any, file: str) -> Place:
     return Place(file=file, table=_table_name(steps, data) or None, steps=tuple(steps))
 
 
+def steps_to(fault: Any) -> tuple[str | int, ...]:
+    """Return the steps through a file's tables to what pydantic found wrong."""
+    location = tuple(fault["loc"])
+    # a fault in a table's own name is marked by one step more; an unknown key may be called like that mark
+    return location[:-1] if location[-1:] == ("[key]",) and fault["type"] != "extra_forbidden" else location
+
+
 def _in_words(fault: Any, file: str, data: Any, model: type[BaseModel], kind: type[AnyInputError]) -> AnyInputError:
-    location = [step for step in fault["loc"] if step != "[key]"]  # pydantic's mark of a fault in a table's own name
+    location = steps_to(fault)
     value = fault["input"]
     if isinstance(value, dict) and fault["type"] == "value_error":  # keys that do not go together
         place = place_of_table(location, data, file)

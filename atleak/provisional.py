@@ -5,7 +5,7 @@ A representative value is one of such units in general, neither measured on this
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from enum import StrEnum
 
 from atleak.catalogue.controller import Controller, Land
@@ -13,6 +13,7 @@ from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.known_values import known_values
 from atleak.catalogue.limits import RuleKind
+from atleak.readings import LandClearance
 from atleak.rules import Rule
 
 
@@ -49,8 +50,8 @@ _FLOW = {
 _SHARE = {*_FLOW, Basis.PUMP}
 _HELD = {*_SHARE, Basis.MOUNTING_CLEARANCE, Basis.LEAKS, Basis.CONSUMERS}
 _RESTS_ON: dict[RuleKind, set[Basis]] = {
-    RuleKind.WEAR: {Basis.MOUNTING_CLEARANCE},
-    RuleKind.CLEARANCE: set(),
+    RuleKind.WEAR: {Basis.MOUNTING_CLEARANCE, Basis.NOMINAL_DIAMETER},
+    RuleKind.CLEARANCE: {Basis.NOMINAL_DIAMETER},
     RuleKind.PAIR_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},  # it is judged by its growth over new, too
     RuleKind.TOTAL_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},
     RuleKind.RESERVE: _HELD,
@@ -82,7 +83,9 @@ def representative_bases(
     rules: Iterable[tuple[Rule, Iterable[Land]]],
     controller: Controller,
     fluid: Fluid,
-    measured: Iterable[Land],
+    states: Iterable[LandClearance],
+    *,
+    uses_slip: bool,
 ) -> tuple[Basis, ...]:
     """Return which representative values some rules rest on, each once.
 
@@ -90,14 +93,21 @@ def representative_bases(
     ----------
     rules
         each with the lands that it judges or that take part in what it judges.
-    measured
-        lands measured on both parts: their nominal diameters count for nothing.
+    states
+        what was measured of every land: of one measured on both parts the nominal diameter counts for nothing, and a
+        sleeve that was not is taken as wide as the mounting clearance makes it.
+    uses_slip
+        whether the pump's flow is computed with its slip, else with its volumetric efficiency.
     """
-    whole = {land.key for land in measured}
-    of_tables = dict(_representative_tables(controller))
+    states = tuple(states)
+    whole = {state.land.key for state in states if state.status == "measured"}
+    without_sleeve = {state.land.key for state in states if state.status == "spool_only"}
+    of_tables = dict(_representative_tables(controller, _of_pump(controller, uses_slip)))
     bases: set[Basis] = set()
     for rule, lands in rules:
         rests_on = _RESTS_ON[rule.kind]
+        if rule.kind is RuleKind.CLEARANCE and any(land.key in without_sleeve for land in lands):
+            rests_on = {*rests_on, Basis.MOUNTING_CLEARANCE}
         if rule.condition is None and rule.kind is RuleKind.PERMISSIBLE_PRESSURE:  # gauges or a log measured it
             rests_on = {Basis.PERMISSIBLE_PRESSURE}
         for basis in rests_on - bases:
@@ -114,11 +124,24 @@ def representative_bases(
     return tuple(basis for basis in Basis if basis in bases)
 
 
-def _representative_tables(controller: Controller) -> Iterator[tuple[Basis, frozenset[str]]]:
+def _of_pump(controller: Controller, uses_slip: bool) -> set[str]:
+    """Return which values of the pump, as `known_values` names them, its flow is computed with."""
+    if not uses_slip:
+        return {"displacement", "volumetric_efficiency"}
+    stated = controller.entry is not None and controller.entry.pump.slip_coefficient is not None
+    by_gaps = not stated or controller.pump.counted.known  # else a stated coefficient goes before them
+    return {"displacement", *(["slip_coefficient"] if stated else []), *(["gaps"] if by_gaps else [])}
+
+
+def _representative_tables(controller: Controller, of_pump: Collection[str]) -> Iterator[tuple[Basis, frozenset[str]]]:
     """Yield what the controller's file calls representative besides the values of lands; of points their names."""
     if controller.entry is None:
         return
-    values = [each for each in known_values(controller.entry) if each.evidence is Evidence.REPRESENTATIVE]
+    values = [
+        each
+        for each in known_values(controller.entry)
+        if each.evidence is Evidence.REPRESENTATIVE and (each.table != "pump" or each.value in of_pump)
+    ]
     for table, basis in _OF_TABLES.items():
         if any(value.table == table for value in values):
             yield basis, frozenset()

@@ -32,7 +32,7 @@ def _what_new_was(controller: Controller) -> Iterable[Message]:
             yield Message("info", f"mounting_clearance_{origin}", text)
 
 
-def _about_pump(pump: Pump, profile: Profile) -> Iterable[Message]:
+def _about_pump(pump: Pump, profile: Profile, readings: Readings | None) -> Iterable[Message]:
     """Say what shares of a pump held at demand are of, what measured clearances do, and which are over their limit."""
     if pump.held_at_demand:
         text = (
@@ -46,8 +46,11 @@ def _about_pump(pump: Pump, profile: Profile) -> Iterable[Message]:
     for name, missing in pump.left_out:
         text = f"The pump's {name} clearance was measured, but makes no slip here: {missing}."
         yield Message("warning", "pump_clearance_left_out", text)
-    named = zip(("side", "tip"), pump.measured.um, pump.limits.um, strict=True)
-    for name, um, most in named:
+    of_sheet = (None, None) if readings is None else readings.pump.um
+    for name, um, most, in_head in zip(("side", "tip"), pump.measured.um, pump.limits.um, of_sheet, strict=True):
+        if in_head is not None and um != in_head:
+            text = f"The head of the sheet states a pump {name} clearance of {in_head:g} µm, the job {um:g} µm"
+            yield Message("warning", "pump_clearance_differs", f"{text}: the job's is taken.")
         if um is not None and most is not None and um > most:
             text = f"The pump's {name} clearance of {um:g} µm is over the {most:g} µm that its manual allows."
             yield Message("warning", "pump_clearance_over_limit", text)
@@ -100,7 +103,7 @@ def messages_of(
         text = f"No operating point applies {', '.join(nowhere)}: what they hold is judged nowhere."
         messages.append(Message("warning", "circuit_nowhere_applied", text))
     messages += _what_new_was(controller)
-    messages += _about_pump(controller.pump, profile)
+    messages += _about_pump(controller.pump, profile, readings)
     if readings is None:
         text = "No measuring sheet: every land is computed at its mounting clearance."
         messages.append(Message("warning", "no_readings", text))

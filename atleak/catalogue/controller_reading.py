@@ -35,7 +35,7 @@ from atleak.catalogue.entries import Origin, listed, read_tables
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_reading import read_pump
-from atleak.catalogue.reading import Reading, Steps, gears_listed
+from atleak.catalogue.reading import Reading, Steps
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Repair, RepairTable, repair_of
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
@@ -116,9 +116,11 @@ def _read(
     twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
     if twice:
         reading.faults.append(reading.fault(("gears",), "gear given twice", value=twice[0]))
+    _check_default_materials(entry, reading)
     lands = tuple(_lands(entry, reading))
+    known = [(component.id, table.land) for component in entry.components for table in component.lands]
     sealed = {land.key for land in lands if land.seal}
-    gaps = tuple(gap for gap in _gaps(entry, lands, reading) if gap.key not in sealed)
+    gaps = tuple(gap for gap in _gaps(entry, lands, known, reading) if gap.key not in sealed)
     points = tuple(_operating_points(entry, reading))
     standing = read_standing(entry.permissible_pressure, reading)
     controller = Controller(
@@ -135,7 +137,7 @@ def _read(
         relations=MappingProxyType(_relations(entry, gaps, reading)),
         pump=read_pump(entry.pump, reading) or _NO_PUMP,
         operating_points=points,
-        complaints=_complaints(entry.complaints, [land.key for land in lands], entry.source, reading),
+        complaints=_complaints(entry.complaints, known, entry.source, reading),
         origin=origin,
         circuits=read_circuits(entry.circuits, reading),
         leaks=read_leaks(entry.leaks, reading),
@@ -144,7 +146,7 @@ def _read(
         line_source="" if entry.line is None else entry.line.source,
         permissible=permissible_in_gear(standing),
         standing=standing,
-        repairs=tuple(_repairs(entry.repairs, lands, reading)),
+        repairs=tuple(_repairs(entry.repairs, lands, known, reading)),
         gaps_described=bool(entry.gaps),
         entry=entry,
     )
@@ -183,6 +185,13 @@ def _relations(entry: ControllerFile, gaps: Iterable[Gap], reading: Reading) -> 
     return relations
 
 
+def _check_default_materials(entry: ControllerFile, reading: Reading) -> None:
+    for key in ("body", "spool"):
+        name = getattr(entry.defaults, key)
+        if name is not None and name not in entry.materials:
+            reading.faults.append(reading.unknown(("defaults", key), "unknown material", name, entry.materials))
+
+
 def _lands(entry: ControllerFile, reading: Reading) -> list[Land]:
     lands: list[Land] = []
     for number, component in enumerate(entry.components):
@@ -216,11 +225,13 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         raise reading.fault((*where, "contact_length_mm"), problem, expected=expected)
     materials: list[tuple[str, float]] = []
     for key in ("body", "spool"):
-        name = getattr(table, key) or getattr(entry.defaults, key)
-        if name is None or name not in entry.materials:
+        own = getattr(table, key)
+        name = own or getattr(entry.defaults, key)
+        if name is None or (own and name not in entry.materials):
             problem = f"land {table.land}: " + ("no material" if name is None else "unknown material")
             raise reading.unknown((*where, key), problem, name, entry.materials)
-        materials.append((name, entry.materials[name].expansion_per_k))
+        # an unknown material of [defaults] is named there, once for all lands
+        materials.append((name, entry.materials[name].expansion_per_k if name in entry.materials else 0.0))
     new = _mounting(entry, table, where, reading)
     return Land(
         component=component.id,
@@ -284,14 +295,13 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
     )
 
 
-def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> list[Gap]:
+def _gaps(entry: ControllerFile, lands: tuple[Land, ...], known: Sequence[LandKey], reading: Reading) -> list[Gap]:
     if not entry.gaps:  # in a minimal description every land leaks from main pressure to the drain in every gear
         every_gear = frozenset(entry.gears)
         drain = Pressure(0.0, None)
         return [
             Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, None) for land in lands
         ]
-    known = [(component.id, table.land) for component in entry.components for table in component.lands]
     gaps: list[Gap] = []
     for number, table in enumerate(entry.gaps):
         with reading.gathering():
@@ -305,7 +315,7 @@ def _gaps(entry: ControllerFile, lands: tuple[Land, ...], reading: Reading) -> l
     return gaps
 
 
-def _gap(table: GapTable, known: Sequence[tuple[str, int]], where: Steps, reading: Reading) -> Gap:
+def _gap(table: GapTable, known: Sequence[LandKey], where: Steps, reading: Reading) -> Gap:
     _check_land(table.component, [table.land], "land", known, where, reading)
     gears = reading.gears_of(table.gears, (*where, "gears"))
     high, low = reading.ends(table.high, table.low, where, "gap")
@@ -326,7 +336,7 @@ def _gap(table: GapTable, known: Sequence[tuple[str, int]], where: Steps, readin
 
 
 def _check_land(
-    component: str, lands: Iterable[int], key: str, known: Sequence[tuple[str, int]], where: Steps, reading: Reading
+    component: str, lands: Iterable[int], key: str, known: Sequence[LandKey], where: Steps, reading: Reading
 ) -> None:
     """Refuse a land that the controller does not have."""
     mine = [str(land) for name, land in known if name == component]
@@ -334,11 +344,13 @@ def _check_land(
         if (component, land) not in known:
             expected = f"lands {', '.join(mine)}" if mine else "the id of a component with lands"
             at, value = ((*where, key), land) if mine else ((*where, "component"), component)
-            raise reading.fault(at, "no such land in this controller", value=value, expected=expected)
+            problem = "no such land in this controller"
+            raise reading.fault(at, problem, value=value, expected=expected, refers_to="lands")
 
 
-def _repairs(tables: Sequence[RepairTable], lands: Sequence[Land], reading: Reading) -> list[Repair]:
-    known = [land.key for land in lands]
+def _repairs(
+    tables: Sequence[RepairTable], lands: Sequence[Land], known: Sequence[LandKey], reading: Reading
+) -> list[Repair]:
     repairs: list[Repair] = []
     for number, table in enumerate(tables):
         where = ("repairs", number)
@@ -371,8 +383,7 @@ def _operating_points(entry: ControllerFile, reading: Reading) -> list[Operating
         where = ("operating_points", number)
         with reading.gathering():
             if table.gear not in entry.gears:
-                expected = gears_listed(entry.gears)
-                raise reading.fault((*where, "gear"), "unknown gear", value=table.gear, expected=expected)
+                raise reading.unknown_gear((*where, "gear"), table.gear)
             if table.name == STATED:
                 problem = "name of the condition that a job states, which no controller may give to a point of its own"
                 raise reading.fault((*where, "name"), problem, value=table.name, expected="another name")
@@ -406,8 +417,9 @@ def _complaints(
         with reading.gathering():
             if table.id in made:
                 raise reading.fault((*where, "id"), "complaint given twice", value=table.id)
-            _each_known_once(table.conditions, reading.points, (*where, "conditions"), "operating point", reading)
-            _each_known_once(table.lands or (), names, (*where, "lands"), "land", reading)
+            at, what = (*where, "conditions"), "operating point"
+            _each_known_once(table.conditions, reading.points, at, what, "operating_points", reading)
+            _each_known_once(table.lands or (), names, (*where, "lands"), "land", "lands", reading)
             made[table.id] = Complaint(
                 id=table.id,
                 label=table.label,
@@ -418,9 +430,12 @@ def _complaints(
     return tuple(made.values())
 
 
-def _each_known_once(given: Sequence[str], known: Collection[str], steps: Steps, what: str, reading: Reading) -> None:
+def _each_known_once(
+    given: Sequence[str], known: Collection[str], steps: Steps, what: str, refers_to: str, reading: Reading
+) -> None:
     for name in given:
         if name not in known:
-            raise reading.unknown(steps, f"no such {what} in this controller", name, known)
+            problem = f"no such {what} in this controller"
+            raise reading.unknown(steps, problem, name, known, refers_to=refers_to)
         if given.count(name) > 1:
             raise reading.fault(steps, f"{what} given twice", value=name)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
 
 from atleak.catalogue.pump_tables import PumpKind
+from atleak.equations import pump as equations
 
 
 @dataclass(frozen=True)
@@ -40,36 +44,42 @@ class PumpClearances:
 
 NO_CLEARANCES = PumpClearances()
 
+#: Of warm fluid, for the entry loss of tips, whose flow goes with its root at most [kg/m³]: choice of this project.
+TIP_DENSITY = 800.0
+
+
+@dataclass(frozen=True)
+class TipGaps:
+    """The gaps over the tips of a pump's rotors, but for their clearance."""
+
+    width: float  # [m] of the rotors
+    land: float  # [m] of one tip
+    in_a_row: int  # tips of one rim between delivery and suction
+    rims: int
+
+    def slip(self, clearance: float, pressure: Any, dynamic_viscosity: Any) -> Any:
+        """Return what slips over the tips of all rims [m³/s]."""
+        sizes = (clearance, self.width, self.land, self.in_a_row)
+        return self.rims * equations.tip_slip(pressure, *sizes, dynamic_viscosity, TIP_DENSITY)
+
 
 @dataclass(frozen=True)
 class PumpGaps:
-    """What a pump's gaps make of Wilson's C_s, per clearance cubed [1/m³]; None where dimensions are not known.
+    """The gaps through which a pump slips; None where the file does not give their dimensions.
 
     A vane pump has no tips: its vanes lie against their ring.
     """
 
-    side: float | None
-    tip: float | None
+    side: float | None  # what the faces make of Wilson's C_s, per clearance cubed [1/m³]
+    tips: TipGaps | None
     has_tips: bool = True
     lacking_of_side: tuple[str, ...] = ()  # keys of the dimensions that the file would have to state
     lacking_of_tip: tuple[str, ...] = ()
 
-    def shares(self, at: PumpClearances) -> tuple[float, float]:
-        """Return what the faces and what the tips make of C_s; zero where a clearance or its gap is not known."""
-        return _cubed(self.side, at.side), _cubed(self.tip, at.tip)
-
-    def coefficient(self, at: PumpClearances) -> float:
-        """Return what all gaps together make of C_s."""
-        return sum(self.shares(at))
-
     def whole(self, at: PumpClearances) -> bool:
         """Return whether every gap of the pump is known, its clearance too."""
-        tips = not self.has_tips or (self.tip is not None and at.tip is not None)
+        tips = not self.has_tips or (self.tips is not None and at.tip is not None)
         return tips and self.side is not None and at.side is not None
-
-
-def _cubed(per_cube: float | None, clearance: float | None) -> float:
-    return 0.0 if per_cube is None or clearance is None else per_cube * clearance**3
 
 
 @dataclass(frozen=True)
@@ -78,11 +88,12 @@ class Pump:
 
     displacement: float  # [m³/rev] of the full stroke
     volumetric_efficiency: float
-    slip_coefficient: float | None  # Wilson's C_s, None where nothing gives one
+    slip_coefficient: float | None  # Wilson's C_s, of all but `tips`; None where nothing gives one
     representative: tuple[str, ...]
     kind: PumpKind | None = None
     held_at_demand: bool = False  # the stroke falls to what is taken
     gaps: PumpGaps = PumpGaps(None, None)
+    tips: tuple[tuple[float, float], ...] = ()  # sign and clearance [m]: slip over tips that C_s lacks, or holds
     clearances: PumpClearances = NO_CLEARANCES  # when new
     limits: PumpClearances = NO_CLEARANCES  # the most that the manual allows
     measured: PumpClearances = NO_CLEARANCES  # in this job
@@ -94,61 +105,83 @@ class Pump:
         """Return the same pump as it was when new, as far as that is known."""
         return self.as_new or self
 
+    def slip(self, pressure: Any, dynamic_viscosity: Any) -> Any:
+        """Return the flow that slips back [m³/s] at any speed, of a pump with a slip coefficient; never below zero."""
+        assert self.slip_coefficient is not None
+        flow = equations.slip_flow(self.displacement, self.slip_coefficient, pressure, dynamic_viscosity)
+        if self.gaps.tips is None or not self.tips:
+            return flow
+        over_tips = (sign * self.gaps.tips.slip(size, pressure, dynamic_viscosity) for sign, size in self.tips)
+        return np.maximum(flow + sum(over_tips), 0.0)
+
+    def with_gaps(self) -> Pump:
+        """Return this pump, of which no slip is stated, with that of its gaps, where every one is known."""
+        now = self.measured.or_else(self.clearances)
+        if not self.gaps.whole(now) or self.gaps.side is None or now.side is None:
+            return self
+        tips = () if now.tip is None or not self.gaps.has_tips else ((1.0, now.tip),)
+        return replace(self, slip_coefficient=self.gaps.side * now.side**3, tips=tips)
+
     def with_measured(self, measured: PumpClearances) -> Pump:
         """Return this pump with the clearances that were measured in a job, and with the slip that they make.
 
-        A slip coefficient of the file holds for a new pump, and the gap law adds what the gaps have opened by since.
-        Where the file states no clearances of a new pump, the larger counts: its coefficient, or what the gaps give.
-        What the file lacks the dimensions for counts nowhere; `counted` says what does.
+        The slip of the file holds for a new pump, and the gap law adds what a gap has opened by since. Of a gap that
+        lacks its dimensions, or its clearance when new beside a stated slip, nothing is added; `counted` says what is.
         """
         if not measured.known:
             return self
-        known, gaps = replace(self, measured=measured), self.gaps
-        counted = PumpClearances(
-            None if gaps.side is None else measured.side, None if gaps.tip is None else measured.tip
-        )
-        new, now = self.clearances, counted.or_else(self.clearances)
-        if not counted.known or (self.slip_coefficient is None and not gaps.whole(now)):
+        known, gaps, new = replace(self, measured=measured), self.gaps, self.clearances
+        if self.slip_coefficient is None:
+            of_gaps = known.with_gaps()
+            return known if of_gaps is known else replace(of_gaps, counted=measured)
+        coefficient, tips, counted = self.slip_coefficient, self.tips, NO_CLEARANCES
+        if gaps.side is not None and measured.side is not None and new.side is not None:
+            coefficient = max(coefficient + gaps.side * (measured.side**3 - new.side**3), 0.0)
+            counted = replace(counted, side=measured.side)
+        if gaps.tips is not None and measured.tip is not None and new.tip is not None:
+            tips = ((1.0, measured.tip), *(() if tips else ((-1.0, new.tip),)))
+            counted = replace(counted, tip=measured.tip)
+        if not counted.known:
             return known
-        coefficient, stated = gaps.coefficient(now), self.slip_coefficient
-        if stated is not None:
-            compared = all(
-                before is not None or after is None
-                for before, after in ((new.side, counted.side), (new.tip, counted.tip))
-            )
-            opened = coefficient - gaps.coefficient(new)
-            coefficient = max(stated + opened, 0.0) if compared else max(stated, coefficient)
-        as_new = None if stated is None else self
-        return replace(known, slip_coefficient=coefficient, counted=counted, as_new=as_new)
+        return replace(known, slip_coefficient=coefficient, tips=tips, counted=counted, as_new=self)
 
     @property
     def left_out(self) -> tuple[tuple[str, str], ...]:
         """Return which measured clearances make no slip here, ``side`` or ``tip``, and what the file lacks for it."""
         gaps, out = self.gaps, []
-        for name, clearance, counted, lacking in (
+        for name, measured, counted, lacking in (
             ("side", self.measured.side, self.counted.side, gaps.lacking_of_side),
             ("tip", self.measured.tip, self.counted.tip, gaps.lacking_of_tip),
         ):
-            if clearance is not None and counted is None:
-                if name == "tip" and not gaps.has_tips:
-                    missing = "the vanes of such a pump lie against their ring"
-                elif self.kind is None:
-                    missing = "its file does not state the kind of the pump"
-                elif lacking:
-                    missing = f"its file does not state {', '.join(lacking)}"
-                else:
-                    missing = (
-                        "its file does not say what else slips: slip_coefficient, or both clearances of a new pump"
-                    )
-                out.append((name, missing))
+            if measured is None or counted is not None:
+                continue
+            if name == "tip" and not gaps.has_tips:
+                missing = "the vanes of such a pump lie against their ring"
+            elif self.kind is None:
+                missing = "its file does not state the kind of the pump"
+            elif lacking:
+                missing = f"its file does not state {', '.join(lacking)}"
+            elif self.slip_coefficient is None:
+                missing = "its file states neither slip_coefficient nor both clearances of a new pump"
+            else:
+                missing = f"its file does not state {name}_clearance_um, that of a new pump"
+            out.append((name, missing))
         return tuple(out)
 
-    def relative_uncertainty(self, clearance: float) -> float:
+    def relative_uncertainty(self, clearance: float, pressure: float, dynamic_viscosity: float) -> float:
         """Return the relative standard uncertainty of the slip [-], each measured clearance uncertain by so much [m].
 
-        Clearances count with their cubes; what was not measured in this job adds nothing.
+        What was not measured in this job adds nothing.
         """
-        if not self.slip_coefficient:
+        side, tip, gaps = self.counted.side, self.counted.tip, self.gaps
+        slip = float(self.slip(pressure, dynamic_viscosity)) if self.counted.known else 0.0
+        if slip <= 0.0:
             return 0.0
-        parts = zip(self.gaps.shares(self.counted), (self.counted.side, self.counted.tip), strict=True)
-        return math.hypot(*(3.0 * share / size for share, size in parts if size)) * clearance / self.slip_coefficient
+        by_side = by_tip = 0.0
+        if side is not None and gaps.side is not None:
+            opened = 3.0 * gaps.side * side**2 * clearance
+            by_side = equations.slip_flow(self.displacement, opened, pressure, dynamic_viscosity)
+        if tip is not None and gaps.tips is not None:
+            ends = (gaps.tips.slip(max(tip + way * clearance, 0.0), pressure, dynamic_viscosity) for way in (1, -1))
+            by_tip = 0.5 * (next(ends) - next(ends))
+        return math.hypot(by_side, by_tip) / slip

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps
+from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps, TipGaps
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.catalogue.reading import Reading
 from atleak.equations import pump as equations
@@ -86,6 +86,7 @@ def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
     _check_kind(table, reading)
     _check_clearances(table, reading)
     sizes = _dimensions(table)
+    _check_faces(table.kind, sizes, reading)
     displacement, gaps = None, PumpGaps(None, None)
     try:
         displacement = _displacement(table, sizes, reading)
@@ -95,21 +96,18 @@ def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
         reading.faults.append(reading.fault_of_table(("pump",), str(error)))
     if displacement is None:
         return None
-    clearances = PumpClearances.of_um(table.side_clearance_um, table.tip_clearance_um)
-    coefficient = table.slip_coefficient
-    if coefficient is None and gaps.whole(clearances):
-        coefficient = gaps.coefficient(clearances)
-    return Pump(
+    pump = Pump(
         displacement,
         table.volumetric_efficiency,
-        coefficient,
+        table.slip_coefficient,
         tuple(table.representative),
         kind=table.kind,
         held_at_demand=table.held_at_demand,
         gaps=gaps,
-        clearances=clearances,
+        clearances=PumpClearances.of_um(table.side_clearance_um, table.tip_clearance_um),
         limits=PumpClearances.of_um(table.side_clearance_limit_um, table.tip_clearance_limit_um),
     )
+    return pump.with_gaps() if pump.slip_coefficient is None else pump
 
 
 def _dimensions(table: PumpTable) -> dict[str, Any]:
@@ -124,20 +122,41 @@ def _dimensions(table: PumpTable) -> dict[str, Any]:
     return {key: size * 1e-3 if key.endswith("_mm") else size for key, size in sizes.items()}
 
 
+def other_dimensions(kind: PumpKind | None) -> tuple[str, ...]:
+    """Return the keys of dimensions that pumps of this kind do not have; without a kind, those that need one."""
+    own = _own_dimensions(kind)
+    return tuple(key for key in _DIMENSIONS if key not in own)
+
+
+def _own_dimensions(kind: PumpKind | None) -> Collection[str]:
+    if kind is None:
+        return _BY_MODULE
+    of = _KINDS[kind]
+    return {*of.sizes, *of.of_faces, *of.of_tips, *(_BY_MODULE if kind in _WITH_MODULE else ())}
+
+
 def _check_kind(table: PumpTable, reading: Reading) -> None:
     """Refuse dimensions that a pump of this kind does not have, or those of a kind that is not stated."""
-    own: Collection[str] = _BY_MODULE
-    if table.kind is not None:
-        kind = _KINDS[table.kind]
-        own = {*kind.sizes, *kind.of_faces, *kind.of_tips, *(_BY_MODULE if table.kind in _WITH_MODULE else ())}
+    own = _own_dimensions(table.kind)
     others = [key for key in _DIMENSIONS if getattr(table, key) is not None and key not in own]
-    if others and table.kind is None:
-        problem, expected = f"no kind of pump, of which {others[0]} is a dimension", f"one of {', '.join(_KINDS)}"
-        reading.faults.append(reading.fault(("pump", "kind"), problem, expected=expected))
-    for key in others if table.kind is not None else ():
-        expected = f"of {', '.join(name for name in _DIMENSIONS if name in own)}"
+    if table.kind is None:
+        if others:
+            problem, expected = f"no kind of pump, of which {others[0]} is a dimension", f"one of {', '.join(_KINDS)}"
+            reading.faults.append(reading.fault(("pump", "kind"), problem, expected=expected))
+        return
+    for key in others:
         problem = f"no dimension of a {_KINDS[table.kind].name}"
+        expected = f"of {', '.join(name for name in _DIMENSIONS if name in own)}"
         reading.faults.append(reading.fault(("pump", key), problem, value=getattr(table, key), expected=expected))
+
+
+def _check_faces(kind: PumpKind | None, sizes: dict[str, Any], reading: Reading) -> None:
+    """Refuse a sealing land that ends where it begins, and go on without the diameter where it does."""
+    for outer, inner in () if kind is None else dict.fromkeys(_KINDS[kind].faces):
+        if sizes.get(outer, 1.0) <= sizes.get(inner, 0.0):
+            at, value, expected = ("pump", inner), sizes.pop(inner) * 1e3, f"less than {outer}"
+            problem = "the sealing land of the faces would end where it begins"
+            reading.faults.append(reading.fault(at, problem, value=value, expected=expected))
 
 
 def _check_clearances(table: PumpTable, reading: Reading) -> None:
@@ -192,11 +211,11 @@ def _ways(kind: _Kind | None) -> str:
 def _gaps(kind: _Kind, sizes: Mapping[str, Any], displacement: float) -> PumpGaps:
     """Return what the gaps of a pump make of its slip coefficient."""
     of_side, of_tip = (tuple(key for key in keys if key not in sizes) for keys in (kind.of_faces, kind.of_tips))
-    side = tip = None
+    side = tips = None
     if not of_side:
-        side = sum(equations.face_slip(1.0, sizes[outer], sizes[inner]) for outer, inner in kind.faces)
+        slip = sum(equations.face_slip(1.0, sizes[outer], sizes[inner]) for outer, inner in kind.faces)
+        side = equations.slip_coefficient(slip, displacement)
     if kind.rims and not of_tip:
         in_a_row = 1 if kind.in_a_row is None else sizes[kind.in_a_row]
-        tip = kind.rims * equations.tip_slip(1.0, sizes["width_mm"], sizes["tip_land_mm"], in_a_row)
-    per_cube = (None if slip is None else equations.slip_coefficient(slip, displacement) for slip in (side, tip))
-    return PumpGaps(*per_cube, has_tips=kind.rims > 0, lacking_of_side=of_side, lacking_of_tip=of_tip)
+        tips = TipGaps(sizes["width_mm"], sizes["tip_land_mm"], in_a_row, kind.rims)
+    return PumpGaps(side, tips, kind.rims > 0, of_side, of_tip)

@@ -39,21 +39,38 @@ class Reading:
         except CatalogueError as fault:
             self.faults.append(fault)
 
-    def fault(self, steps: Steps, problem: str, *, value: object = None, expected: str | None = None) -> CatalogueError:
-        """Return a fault of the key that the steps lead to."""
-        return CatalogueError(problem, place=place_of(steps, self.data, self.path.name), value=value, expected=expected)
+    def fault(
+        self,
+        steps: Steps,
+        problem: str,
+        *,
+        value: object = None,
+        expected: str | None = None,
+        refers_to: str | None = None,
+    ) -> CatalogueError:
+        """Return a fault of the key that the steps lead to; where it refers to nothing, to an entry of which list."""
+        place = place_of(steps, self.data, self.path.name)
+        fault = CatalogueError(problem, place=place, value=value, expected=expected)
+        fault.refers_to = refers_to
+        return fault
 
     def fault_of_table(self, steps: Steps, problem: str, *, expected: str | None = None) -> CatalogueError:
         """Return a fault of the whole table that the steps lead to."""
         return CatalogueError(problem, place=place_of_table(steps, self.data, self.path.name), expected=expected)
 
-    def unknown(self, steps: Steps, problem: str, value: object, known: Collection[str]) -> CatalogueError:
+    def unknown(
+        self, steps: Steps, problem: str, value: object, known: Collection[str], *, refers_to: str | None = None
+    ) -> CatalogueError:
         """Return the fault of a name that is none of the known ones; it lists them and gives the nearest."""
-        fault = self.fault(steps, problem, value=value, expected=one_of(known))
+        place = place_of(steps, self.data, self.path.name)
         nearest = nearest_name(str(value), known) if value is not None else None
-        return CatalogueError(
-            fault.problem, place=fault.place, value=fault.value, expected=fault.expected, nearest=nearest
-        )
+        fault = CatalogueError(problem, place=place, value=value, expected=one_of(known), nearest=nearest)
+        fault.refers_to = refers_to
+        return fault
+
+    def unknown_gear(self, steps: Steps, gear: int) -> CatalogueError:
+        """Return the fault of a gear that the controller does not have."""
+        return self.fault(steps, "unknown gear", value=gear, expected=gears_listed(self.gears), refers_to="gears")
 
     def pressure(self, text: str, steps: Steps) -> Pressure:
         """Read a pressure of one of the sections."""
@@ -79,21 +96,21 @@ class Reading:
     def section(self, name: str, steps: Steps) -> str:
         """Check the name of a section."""
         if name not in self.sections:
-            raise self.unknown(steps, "no such section or circuit", name, self.sections)
+            raise self.unknown(steps, "no such section or circuit", name, self.sections, refers_to="circuits")
         return name
 
     def gears_of(self, stated: Sequence[int] | None, steps: Steps) -> frozenset[int]:
         """Check gears; all of the controller's where none are stated."""
         others = sorted(set(stated or ()) - set(self.gears))
         if others:
-            raise self.fault(steps, "unknown gear", value=others[0], expected=gears_listed(self.gears))
+            raise self.unknown_gear(steps, others[0])
         return frozenset(self.gears if stated is None else stated)
 
     def by_point(self, stated: Mapping[str, float], steps: Steps, unit: float) -> Mapping[str, float]:
         """Check that every operating point, and nothing else, has its number."""
         for name in stated:
             if name not in self.points:
-                raise self.unknown(steps, "no such operating point", name, self.points)
+                raise self.unknown(steps, "no such operating point", name, self.points, refers_to="operating_points")
         missing = [name for name in self.points if name not in stated]
         if missing:
             expected = f"a number for {', '.join(missing)} too"

@@ -9,8 +9,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from atleak.catalogue.complaints import written_land
 from atleak.errors import CatalogueError
-from atleak.faults import place_of
+from atleak.faults import place_of, steps_to
 
 Steps = tuple[str | int, ...]
 
@@ -23,6 +24,7 @@ _STAND_INS: dict[str, Any] = {
     "pump": {"displacement_mm3": 1.0, "volumetric_efficiency": 1.0, "source": "none"},
 }
 _MATERIAL: dict[str, Any] = {"expansion_per_k": 1e-5, "source": "none"}
+_NAMED_BY = {"components": "id", "lands": "land", "circuits": "id", "operating_points": "name"}  # where referred to
 _DEFAULTS: dict[str, Any] = {"contact_length_mm": 1.0, "mounting_clearance_um": 10.0, "mounting_tolerance_um": 1.0}
 
 
@@ -34,20 +36,26 @@ class Remaining:
     kept: dict[Steps, list[int]] = field(default_factory=dict)  # by list: the places that its entries had before
     names: set[str] = field(default_factory=set)  # of the tables that were set aside
     lands: set[tuple[str, int]] = field(default_factory=set)  # likewise
+    in_doubt: set[str] = field(default_factory=set)  # lists of which an entry's own name or number is wrong
 
     @classmethod
     def of(cls, data: Mapping[str, Any], error: ValidationError) -> Remaining:
         """Set aside what pydantic calls wrong: an unknown key alone, else the table or the land in which it stands."""
         remaining = cls(copy.deepcopy(dict(data)))
         aside: dict[Steps, set[int]] = {}
-        for fault in error.errors(include_url=False):
-            steps = tuple(step for step in fault["loc"] if step != "[key]")
-            if fault["type"] == "extra_forbidden":
-                remaining._holder(steps).pop(steps[-1], None)  # type: ignore[arg-type]
-            elif len(steps) > 1 and isinstance(steps[1], int):
+        faults = error.errors(include_url=False)
+        for steps in (steps_to(fault) for fault in faults if fault["type"] == "extra_forbidden"):
+            remaining._holder(steps).pop(steps[-1], None)
+        for steps in (steps_to(fault) for fault in faults if fault["type"] != "extra_forbidden"):
+            if len(steps) > 1 and isinstance(steps[1], int):
                 of_land = len(steps) > 3 and steps[2] == "lands" and isinstance(steps[3], int)
                 entry = steps[:4] if of_land else steps[:2]
                 aside.setdefault(entry[:-1], set()).add(int(entry[-1]))
+                listed = str(entry[-2])
+                if steps == entry or steps == (*entry, _NAMED_BY.get(listed)):
+                    remaining.in_doubt.add(listed)
+                if steps == (*entry, "lands"):
+                    remaining.in_doubt.add("lands")
             else:
                 remaining._stand_in(steps)
         for path in sorted(aside, key=len, reverse=True):  # lands before the components that they stand in
@@ -62,8 +70,8 @@ class Remaining:
 
     def _stand_in(self, steps: Steps) -> None:
         top = str(steps[0]) if steps else ""
-        if top == "defaults" and len(steps) > 1 and steps[1] in _DEFAULTS:
-            self.data["defaults"] = {**self.data["defaults"], steps[1]: _DEFAULTS[str(steps[1])]}
+        if top == "defaults":
+            self._stand_in_default(str(steps[1]) if len(steps) > 1 else None)
         elif top in _STAND_INS:
             self.data[top] = copy.deepcopy(_STAND_INS[top])
         elif top == "materials" and len(steps) > 1 and isinstance(self.data[top], dict):
@@ -73,6 +81,17 @@ class Remaining:
             self.names.add(str(steps[1]))
         else:
             self.data.pop(top, None)
+
+    def _stand_in_default(self, key: str | None) -> None:
+        """Put something that fits in the place of one default; of all where there is no table of them."""
+        material = next(iter(self.data["materials"]), None) if isinstance(self.data.get("materials"), dict) else None
+        defaults = {**_DEFAULTS, "body": material, "spool": material}
+        if key is None:
+            self.data["defaults"] = defaults
+        elif key in defaults:
+            self.data["defaults"] = {**self.data["defaults"], key: defaults[key]}
+        else:
+            self.data["defaults"].pop(key, None)
 
     def _drop(self, path: Steps, numbers: set[int]) -> None:
         holder = self._holder(path)
@@ -90,24 +109,31 @@ class Remaining:
         if path[0] != "components":
             return
         component = table if len(path) == 1 else self._holder((*path[:2], ""))
-        for land in table.get("lands", []) if len(path) == 1 else [table]:
+        lands = table.get("lands") if len(path) == 1 else [table]
+        for land in lands if isinstance(lands, list) else []:
             if isinstance(land, dict) and isinstance(land.get("land"), int):
                 self.lands.add((str(component.get("id")), land["land"]))
 
     def follows(self, fault: CatalogueError) -> bool:
         """Tell whether something is only wrong because a table to which it refers was set aside."""
         steps = fault.place.steps
-        if str(fault.value) in self.names:
+        if fault.refers_to in self.in_doubt or str(fault.value) in self.names:
             return True
-        if fault.value in {f"{component}/{land}" for component, land in self.lands}:
-            return True
-        if steps[0] in ("gaps", "repairs"):
-            table = self.data[str(steps[0])][steps[1]]
-            lands = [table["land"]] if "land" in table else table.get("lands") or []
-            return any((table["component"], land) in self.lands for land in lands)
+        if fault.refers_to == "lands":
+            return "components" in self.in_doubt or self._refers_to_a_land_aside(fault)
         if steps[0] == "components" and steps[-1] == "lands":
-            return bool(self.lands)
+            return bool(self.lands) or "lands" in self.in_doubt
         return steps[0] == "pressures" and str(steps[1]) in self.names
+
+    def _refers_to_a_land_aside(self, fault: CatalogueError) -> bool:
+        steps = fault.place.steps
+        if steps[0] == "complaints":
+            return fault.value in {written_land(key) for key in self.lands}
+        table = self.data[str(steps[0])][steps[1]]
+        named = [table["land"]] if "land" in table else table.get("lands")
+        return any(
+            component == table["component"] and (named is None or land in named) for component, land in self.lands
+        )
 
     def in_full(self, fault: CatalogueError, data: Mapping[str, Any], file: str) -> CatalogueError:
         """Return a fault with its place in all the tables, those that were set aside too."""

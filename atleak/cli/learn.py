@@ -47,6 +47,9 @@ def add_learn(group: Any) -> None:
         help="the rows to read, where a sheet holds several inspections or vehicles",
     )
     parser.add_argument(
+        "--made-for", metavar="ID", help="the valve body that the sheets name, where this one was copied from it"
+    )
+    parser.add_argument(
         "--measuring-temperature",
         metavar="C",
         type=number_of(MEASURING_TEMPERATURE),
@@ -84,6 +87,7 @@ def run(options: argparse.Namespace) -> int:
         sheet=options.sheet,
         unit=options.sheet_unit,
         where=dict(options.where),
+        made_for=options.made_for,
     )
     learned = learn(controller, sheets, instruments=instruments, temperature=options.measuring_temperature)
     written = [] if options.output is None else _write(options, learned)

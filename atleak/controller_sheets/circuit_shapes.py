@@ -29,6 +29,7 @@ ALWAYS, BY_POINT, BY_GEAR, BY_CURRENT, BY_DUTY, FOLLOWING = SET_BY = (
     "solenoid duty",
     "another circuit",
 )
+UNREADABLE = "?"  # in place of a value that could not be read
 _LISTED = {BY_CURRENT: "current_ma", BY_DUTY: "duty_percent"}
 _EMPTY_CHART = (REVERSE, NEUTRAL, 1, 2, 3, 4, 5, 6)
 _MARKED, _UNMARKED = {"x", "yes", "on", "1", "●", "•", "✓", "✔", "+", "applied"}, {"no", "off", "0", "-", "–", "—"}
@@ -62,10 +63,9 @@ class SetPressures(Sheet):
             value = self._stated(stated, (*at, "set_kpa"), into)
             if value is not None:
                 table["set_kpa"] = value
-            else:  # it has a fault already
+            else:  # it has a fault already, and the circuit is none without supply
                 into.unread.add((*at, "set_kpa"))
-                if name != LINE:
-                    table["set_kpa"] = 0.0  # stands in, so that the circuit is not called one without supply
+                table["set_kpa"] = UNREADABLE
 
     @property
     def _headings(self) -> tuple[str, ...]:
@@ -78,6 +78,8 @@ class SetPressures(Sheet):
         if way is None:
             if by not in rows[0].cells:
                 into.fault(rows[0], by, "what is it set by?", f"one of {', '.join(SET_BY)}")
+            return None
+        if any(by in row.cells and by not in row.values for row in rows):
             return None
         further = [row for row in rows[1:] if row.values.get(by) != way or way in {ALWAYS, FOLLOWING}]
         for row in further:
@@ -107,6 +109,8 @@ class SetPressures(Sheet):
         known = len(into.faults)
         for row in rows:
             for name in [point_of(row, which, into)] if way == BY_POINT else self._gears(row, which, into):
+                if name is None:
+                    continue
                 if name in named:
                     into.fault(row, which, "given twice", "each once")
                 named[name] = row.values[pressure]
@@ -165,7 +169,7 @@ class ApplyChart(Sheet):
 
     def further_column(self, heading: Any) -> Column | None:
         try:
-            gears = gears_written(heading)
+            gears = gears_written(as_text(heading))
         except NotAccepted:
             return None
         return _gear_column(as_text(heading)) if len(gears) == 1 else None

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from difflib import SequenceMatcher
 from typing import Any
 
 from atleak.errors import nearest_name, one_of
+
+_SURELY = 0.85  # how alike two names are of which one is a slip of the pen
 
 Steps = tuple[str | int, ...]
 """Where in a controller's tables a value stands: ``("components", 2, "lands", 0, "contact_length_mm")``."""
@@ -89,8 +92,9 @@ class Description:
         self.faults.append(Fault(row.at(heading), problem, cell, expected))
 
     def unknown(self, row: Row, heading: str, problem: str, known: Sequence[str]) -> str | None:
-        """Report a name that is none of those known; return the nearest of them, if any."""
+        """Report a name that is none of those known; return the one that was surely meant, if any."""
         cell = row.cells.get(heading)
         nearest = None if cell is None else nearest_name(str(cell), known)
         self.faults.append(Fault(row.at(heading), problem, cell, one_of(known), nearest))
-        return nearest
+        alike = 0.0 if nearest is None else SequenceMatcher(None, str(cell), nearest).ratio()
+        return nearest if alike >= _SURELY else None

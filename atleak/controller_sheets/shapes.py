@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from atleak.controller_sheets.description import Description, Row, Steps
+from atleak.controller_sheets.description import Description, Fault, Row, Spot, Steps
 from atleak.controller_sheets.kinds import EVERY, Gears, Kind
 
 Values = dict[str, Any]
@@ -148,8 +148,11 @@ class Sheet:
             if value == EVERY and isinstance(column.kind, Gears):
                 value = into.data.get("gears")  # the head is read first
             if value is None:
+                if column.heading in row.cells and column.keys and not column.end:
+                    value = row.cells[column.heading]  # as it stands: what rests on it is then no fault of its own
                 if column.heading in row.cells or column.heading in row.absent:
                     into.unread.add((*at, *column.keys))
+            if value is None:
                 continue
             if column.end and column.of(table, end=0) is None:
                 into.fault(row, column.heading, "the upper end of a range without its lower one", "both, or neither")
@@ -287,15 +290,17 @@ class ValuesByPoint(Sheet):
         owners = by_id(into, str(self.at[0]))
         for row in rows:
             name = owner_of(row, owner, owners, into)
-            if name is None or (number not in row.values and number in row.cells):
+            if name is None:
                 continue
             place, table = owners[name]
             at = (*self.at, place, self._key)
             into.mark(at, row.at(number))
-            where = point_of(row, point, into) if point in row.values else None
+            where = point_of(row, point, into) if point in row.cells else None
             stated = table.get(self._key)
-            if number not in row.values:
+            if number not in row.cells:
                 into.fault(row, number, "no number", "a number, or an empty row")
+            if number not in row.values or (where is None and point in row.cells):
+                into.unread.add(at)
             elif where is None and stated is None:
                 table[self._key] = row.values[number]
             elif where is None or not isinstance(table.setdefault(self._key, {}), dict) or where in table[self._key]:
@@ -304,6 +309,10 @@ class ValuesByPoint(Sheet):
             else:
                 into.mark((*at, where), row.at(number))
                 table[self._key][where] = row.values[number]
+        for name, (place, table) in owners.items():
+            if self._key not in table and (*self.at, place, self._key) not in into.unread:
+                into.faults.append(Fault(Spot(self.name), f"no row says it of {name}", expected="a row for it"))
+                into.unread.add((*self.at, place, self._key))
 
     @property
     def _key(self) -> str:
@@ -334,8 +343,11 @@ def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Descriptio
     return None
 
 
-def point_of(row: Row, heading: str, into: Description) -> str:
-    """Return the operating point that a cell names; a fault where there is none, and then the one probably meant."""
-    name = str(row.values[heading])
+def point_of(row: Row, heading: str, into: Description) -> str | None:
+    """Return the operating point that a cell names; None, and a fault, where there is no such point."""
+    name = row.values.get(heading)
     points = [str(table["name"]) for table in into.data.get("operating_points", ()) if "name" in table]
-    return name if name in points else into.unknown(row, heading, "no such operating point", points) or name
+    if name is None or name in points:
+        return name
+    into.unknown(row, heading, "no such operating point", points)
+    return None

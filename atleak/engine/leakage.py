@@ -219,11 +219,12 @@ class GapLaw:
 class PumpFlow:
     """The flow that the pump delivers, with Wilson's slip or with a constant volumetric efficiency.
 
-    The pump's slip coefficient and efficiency may be arrays, as may every argument.
+    The slip factor and the pump's efficiency may be arrays, as may every argument.
     """
 
     pump: Pump
     with_slip: bool  # only where the pump has a slip coefficient
+    slip_factor: Any = 1.0  # on its slip, where that is uncertain
 
     @property
     def per_revolution(self) -> Any:
@@ -234,8 +235,7 @@ class PumpFlow:
         """Return the flow that slips back [m³/s] at any speed; zero where the efficiency is a constant."""
         if not self.with_slip:
             return 0.0
-        coefficient: Any = self.pump.slip_coefficient  # never None here: see `with_slip`
-        return pump_equations.slip_flow(self.pump.displacement, coefficient, main_pressure, dynamic_viscosity)
+        return self.slip_factor * self.pump.slip(main_pressure, dynamic_viscosity)
 
     def capacity(self, engine_speed: Any, main_pressure: Any, dynamic_viscosity: Any) -> Any:
         """Return what the pump delivers [m³/s] at an engine speed [1/s]; never below zero."""

@@ -7,13 +7,14 @@ import plotly.graph_objects as go
 
 from atleak.catalogue.fluid import Fluid
 from atleak.figures.frame import framed
-from atleak.look import SCREEN
+from atleak.look import FAINT_GRID, SCREEN
 from atleak.workshop_units import MM2_S
 
 BETWEEN, BEYOND = "between the data sheet's points", "beyond them"
 POINTS, TABLE = "data sheet", "table of the source"
 _HOTTEST = 150.0  # [°C]
 _STEP = 2.0  # [°C]
+_TICKS = [step * 10**power for power in range(5) for step in (1, 2, 5)]  # [mm²/s]
 
 
 def viscosity_curve(fluid: Fluid) -> go.Figure:
@@ -48,7 +49,7 @@ def viscosity_curve(fluid: Fluid) -> go.Figure:
                 hovertemplate=f"{name}, %{{x:g}} °C: %{{y:g}} mm²/s<extra></extra>",
             )
     figure.update_xaxes(title="temperature [°C]")
-    figure.update_yaxes(title="kinematic viscosity [mm²/s]", type="log", dtick="D2", gridcolor=SCREEN.rule)
+    figure.update_yaxes(title="kinematic viscosity [mm²/s]", type="log", tickvals=_TICKS, gridcolor=FAINT_GRID)
     return framed(figure, 360)
 
 

@@ -151,18 +151,18 @@ def learn(
                 measured[row, column] = each.state.radial_clearance
                 own[row, column], shared[row, column] = _uncertainties(each)
     outliers = find_outliers(measured, own)
-    found = estimate(measured, own, outliers.kept)
+    estimated = estimate(measured, own, outliers.kept)
     marked = [{controller.land_of_plane(each.component, each.plane) for each in sheet.unworn} for sheet in sheets]
     learned = {
         land.key: _land(
             land,
             column,
-            found,
+            estimated,
             calibration=_rms(shared[outliers.kept[:, column], column]) or 0.0,
             unworn_ends=sum(land in marked[row] for row in np.flatnonzero(outliers.kept[:, column])),
         )
         for column, land in enumerate(controller.lands)
-        if found.pairs[column]
+        if estimated.pairs[column]
     }
     return Learned(
         controller=controller,
@@ -244,26 +244,26 @@ def _uncertainties(land: LandSources) -> tuple[float, float]:
 # --- from numbers to lands
 
 
-def _land(land: Land, column: int, found: Estimate, *, calibration: float, unworn_ends: int) -> LearnedLand:
-    by_units = _factor(found.degrees[column]) * float(found.standard_error[column])
+def _land(land: Land, column: int, estimated: Estimate, *, calibration: float, unworn_ends: int) -> LearnedLand:
+    by_units = _factor(estimated.degrees[column]) * float(estimated.standard_error[column])
     uncertainty = math.hypot(by_units, _FACTOR * calibration)
-    spread = float(found.spread[column])
+    spread = float(estimated.spread[column])
     if math.isnan(spread):
         apart, tolerance_from = _known_tolerance(land)
     else:
-        apart = _factor(found.spread_degrees[column]) * float(found.unresolved[column])
+        apart = _factor(estimated.spread_degrees[column]) * float(estimated.unresolved[column])
         tolerance_from = ToleranceFrom.UNITS
     return LearnedLand(
         land=land,
-        clearance=float(found.clearance[column]),
+        clearance=float(estimated.clearance[column]),
         uncertainty=uncertainty,
         uncertainty_by_units=by_units,
         tolerance=math.hypot(apart, uncertainty),
         tolerance_from=tolerance_from,
         spread=None if math.isnan(spread) else spread,
-        measurement=float(found.measurement[column]),
+        measurement=float(estimated.measurement[column]),
         calibration=calibration,
-        units=int(found.pairs[column]),
+        units=int(estimated.pairs[column]),
         unworn_ends=unworn_ends,
     )
 

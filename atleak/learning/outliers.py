@@ -210,14 +210,14 @@ def _units_left_out(fit: _Fit, measured: Mask, kept: Mask, units: Mask) -> dict[
     wide = (measured & ~kept & (fit.deviation > 0.0)).sum(axis=1)
     shifted = _show_shift(measured)
     why: dict[int, WhyUnit] = {}
-    for row in np.flatnonzero(measured.any(axis=1)):
+    for row in map(int, np.flatnonzero(measured.any(axis=1))):
         over = np.maximum(fit.deviate[row][kept[row]], 0.0)
         if shifted[row] and _shift_probability(fit, shifted & units, row) <= limit:
-            why[int(row)] = WhyUnit.WIDE_THROUGHOUT if fit.shifts[row] > 0.0 else WhyUnit.TIGHT_THROUGHOUT
+            why[row] = WhyUnit.WIDE_THROUGHOUT if fit.shifts[row] > 0.0 else WhyUnit.TIGHT_THROUGHOUT
         elif wide[row] >= WIDE_LANDS_OF_A_WORN_UNIT:
-            why[int(row)] = WhyUnit.WIDE_LANDS
+            why[row] = WhyUnit.WIDE_LANDS
         elif fit.degrees >= _MANY_DEGREES and one_sided_squares_tail(float(over @ over), over.size) <= limit:
-            why[int(row)] = WhyUnit.WIDER_TOGETHER
+            why[row] = WhyUnit.WIDER_TOGETHER
     return why if count - len(why) >= 2 else {}
 
 

@@ -302,7 +302,7 @@ class _Sheet:
         if controller.representative:
             sheet.write_string(2, 0, controller.representative, formats["note"])
         gaps = controller.pump.gaps
-        left_out = {name for name, slips in ((PUMP_SIDE, gaps.side), (PUMP_TIP, gaps.tip)) if slips is None}
+        left_out = {name for name, slips in ((PUMP_SIDE, gaps.side), (PUMP_TIP, gaps.tips)) if slips is None}
         for field, (row, label, first, last) in _FIELD_PLACES.items():
             if field in left_out - fields.keys():
                 continue  # the file does not say what would slip through it

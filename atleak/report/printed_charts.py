@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -126,6 +127,8 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
         figure = Figure(figsize=(7.0, 0.55 + 0.21 * max(len(bars), 3)), layout="constrained")
         axes = figure.subplots()
         places = np.arange(len(bars))[::-1]
+        ends = [end for bar in bars for end in (bar.share, bar.high or 0.0) if math.isfinite(end)]
+        right = 1.12 * max(ends, default=1.0) or 1.0
         for place, bar in zip(places, bars, strict=True):
             look = look_of(bar.verdict)
             axes.barh(
@@ -138,9 +141,10 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
                 hatch=look.hatch,
             )
             end = bar.share
-            if bar.low is not None and bar.high is not None:
-                axes.plot([bar.low, bar.high], [place, place], color=PAPER.ink, lw=1.1, marker="|", ms=5)
-                end = max(end, bar.high)
+            if bar.low is not None and bar.high is not None and math.isfinite(bar.low):
+                high = min(bar.high, right)  # the interval of a pump that may deliver nothing has no end
+                axes.plot([bar.low, high], [place, place], color=PAPER.ink, lw=1.1, marker="|", ms=5)
+                end = max(end, high) if math.isfinite(bar.high) else end
             axes.annotate(
                 say.number(bar.share, 2),
                 (end, place),
@@ -164,7 +168,7 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
         axes.tick_params(axis="y", length=0)
         axes.set_ylim(-0.6, max(len(bars), 3) - 0.4)
         axes.set_xlabel(_drawable(label), parse_math=False)
-        axes.set_xlim(0.0, 1.12 * max((max(bar.share, bar.high or 0.0) for bar in bars), default=1.0) or 1.0)
+        axes.set_xlim(0.0, right)
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value, 4)))
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(axis="x", color=PAPER.rule, lw=0.5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import secrets
 from pathlib import Path
@@ -27,14 +28,22 @@ def keep_draft(token: str, text: str) -> None:
         where the user's folder cannot be written.
     """
     replace_file(made(_folder()) / f"{token}.json", text.encode("utf-8"), mode=PRIVATE)
-    for other in [*drafts().values()][_MOST:]:
-        other.unlink(missing_ok=True)
+    for other in [*drafts()][_MOST:]:
+        forget_draft(other)
 
 
 def drafts() -> dict[str, Path]:
     """Return the files of drafts by their names, the newest first."""
-    files = [path for path in _folder().glob("*.json") if _TOKEN.fullmatch(path.stem)]
-    return {path.stem: path for path in sorted(files, key=lambda path: path.stat().st_mtime, reverse=True)}
+    files = [(_written(path), path) for path in _folder().glob("*.json") if _TOKEN.fullmatch(path.stem)]
+    return {path.stem: path for _, path in sorted(files, reverse=True)}
+
+
+def _written(path: Path) -> float:
+    """Return when a file was written; 0 where another page deleted it a moment ago."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
 
 
 def draft_text(token: str) -> str | None:
@@ -48,9 +57,10 @@ def draft_text(token: str) -> str | None:
 
 
 def forget_draft(token: str) -> None:
-    """Delete a draft, where there is one."""
+    """Delete a draft, where there is one that can be deleted."""
     if _TOKEN.fullmatch(token):
-        (_folder() / f"{token}.json").unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # held by another program, or no folder at all
+            (_folder() / f"{token}.json").unlink(missing_ok=True)
 
 
 def _folder() -> Path:

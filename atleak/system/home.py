@@ -18,7 +18,7 @@ def home() -> Path:
     ``$XDG_DATA_HOME/atleak`` (``~/.local/share/atleak``) elsewhere.
     """
     if folder := os.environ.get(HOME):
-        return Path(folder)
+        return Path(os.path.expanduser(folder))  # noqa: PTH111  the other one refuses the name of no user
     from platformdirs import user_data_path  # only who names no folder of their own needs it
 
     return user_data_path("atleak", appauthor=False)

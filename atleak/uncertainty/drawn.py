@@ -65,12 +65,11 @@ class Condition:
         """Return a pump whose slip, or else its efficiency, is uncertain."""
         model, u = self.model, self.assumptions
         if model.uses_slip:
-            spread = math.hypot(u.slip_coefficient, pump.relative_uncertainty(u.pump_clearance))
-            drawn = replace(pump, slip_coefficient=pump.slip_coefficient * np.exp(spread * deviate))
-        else:
-            efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviate
-            drawn = replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0))
-        return PumpFlow(drawn, model.uses_slip)
+            at = self.point.main_pressure, model.dynamic_viscosity(self.point.temperature)
+            spread = math.hypot(u.slip_coefficient, pump.relative_uncertainty(u.pump_clearance, *at))
+            return PumpFlow(pump, True, np.exp(spread * deviate))
+        efficiency = pump.volumetric_efficiency + u.volumetric_efficiency * deviate
+        return PumpFlow(replace(pump, volumetric_efficiency=np.clip(efficiency, _LOWEST_EFFICIENCY, 1.0)), False)
 
 
 def _touches_circuit(gap: Gap) -> bool:

@@ -100,11 +100,14 @@ def costs(plan: RepairPlan, say: Wording | None = None) -> Iterator[str]:
     cost, say = plan.cost, say or wording("en")
     if cost is None:
         return
-    if cost.repairs:
+    nothing = cost.repairs == cost.without_price == cost.without_hours
+    if cost.repairs and nothing:
+        yield say("plan.cost_none", count=cost.repairs)
+    elif cost.repairs:
         prices = " + ".join(f"{say.number(price, 2)} {currency}" for currency, price in cost.prices.items())
         hours = None if cost.without_hours == cost.repairs else cost.hours
         yield say("plan.cost", count=cost.repairs, prices=prices or "–", hours=say.number(hours, 1))
-    if cost.without_price or cost.without_hours:
+    if not nothing and (cost.without_price or cost.without_hours):
         yield say("plan.cost_open", prices=cost.without_price, hours=cost.without_hours)
     chosen = [row for row in option_rows(plan) if row.chosen]
     if any(row.representative for row in chosen):

@@ -11,6 +11,7 @@ import streamlit as st
 
 from atleak.catalogue.controller_reading import checked_controller
 from atleak.catalogue.controller_toml import written_toml
+from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.instruments import Part, instruments, load_instruments
 from atleak.errors import AtleakError
 from atleak.intake.readings.several import read_several
@@ -47,14 +48,21 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
     files = st.file_uploader(
         "Measuring sheets, one for each unit", _TYPES, accept_multiple_files=True, key=f"{key}-sheets"
     )
-    left, middle, right = st.columns(3)
-    unit = left.selectbox("Unit of the diameters", [AS_STATED, *unit_names("length")], key=f"{key}-unit")
-    gauges = {"spool": _gauge(middle, "spool", key), "sleeve": _gauge(right, "sleeve", key)}
+    places = st.columns(2)
+    unit = places[0].selectbox("Unit of the diameters", [AS_STATED, *unit_names("length")], key=f"{key}-unit")
+    made_for = places[1].selectbox(
+        "The sheets were made for",
+        [data["id"], *(name for name in catalogue_files("controllers") if name != data["id"])],
+        key=f"{key}-made-for",
+        help="The id that stands at the head of a printed sheet: that of the unit from which this one was copied.",
+    )
+    gauges = {"spool": _gauge(places[0], "spool", key), "sleeve": _gauge(places[1], "sleeve", key)}
     if not files:
         return None
     sources = tuple((file.name, file.getvalue()) for file in files)
     try:
-        learned = _learned(_digest(data, sources), data, sources, None if unit == AS_STATED else unit, gauges)
+        stated = None if unit == AS_STATED else unit
+        learned = _learned(_digest(data, sources), data, sources, stated, made_for, gauges)
         tables = with_learned(data, learned, dt.date.today())
         checked_controller(tables)
     except AtleakError as error:
@@ -79,7 +87,7 @@ def _gauge(place: Any, part: Part, key: str) -> str:
 
 
 def _digest(data: Mapping[str, Any], sources: tuple[tuple[str, bytes], ...]) -> tuple[str, ...]:
-    contents = (written_toml(data).encode(), *(content for _, content in sources))
+    contents = (written_toml(data).encode(), *(part for name, content in sources for part in (name.encode(), content)))
     return tuple(hashlib.sha256(content).hexdigest() for content in contents)
 
 
@@ -89,11 +97,16 @@ def _learned(
     _data: Mapping[str, Any],
     _sources: tuple[tuple[str, bytes], ...],
     unit: str | None,
+    made_for: str,
     gauges: dict[str, str],
 ) -> Learned:
     """Learn once for the same tables, sheets and choices; ``digest`` stands for the first two."""
     controller = checked_controller(_data)
-    return learn(controller, read_several(_sources, controller, unit=unit), instruments=load_instruments(**gauges))
+    return learn(
+        controller,
+        read_several(_sources, controller, unit=unit, made_for=made_for),
+        instruments=load_instruments(**gauges),
+    )
 
 
 def _show(learned: Learned) -> None:

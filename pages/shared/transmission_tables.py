@@ -6,17 +6,20 @@ wrong in it change.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import streamlit as st
 
+from atleak.catalogue.pump_reading import other_dimensions
 from atleak.controller_sheets.circuit_shapes import Mark
 from atleak.controller_sheets.kinds import Choice, YesNo
 from atleak.controller_sheets.layout import NAMES, SHEETS
 from atleak.controller_sheets.shapes import Column, Sheet
+from atleak.controller_sheets.valve_sheets import PUMP
 from atleak.views.controller_form import Checked, Draft
-from pages.shared import show
+from pages.shared import fields, show
 
 if TYPE_CHECKING:
     from pages.shared.transmission import Editing
@@ -72,26 +75,58 @@ def draw(editing: Editing, step: str, found: Checked) -> None:
 
 
 def _form(editing: Editing, sheet: Sheet, found: Checked) -> None:
-    """Draw a field for each line of a form, with what is wrong beneath it."""
+    """Draw a field for each line of a form, what is wrong beneath it; a pump's dimensions of other kinds in a fold."""
     wrong = {fault.heading: fault.text for fault in found.of(sheet.name)}
-    for start in range(0, len(sheet.columns), 3):
-        for place, column in zip(st.columns(3), sheet.columns[start : start + 3], strict=False):
-            with place:
-                _field(editing, sheet, column)
-                with st.container():
-                    if column.heading in wrong:
-                        st.markdown(f":red[✗ {show.plain(wrong[column.heading])}]")
+    groups = _together(sheet.columns)
+    aside = _of_other_pumps(found) if sheet is PUMP else frozenset()
+    _fields(editing, sheet, [group for group in groups if aside.isdisjoint(group[0].keys)], wrong)
+    others = [group for group in groups if not aside.isdisjoint(group[0].keys)]
+    if others:
+        with fields.fold("Dimensions of other kinds of pumps", key=editing.key("fold-pump")):
+            _fields(editing, sheet, others, wrong)
     if None in wrong:
         st.markdown(f":red[✗ {show.plain(wrong[None])}]")
 
 
-def _field(editing: Editing, sheet: Sheet, column: Column) -> None:
+def _of_other_pumps(found: Checked) -> frozenset[str]:
+    """Return the keys of what the pump described so far does not have."""
+    kind = found.data.get("pump", {}).get("kind")
+    return frozenset(other_dimensions(kind))
+
+
+def _together(columns: Sequence[Column]) -> list[tuple[Column, ...]]:
+    """Return each value's column with that of what it is known from, where it has one."""
+    groups: list[tuple[Column, ...]] = []
+    for column in columns:
+        if column.how_known and groups and groups[-1][-1].keys[-1:] == (column.how_known,):
+            groups[-1] = (*groups[-1], column)
+        else:
+            groups.append((column,))
+    return groups
+
+
+def _fields(
+    editing: Editing, sheet: Sheet, groups: Sequence[tuple[Column, ...]], wrong: Mapping[str | None, str]
+) -> None:
+    in_pairs = any(len(group) > 1 for group in groups)
+    beside = 2 if in_pairs else 3
+    for start in range(0, len(groups), beside):
+        places = st.columns([3, 2] * beside if in_pairs else beside)
+        for number, group in enumerate(groups[start : start + beside]):
+            for place, column in zip(places[number * (2 if in_pairs else 1) :], group, strict=False):
+                with place:
+                    _field(editing, sheet, column, _label(column, editing) if column is group[0] else "How known")
+                    with st.container():
+                        if column.heading in wrong:
+                            st.markdown(f":red[✗ {show.plain(wrong[column.heading])}]")
+
+
+def _field(editing: Editing, sheet: Sheet, column: Column, label: str) -> None:
     key = editing.key(f"{sheet.name}-{column.heading}")
     typed = editing.draft.cell(sheet.name, column.heading)
     options = _options(column, editing.draft, typed)
     shared: dict[str, Any] = {"key": key, "help": column.help or None, "on_change": _put_field}
     shared["args"] = (editing, sheet.name, column.heading, key)
-    label = _label(column, editing)
     if options is None:
         made = "made from the name" if column.keys == ("id",) else None
         st.text_input(label, typed, placeholder=made, **shared)

@@ -94,11 +94,12 @@ def test_a_worn_pump_slips_more_and_delivers_less(unit: Controller, sound: Diagn
     before, after = sound.hot_idle, worn_pump.hot_idle
     assert before is not None
     assert after is not None
-    gained = equations.face_slip(85e-6, 0.066, 0.048) + equations.face_slip(85e-6, 0.110, 0.094)
-    gained -= equations.face_slip(35e-6, 0.066, 0.048) + equations.face_slip(35e-6, 0.110, 0.094)
-    gained += 2 * (equations.tip_slip(160e-6, 0.015, 0.002, 3) - equations.tip_slip(110e-6, 0.015, 0.002, 3))
-    viscosity = float(sound.model.dynamic_viscosity(before.condition.temperature))
-    more = gained * before.condition.main_pressure / viscosity
+    viscosity, main = float(sound.model.dynamic_viscosity(before.condition.temperature)), before.condition.main_pressure
+    opened = equations.face_slip(85e-6, 0.066, 0.048) + equations.face_slip(85e-6, 0.110, 0.094)
+    opened -= equations.face_slip(35e-6, 0.066, 0.048) + equations.face_slip(35e-6, 0.110, 0.094)
+    more = opened * main / viscosity
+    for sign, clearance in ((1, 160e-6), (-1, 110e-6)):
+        more += sign * 2 * equations.tip_slip(main, clearance, 0.015, 0.002, 3, viscosity, 800.0)
     assert more * DM3_MIN > 1.0
     assert after.slip - before.slip == pytest.approx(more, rel=1e-9, abs=0.0)
     assert before.pump_capacity - after.pump_capacity == pytest.approx(more, rel=1e-9, abs=0.0)
@@ -216,6 +217,8 @@ def test_the_sheet_s_head_asks_for_what_the_file_can_use_and_is_read_back(
     assert of_sheet.controller.pump.measured.um == (85.0, 160.02)
     of_job = diagnose(unit, hipol, limits, readings=again, pump_clearances=PumpClearances.of_um(60.0, None))
     assert of_job.controller.pump.measured.um == (60.0, 160.02)
+    texts = {message.code: message.text for message in of_job.messages}
+    assert "states a pump side clearance of 85 µm, the job 60 µm" in texts["pump_clearance_differs"]
 
 
 def test_a_profile_with_a_constant_efficiency_says_that_the_clearances_count_nowhere(

@@ -34,7 +34,7 @@ lands = [1]
 kind = "oversize_valve"
 name = "oversize regulator valve"
 part_number = "MADE-UP-1"
-nominal_diameter_mm = 15.3
+nominal_diameter_mm = 15.8
 mounting_clearance_um = [10.0, 14.0]
 source = "made up for this test"
 evidence = "representative"
@@ -171,7 +171,7 @@ def test_the_form_takes_what_lands_have_and_reads_back(own_box: Controller) -> N
     land = own_box.land("pressure_regulator", 1)
     readings = [
         Reading(land.component, part, land.planes[0], 0.0, 1, diameter)
-        for part, diameter in (("spool", 15.3e-3), ("sleeve", 15.33e-3))
+        for part, diameter in (("spool", 15.8e-3), ("sleeve", 15.83e-3))
     ]
     own = OwnLands(
         (OwnLength(*land.key, 4.2e-3, 1.5e-3), OwnLength("pressure_regulator", 2, None, 12.0e-3)),
@@ -205,13 +205,13 @@ def test_a_repair_that_is_fitted_is_the_new_state_of_its_lands(
 ) -> None:
     sheet = (
         "Valve;Land;Part;Diameter [mm];Fitted repair\n"
-        "pressure_regulator;1;spool;15.300;oversize\n"
-        "pressure_regulator;1;bore;15.326;\n"
+        "pressure_regulator;1;spool;15.800;oversize\n"
+        "pressure_regulator;1;bore;15.826;\n"
     )
     diagnosis = diagnosed(sheet, own_box, hipol, limits)
     land = next(each for each in diagnosis.lands if each.key == ("pressure_regulator", 1))
     nominal = land.state.land
-    assert nominal.nominal_diameter == pytest.approx(15.3e-3, abs=1e-9)
+    assert nominal.nominal_diameter == pytest.approx(15.8e-3, abs=1e-9)
     assert nominal.mounting_range == pytest.approx((10e-6, 14e-6), abs=1e-12)
     assert nominal.new_origin is NewOrigin.RANGE
     assert "mounting_clearance_um" in nominal.representative  # the repair says so
@@ -219,6 +219,9 @@ def test_a_repair_that_is_fitted_is_the_new_state_of_its_lands(
     assert land.verdict is Verdict.OK
     other = next(each for each in diagnosis.lands if each.key == ("pressure_regulator", 2))
     assert other.state.land == own_box.land("pressure_regulator", 2)
+    assert "far_from_nominal" not in {each.code for each in diagnosis.messages}
+    plain = diagnosed(sheet.replace("oversize\n", "\n"), own_box, hipol, limits)
+    assert "far_from_nominal" in {each.code for each in plain.messages}
     said = [each for each in diagnosis.messages if each.code == "repair_fitted"]
     assert len(said) == 1
     assert "oversize regulator valve (MADE-UP-1)" in said[0].text

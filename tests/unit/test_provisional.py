@@ -110,6 +110,60 @@ def test_a_worn_land_rests_on_its_mounting_clearance_alone(
     assert (diagnosis.verdict, diagnosis.provisional) == (Verdict.REPLACE, ())
 
 
+@pytest.mark.parametrize(
+    ("measured", "representative", "bases"),
+    [
+        ("spool", "nominal_diameter_mm", (Basis.NOMINAL_DIAMETER,)),
+        ("spool", "mounting_clearance_um", (Basis.MOUNTING_CLEARANCE,)),
+        ("sleeve", "nominal_diameter_mm", (Basis.NOMINAL_DIAMETER,)),
+        ("both", "nominal_diameter_mm", ()),
+    ],
+)
+def test_a_land_of_which_one_part_was_measured_rests_on_what_stands_for_the_other(
+    measured: str,
+    representative: str,
+    bases: tuple[Basis, ...],
+    data_sheet_fluid: Fluid,
+    limits: Limits,
+    readings_of: Build,
+) -> None:
+    tables = described("published")
+    known = tables["defaults"]["published"]
+    tables["defaults"]["published"] = [key for key in known if key != representative]
+    tables["representative_values"] = [representative]
+    unit = checked_controller(tables)
+    land, wear = unit.lands[0], 100 * UM
+    spool = None if measured == "sleeve" else land.nominal_diameter - wear
+    sleeve = None if measured == "spool" else land.nominal_diameter + wear
+    diagnosis = diagnose(unit, data_sheet_fluid, limits, readings=readings_of(unit, {land.key: (spool, sleeve)}))
+    assert diagnosis.flagged
+    assert diagnosis.decided_by is diagnosis.flagged[0]
+    assert diagnosis.provisional == bases
+
+
+@pytest.mark.parametrize(
+    ("representative", "slip", "bases"),
+    [
+        ("volumetric_efficiency", 4e-8, ()),
+        ("volumetric_efficiency", None, (Basis.PUMP,)),
+        ("slip_coefficient", 4e-8, (Basis.PUMP,)),
+    ],
+)
+def test_a_verdict_rests_on_the_efficiency_of_a_pump_only_where_no_slip_is_known(
+    representative: str,
+    slip: float | None,
+    bases: tuple[Basis, ...],
+    data_sheet_fluid: Fluid,
+    limits: Limits,
+    readings_of: Build,
+) -> None:
+    tables = described("published")
+    tables["pump"].update(representative=[representative], **({} if slip is None else {"slip_coefficient": slip}))
+    unit = checked_controller(tables)
+    diagnosis = diagnose(unit, data_sheet_fluid, limits, readings=with_clearances(unit, 10 * UM, readings_of))
+    assert diagnosis.provisional == bases
+
+
 def test_nothing_measured_is_no_provisional_verdict(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
     assert diagnose(four_speed, hipol, limits).provisional == ()
 

@@ -20,8 +20,11 @@ from atleak.engine.projection import project
 from atleak.errors import InputError
 from atleak.job.case import Case, SourceFile
 from atleak.job.file import read_job_file, write_job_file
+from atleak.job.record import Job
 from atleak.readings import Readings
 from atleak.repair import RepairPlan, plan_repairs
+from atleak.report.pdf.conditions import Conditions
+from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record
@@ -168,6 +171,8 @@ def test_prices_in_two_currencies_are_added_apart_and_never_compared(
     assert sorted(chosen(plan)) == [((PR, 1), "option_1"), ((PR, 2), "option_3")]
     assert plan.cost.prices == {"PLN": 500.0, "EUR": 90.0}
     assert plan.cost.without_hours == 2
+    said = " ".join(plan_ends(plan))
+    assert "Parts 500.00 PLN + 90.00 EUR, work – h. Not in these sums" in said.replace("\u00a0", " ")
 
 
 def test_a_repair_without_a_price_comes_after_those_with_one(
@@ -177,6 +182,8 @@ def test_a_repair_without_a_price_comes_after_those_with_one(
         repair(1, "sleeve", lands=[1]), repair(2, "sleeve", lands=[1], price=900.0, currency="EUR"), worn=(1,)
     )
     assert chosen(plan) == [((PR, 1), "option_2")]
+    _, unknown = plan_of(repair(1, "sleeve", lands=[1]), worn=(1,))
+    assert "Repairs planned: 1. The valve body's file states neither price nor hours of them." in plan_ends(unknown)
 
 
 def test_terminal_record_and_workbook_show_options_price_and_sum(
@@ -223,11 +230,23 @@ def test_terminal_record_and_workbook_show_options_price_and_sum(
 
 
 @pytest.mark.parametrize("language", ["de", "pl"])
-def test_every_language_says_what_the_plan_costs(language: str, plan_of: PlanOf) -> None:
-    _, plan = plan_of(repair(1, "sleeve", price=1061.5, currency="EUR", hours=1.5))
-    said = " ".join(plan_ends(plan, wording(language)))
+def test_every_language_prints_the_repairs_and_what_they_cost(language: str, plan_of: PlanOf) -> None:
+    say = wording(language)
+    diagnosis, plan = plan_of(repair(1, "sleeve", price=1061.5, currency="EUR", hours=1.5, mounting_clearance_um=12.5))
+    said = " ".join(plan_ends(plan, say))
     assert "061,50 EUR" in said
     assert "1,5 h" in said
+    blocks = [
+        block
+        for block in Conditions(PrintedNames(diagnosis, diagnosis_record(diagnosis), Job(), say)).repair_order()
+        if block
+    ]
+    texts = [block["text"] for block in blocks if block["kind"] == "text"]
+    assert say("texts.repair_order_by_options") in texts
+    tables = [block for block in blocks if block["kind"] == "table"]
+    table = next(each for each in tables if say("columns.use") in each["names"])
+    (row,) = table["rows"]
+    assert {"option 1", say("plan.chosen"), "12,5", "1,5", f"{PR}/1, {PR}/2"} <= set(row)
 
 
 def test_what_the_workshop_chooses_goes_before_the_cheapest_and_stays_in_the_job_file(

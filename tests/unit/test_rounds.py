@@ -28,7 +28,8 @@ def outcomes(root: Path, folder: Path, **environment: str) -> dict[str, str]:
     for name, test in TESTS.items():
         (folder / "tests" / f"test_{name}.py").write_text(test, encoding="utf-8")
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "ATLEAK_"))}
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-n", "2", "-rA"]
+    kept["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # of the plugins only the one that the settings ask for
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "xdist", "-n", "2", "-rA"]
     done = subprocess.run(
         [*command, "--continue-on-collection-errors"],
         cwd=folder, env=kept | environment, capture_output=True, encoding="utf-8", check=False,

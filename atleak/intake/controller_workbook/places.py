@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from atleak.controller_sheets.description import Description, Fault, Row, Spot
 from atleak.controller_sheets.layout import SHEETS
 from atleak.controller_sheets.meaning import fault_of_cell
-from atleak.controller_sheets.shapes import Column
+from atleak.controller_sheets.shapes import DEFAULTS, Column
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError, InputError, Place
 from atleak.intake.controller_workbook.rows import Page
@@ -21,6 +21,7 @@ class Places:
     file: str
     units: Units
     pages: dict[str, Page] = field(default_factory=dict)
+    _said: set[tuple[Spot, str]] = field(default_factory=set)  # what was said of the head for the first of many lands
 
     def fault(self, fault: Fault) -> CatalogueError:
         """Return a fault as an error that names sheet, row and column."""
@@ -60,6 +61,12 @@ class Places:
         column, row = self._column(spot), self._row(spot)
         if column is None:
             return _at(self.place(spot), error)
+        if error.value is not None and (row is None or column.heading not in row.cells):
+            of_all = into.spots.get((DEFAULTS, *steps[-1:]))  # a land that states nothing takes what the head says
+            if of_all is not None:
+                said = (of_all, str(error.value)) in self._said
+                self._said.add((of_all, str(error.value)))
+                return None if said else _at(self.place(of_all), error)
         return self.fault(fault_of_cell(error, column, row or Row(spot, {}, {}), self.units))
 
     def order(self, error: CatalogueError) -> tuple[int, int, str]:

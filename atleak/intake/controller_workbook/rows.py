@@ -24,7 +24,7 @@ from atleak.controller_sheets.shapes import Sheet as Declared
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.errors import nearest_name, one_of
 from atleak.intake.plain_words import words
-from atleak.intake.sheets.sheet import Sheet, rows_named
+from atleak.intake.sheets.sheet import Sheet, column_letter, rows_named
 from atleak.intake.units import find_unit
 
 _LOOKED_AT = 40  # rows at the top of a sheet among which its headings are sought
@@ -179,7 +179,11 @@ def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> d
                 continue
             headings = [each.heading for each in declared.columns]
             nearest = nearest_name(as_text(heading), headings)
-            problem = "unknown column" if heading != "" else f"column {number + 1} holds something and has no heading"
+            problem = (
+                "unknown column"
+                if heading != ""
+                else f"column {column_letter(number)} holds something and has no heading"
+            )
             into.faults.append(Fault(spot, problem, heading or None, one_of(headings), nearest))
     return columns
 

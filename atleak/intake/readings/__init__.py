@@ -63,6 +63,7 @@ def read_readings(
     sheet: str | None = None,
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
+    made_for: str | None = None,
 ) -> Readings:
     """Return the readings of a measuring sheet.
 
@@ -81,6 +82,8 @@ def read_readings(
         unit of the diameters ("mm", "µm", "inch" …), instead of what the headings say.
     where
         which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
+    made_for
+        id that the sheet may name in place of the controller's: of the one from which this one was copied.
 
     Returns
     -------
@@ -155,7 +158,7 @@ def read_readings(
     problems += of_lands.problems
     problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
     for table in chosen.tables:
-        other = agreement.other_controller(table.sheet, table.header, controller)
+        other = agreement.other_controller(table.sheet, table.header, controller, made_for)
         if other is not None:
             problems = [other]
     if problems:

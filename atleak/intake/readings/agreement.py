@@ -252,10 +252,15 @@ def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
 # --- the head of the sheet --------------------------------------------------------------------------------------------
 
 
-def other_controller(sheet: Sheet, header: Header, controller: Controller) -> ReadingsError | None:
-    """Return an error where the head of the sheet names another controller than the one it is read for."""
+def other_controller(
+    sheet: Sheet, header: Header, controller: Controller, made_for: str | None = None
+) -> ReadingsError | None:
+    """Return an error where the head of the sheet names another controller than the one it is read for.
+
+    ``made_for`` is the id of one from which this one was copied, and which the head may name as well.
+    """
     known = {plain(name) for name in catalogue_files("controllers")}
-    mine = {plain(controller.id), plain(controller.name)}
+    mine = {plain(name) for name in (controller.id, controller.name, made_for) if name is not None}
     for row in range(max(header.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):
             if not isinstance(cell, str) or not letters(cell) or "controller" not in plain(cell):

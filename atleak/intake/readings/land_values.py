@@ -264,4 +264,4 @@ def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
 
 
 def _mm(metres: float) -> str:
-    return f"{metres * 1e3:.4g}"
+    return f"{metres * 1e3:.6g}"

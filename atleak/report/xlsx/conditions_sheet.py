@@ -8,9 +8,11 @@ from typing import Any, NamedTuple
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.limits import RuleKind
+from atleak.catalogue.pump import TIP_DENSITY, Pump, TipGaps
 from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import LeakFlow, Projection
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
+from atleak.equations.gap import ENTRY_AND_EXIT_LOSS
 from atleak.report.xlsx.book import NO_DELIVERY, Book, cell, exact, put
 from atleak.report.xlsx.gaps_sheet import GapCells
 from atleak.report.xlsx.live_cells import (
@@ -187,9 +189,9 @@ class ConditionsSheet:
         pump = engine.controller.pump
         yield Quantity("pump displacement", "mm³/rev", "q_p", None, pump.displacement * MM3_S, "mm3")
         if engine.uses_slip:
-            yield from self._slip(at, "", "", pump.slip_coefficient, projection.slip)
+            yield from self._slip(at, "", "", pump, projection.slip)
             if pump.as_new is not None:
-                yield from self._slip(at, "_new", " of the same pump new", pump.as_new.slip_coefficient, at.new.slip)
+                yield from self._slip(at, "_new", " of the same pump new", pump.as_new, at.new.slip)
         else:
             yield Quantity("volumetric efficiency", "", "eta_v", None, pump.volumetric_efficiency, "plain")
         supply = f"{self._per_revolution(at)}*{at('n')}"
@@ -197,12 +199,13 @@ class ConditionsSheet:
         capacity = f"MAX({at('supply')}-{at('slip')},0)" if engine.uses_slip else at("supply")
         yield Quantity("pump capacity", "dm³/min", "capacity", capacity, projection.pump_capacity * DM3_MIN, "flow")
 
-    def _slip(
-        self, at: SheetCondition, end: str, of: str, coefficient: float | None, slip: float
-    ) -> Iterable[Quantity]:
-        """Return a slip coefficient and the slip that follows from it."""
-        yield Quantity(f"slip coefficient C_s{of}", "", f"C_s{end}", None, coefficient, "scientific")
+    def _slip(self, at: SheetCondition, end: str, of: str, pump: Pump, slip: float) -> Iterable[Quantity]:
+        """Return a slip coefficient and the slip that follows from it and from the tips that it leaves out."""
+        yield Quantity(f"slip coefficient C_s{of}", "", f"C_s{end}", None, pump.slip_coefficient, "scientific")
         text = f"{at('q_p')}*{at(f'C_s{end}')}*{at('p_g')}*60/(2*PI()*{at('nu')}*{at('rho')})"
+        if pump.gaps.tips is not None and pump.tips:
+            over_tips = "".join(f"{sign:+g}*{_over_tips(pump.gaps.tips, size, at)}" for sign, size in pump.tips)
+            text = f"MAX({text}{over_tips},0)"
         yield Quantity(f"slip{of}", "dm³/min", f"slip{end}", text, slip * DM3_MIN, "flow")
 
     def _per_revolution(self, at: SheetCondition) -> str:
@@ -328,6 +331,15 @@ def covers(diagnosis: Diagnosis) -> str:
     """Say what the lowest speed of the pump means, and which consumers it counts."""
     counted = counted_in_speed(diagnosis, wording("en"))
     return f"The pump covers leakage and its own slip from the speed named; {counted}."
+
+
+def _over_tips(tips: TipGaps, clearance: float, at: SheetCondition) -> str:
+    """Return the formula of what slips over a pump's tips [dm³/min], from their slip without viscosity's share."""
+    per_viscous = clearance**2 / (12.0 * tips.land * 1e-3)  # of one mPa·s
+    conductance = tips.rims * tips.width * clearance * per_viscous / tips.in_a_row * 1e3 * DM3_MIN  # per kPa
+    bend = 2.0 * ENTRY_AND_EXIT_LOSS * TIP_DENSITY * per_viscous**2 / tips.in_a_row * 1e3
+    viscous = f"({at('nu')}*{at('rho')})"
+    return f"2*{exact(conductance)}*{at('p_g')}/{viscous}/(1+SQRT(1+{exact(bend)}*{at('p_g')}/{viscous}^2))"
 
 
 def _leak_formula(flow: LeakFlow, at: SheetCondition, name_of: Callable[[str], str]) -> str:

@@ -88,6 +88,19 @@ def test_places_are_those_among_all_tables_where_others_before_them_were_set_asi
         (lambda t: t["materials"]["aluminium"].update(source=""), ("materials", "aluminium", "source")),
         (lambda t: t["pump"].update(colour="red"), ("pump", "colour")),
         (lambda t: t["defaults"].update(contact_length_mm=-1.0), ("defaults", "contact_length_mm")),
+        (lambda t: t["defaults"].update(body=3), ("defaults", "body")),
+        (lambda t: t["defaults"].update(body="brass"), ("defaults", "body")),
+        (lambda t: t.update(defaults="aluminium"), ("defaults",)),
+        (lambda t: t["gears"].__setitem__(3, "third"), ("gears", 3)),
+        (lambda t: t["components"].__setitem__(5, "plug"), ("components", 5)),
+        (lambda t: t["components"][11].pop("id"), ("components", 11, "id")),
+        (lambda t: t["components"][11].update(lands=None), ("components", 11, "lands")),
+        (lambda t: t["components"][3]["lands"][1].update(land=2000), ("components", 3, "lands", 1, "land")),
+        (lambda t: t["components"][3]["lands"].__setitem__(1, 2.0), ("components", 3, "lands", 1)),
+        (lambda t: t["circuits"][3].update(id="Overdrive Band"), ("circuits", 3, "id")),
+        (lambda t: t["operating_points"][1].pop("name"), ("operating_points", 1, "name")),
+        (lambda t: t.update({"[key]": 1}), ("[key]",)),
+        (lambda t: t["leaks"][1].update({"[key]": 1}), ("leaks", 1, "[key]")),
     ],
 )
 def test_what_only_follows_from_a_fault_is_no_other_fault(
@@ -95,6 +108,25 @@ def test_what_only_follows_from_a_fault_is_no_other_fault(
 ) -> None:
     change(tables)
     assert set(faults_of(tables)) == {place}
+
+
+def test_an_unknown_key_is_named_beside_a_wrong_one_of_the_same_table(tables: Tables) -> None:
+    tables["pressures"] = {"p_s": {"relation": "line", "ratio": "one", "offset_kpa": 0.0, "source": "x", "colour": 1}}
+    assert set(faults_of(tables)) == {("pressures", "p_s", "ratio"), ("pressures", "p_s", "colour")}
+
+
+def test_complaints_may_name_a_land_that_has_a_fault_of_its_own(tables: Tables) -> None:
+    tables["complaints"][0]["lands"] = ["boost_valve/1"]
+    tables["components"][1]["lands"][0]["body"] = "brass"
+    assert set(faults_of(tables)) == {("components", 1, "lands", 0, "body")}
+
+
+def test_a_repair_of_all_lands_may_name_a_component_whose_only_land_has_a_fault(tables: Tables) -> None:
+    (land,) = tables["components"][14]["lands"]
+    land["contact_length_mm"] = "long"
+    repair = {"id": "kit", "component": tables["components"][14]["id"], "kind": "sleeve", "name": "kit", "source": "x"}
+    tables["repairs"] = [repair]
+    assert set(faults_of(tables)) == {("components", 14, "lands", 0, "contact_length_mm")}
 
 
 def test_tables_of_which_nothing_can_be_said_name_what_is_missing() -> None:

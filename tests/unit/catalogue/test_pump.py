@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -15,6 +14,7 @@ from atleak.catalogue.entries import read_tables
 from atleak.catalogue.evidence import Evidence
 from atleak.catalogue.known_values import known_values
 from atleak.catalogue.pump import Pump, PumpClearances
+from atleak.catalogue.pump_reading import other_dimensions
 from atleak.equations import pump as equations
 from atleak.errors import CatalogueError
 
@@ -117,6 +117,11 @@ def test_each_kind_displaces_what_its_dimensions_say(pump: dict[str, Any], displ
         ({**CRESCENT, "ring_teeth": 24}, ("pump",), ("above the pinion's",)),
         ({**GEROTOR, **NEW, "tip_clearance_limit_um": 90.0}, ("pump", "tip_clearance_limit_um"), ("at least 110 µm",)),
         ({**VANE, "tip_clearance_um": 30.0}, ("pump", "tip_clearance_um"), ("vanes lie against the ring",)),
+        (
+            {**GEROTOR, "shaft_diameter_mm": 50.0},
+            ("pump", "shaft_diameter_mm"),
+            ("end where it begins", "less than root_diameter_mm"),
+        ),
         ({**GEAR, "measured": ["teeth", "tooth"]}, ("pump", "measured"), ("'tooth'",)),
     ],
 )
@@ -160,11 +165,9 @@ def test_both_clearances_of_a_new_pump_give_its_slip(
 ) -> None:
     width, land, in_a_row, rims = tips
     read = pump_of(**pump, **NEW)
-    slips = sum(equations.face_slip(35e-6, *ends) for ends in faces)
-    slips += rims * equations.tip_slip(110e-6, width, land, in_a_row)
-    assert read.slip_coefficient is not None
-    flow = equations.slip_flow(read.displacement, read.slip_coefficient, 5e5, 6e-3)
-    assert flow == pytest.approx(slips * 5e5 / 6e-3, rel=1e-12, abs=0.0)
+    slips = sum(equations.face_slip(35e-6, *ends) for ends in faces) * 5e5 / 6e-3
+    slips += rims * equations.tip_slip(5e5, 110e-6, width, land, in_a_row, 6e-3, 800.0)
+    assert read.slip(5e5, 6e-3) == pytest.approx(slips, rel=1e-12, abs=0.0)
     assert pump_of(**pump, side_clearance_um=35.0).slip_coefficient is None  # the tips slip too, by an unknown amount
 
 
@@ -179,26 +182,30 @@ def test_the_vanes_of_a_pump_leave_only_its_faces() -> None:
 
 def test_a_measured_pump_slips_what_its_gaps_have_opened_by() -> None:
     stated = pump_of(**CRESCENT, **LANDS, **NEW, slip_coefficient=5e-8)
-    worn = stated.with_measured(PumpClearances(side=85e-6))
+    worn = stated.with_measured(PumpClearances(85e-6, 160e-6))
     opened = equations.face_slip(85e-6, 0.066, 0.048) + equations.face_slip(85e-6, 0.110, 0.094)
     opened -= equations.face_slip(35e-6, 0.066, 0.048) + equations.face_slip(35e-6, 0.110, 0.094)
-    expected = 5e-8 + equations.slip_coefficient(opened, stated.displacement)
-    assert worn.slip_coefficient == pytest.approx(expected, rel=1e-12, abs=0.0)
-    assert worn.new == stated
-    assert worn.measured == PumpClearances(side=85e-6)
+    more = opened * 5e5 / 6e-3
+    more += 2 * equations.tip_slip(5e5, 160e-6, 0.012, 0.002, 3, 6e-3, 800.0)
+    more -= 2 * equations.tip_slip(5e5, 110e-6, 0.012, 0.002, 3, 6e-3, 800.0)
+    before = equations.slip_flow(stated.displacement, 5e-8, 5e5, 6e-3)
+    assert stated.slip(5e5, 6e-3) == before
+    assert worn.slip(5e5, 6e-3) == pytest.approx(before + more, rel=1e-12, abs=0.0)
+    assert (worn.new, worn.measured, worn.counted) == (stated, PumpClearances(85e-6, 160e-6), worn.measured)
     as_new = stated.with_measured(PumpClearances(35e-6, 110e-6))
-    assert as_new.slip_coefficient == pytest.approx(5e-8, rel=1e-12, abs=0.0)
+    assert as_new.slip(5e5, 6e-3) == pytest.approx(before, rel=1e-12, abs=0.0)
     assert stated.with_measured(PumpClearances()) is stated
 
 
-def test_without_clearances_of_a_new_pump_the_larger_slip_counts() -> None:
-    stated = pump_of(**CRESCENT, **LANDS, slip_coefficient=5e-8)
-    tight, worn = (stated.with_measured(PumpClearances(side * 1e-6, tip * 1e-6)) for side, tip in ((20, 40), (90, 250)))
-    assert tight.slip_coefficient == 5e-8
-    assert (worn.slip_coefficient or 0.0) > 3 * 5e-8
-    nothing_stated = pump_of(**CRESCENT, **LANDS).with_measured(PumpClearances(90e-6, 250e-6))
-    assert nothing_stated.slip_coefficient == pytest.approx(worn.slip_coefficient, rel=1e-12, abs=0.0)
-    assert nothing_stated.new is nothing_stated  # what it slipped when new nobody knows
+def test_a_pump_of_which_only_the_gaps_are_known_slips_by_them_alone() -> None:
+    by_gaps = pump_of(**CRESCENT, **LANDS, **NEW)
+    worn = by_gaps.with_measured(PumpClearances(tip=160e-6))
+    same = pump_of(**CRESCENT, **LANDS, **{**NEW, "tip_clearance_um": 160.0})
+    assert worn.slip(5e5, 6e-3) == pytest.approx(same.slip(5e5, 6e-3), rel=1e-12, abs=0.0)
+    assert worn.new == by_gaps
+    measured = pump_of(**CRESCENT, **LANDS).with_measured(PumpClearances(35e-6, 160e-6))
+    assert measured.slip(5e5, 6e-3) == pytest.approx(same.slip(5e5, 6e-3), rel=1e-12, abs=0.0)
+    assert measured.as_new is None  # what it slipped when new nobody knows
 
 
 @pytest.mark.parametrize(
@@ -207,7 +214,8 @@ def test_without_clearances_of_a_new_pump_the_larger_slip_counts() -> None:
         ({"displacement_mm3": 17e3}, PumpClearances(side=5e-5), "side", "does not state the kind"),
         (GEROTOR, PumpClearances(side=5e-5), "side", "state shaft_diameter_mm, ring_outer_diameter_mm"),
         (CRESCENT, PumpClearances(tip=5e-5), "tip", "state tip_land_mm, sealing_tips"),
-        ({**CRESCENT, **LANDS}, PumpClearances(side=5e-5), "side", "what else slips: slip_coefficient"),
+        ({**CRESCENT, **LANDS}, PumpClearances(side=5e-5), "side", "neither slip_coefficient nor both"),
+        ({**CRESCENT, **LANDS, "slip_coefficient": 5e-8}, PumpClearances(side=5e-5), "side", "state side_clearance_um"),
     ],
 )
 def test_a_measured_clearance_that_the_file_cannot_turn_into_slip_says_what_lacks(
@@ -215,22 +223,22 @@ def test_a_measured_clearance_that_the_file_cannot_turn_into_slip_says_what_lack
 ) -> None:
     read = pump_of(**pump)
     known = read.with_measured(measured)
-    assert (known.slip_coefficient, known.measured, known.counted.known) == (None, measured, False)
+    assert (known.slip_coefficient, known.measured, known.counted.known) == (read.slip_coefficient, measured, False)
     ((which, why),) = known.left_out
     assert which == name
     assert words in why
 
 
-def test_an_uncertain_clearance_counts_with_its_cube() -> None:
+def test_an_uncertain_clearance_moves_the_slip() -> None:
     worn = pump_of(**CRESCENT, **LANDS, **NEW).with_measured(PumpClearances(85e-6, 160e-6))
     step = 1e-8
     moved = [
-        (replace(worn, measured=measured).gaps.coefficient(measured) - (worn.slip_coefficient or 0.0)) / step * 5e-6
+        (worn.new.with_measured(measured).slip(5e5, 6e-3) - worn.slip(5e5, 6e-3)) / step * 5e-6
         for measured in (PumpClearances(85e-6 + step, 160e-6), PumpClearances(85e-6, 160e-6 + step))
     ]
-    relative = math.hypot(*moved) / (worn.slip_coefficient or 1.0)
-    assert worn.relative_uncertainty(5e-6) == pytest.approx(relative, rel=1e-3, abs=0.0)
-    assert worn.new.relative_uncertainty(5e-6) == 0.0
+    relative = math.hypot(*moved) / worn.slip(5e5, 6e-3)
+    assert worn.relative_uncertainty(5e-6, 5e5, 6e-3) == pytest.approx(relative, rel=2e-3, abs=0.0)
+    assert worn.new.relative_uncertainty(5e-6, 5e5, 6e-3) == 0.0
 
 
 def test_what_a_pump_is_known_from_is_that_of_its_least_sure_dimension() -> None:
@@ -244,3 +252,9 @@ def test_what_a_pump_is_known_from_is_that_of_its_least_sure_dimension() -> None
         "gaps": Evidence.REPRESENTATIVE,
         "volumetric_efficiency": Evidence.PUBLISHED,
     }
+
+
+def test_dimensions_of_other_kinds_are_known_by_their_keys() -> None:
+    assert "vanes" in other_dimensions("gerotor")
+    assert "vanes" not in other_dimensions("vane")
+    assert "width_mm" not in {*other_dimensions(None), *other_dimensions("vane"), *other_dimensions("gerotor")}

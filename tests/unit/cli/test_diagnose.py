@@ -288,9 +288,9 @@ def test_a_bad_option_is_named_with_its_value(
 @pytest.mark.parametrize("option", ["--json", "--xlsx", "--pdf"])
 @pytest.mark.parametrize("target", ["nowhere/out.file", "."])
 def test_an_output_that_cannot_be_written(
-    run: Run, sample_readings: Path, tmp_path: Path, option: str, target: str
+    run: Run, small_sheet: SmallSheet, tmp_path: Path, option: str, target: str
 ) -> None:
-    status, _, err = run("diagnose", sample_readings, option, tmp_path / target)
+    status, _, err = run("diagnose", small_sheet(), "--controller", "minimal_example", option, tmp_path / target)
     assert status == 2
     assert "cannot be written" in err
     assert tmp_path.name in err

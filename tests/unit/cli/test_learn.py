@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.controller_toml import written_toml
+from atleak.catalogue.entries import read_tables
 
 Run = Callable[..., tuple[int, str, str]]
 NAME = "minimal_example"
@@ -83,6 +85,22 @@ def test_sheets_in_inches_and_unworn_ends_are_learned_from(run: Run, new_unit: C
     record = json.loads(out)
     assert [unit["of_used_unit"] for unit in record["units"]] == [False, True]
     assert {(land["learned_from_units"], land["unworn_ends"]) for land in record["lands"]} == {(2, 1)}
+
+
+def test_sheets_of_the_unit_that_was_copied_are_taken_where_that_is_said(
+    run: Run, new_unit: Callable[..., Path], tmp_path: Path
+) -> None:
+    own = tmp_path / "own.toml"
+    shipped = read_tables("controllers", NAME)[0]
+    own.write_text(written_toml(shipped | {"id": "own_copy"}), encoding="utf-8")
+    sheet = new_unit("unit.csv")
+    sheet.write_text(f"Controller {NAME}\n\n{sheet.read_text(encoding='utf-8')}", encoding="utf-8")
+    status, _, err = run("controller", "learn", sheet, "--controller", own)
+    assert status == 2
+    assert f"the sheet was made for controller {NAME}, not for own_copy" in err
+    status, out, _ = run("controller", "learn", sheet, "--controller", own, "--made-for", NAME)
+    assert status == 0
+    assert "from 1 unit" in out
 
 
 def test_what_cannot_be_used_is_named_for_all_sheets(run: Run, six: list[Path], tmp_path: Path) -> None:

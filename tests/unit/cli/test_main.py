@@ -43,13 +43,14 @@ def test_a_fault_of_the_program_is_said_without_a_traceback(
         raise RuntimeError("the shelf fell down")
 
     monkeypatch.delenv("ATLEAK_TRACEBACK", raising=False)
-    monkeypatch.setattr("atleak.catalogue.limits.limit_sets", broken)
+    monkeypatch.setattr("atleak.catalogue.entries.listed", broken)
     assert cli.main(["limits"]) == 2
     err = capsys.readouterr().err
     assert "RuntimeError: the shelf fell down" in err
     assert "Traceback" not in err
 
 
+@pytest.mark.usefixtures("all_draws")  # as the process does
 def test_python_m_is_the_same_and_survives_a_windows_code_page(
     run: Run, sample_readings: Path, process: Process
 ) -> None:
@@ -94,7 +95,7 @@ def test_a_panic_is_a_fault_of_the_program_and_no_verdict(
         raise _Panic("called `Option::unwrap()` on a `None` value")
 
     monkeypatch.delenv("ATLEAK_TRACEBACK", raising=False)
-    monkeypatch.setattr("atleak.catalogue.limits.limit_sets", panics)
+    monkeypatch.setattr("atleak.catalogue.entries.listed", panics)
     assert cli.main(["limits"]) == 2
     assert "unexpected _Panic: called `Option::unwrap()`" in capsys.readouterr().err
 
@@ -103,7 +104,7 @@ def test_whoever_interrupts_gets_no_message(run: Run, monkeypatch: pytest.Monkey
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("atleak.catalogue.limits.limit_sets", interrupted)
+    monkeypatch.setattr("atleak.catalogue.entries.listed", interrupted)
     assert run("limits") == (130, "", "")
 
 

@@ -40,21 +40,20 @@ def test_at_35_degrees_a_pair_of_the_sample_is_worn_by_less_than_a_tenth(
 
 
 def test_the_pump_s_clearances_are_options_with_their_unit_or_stand_in_the_job_record(
-    root: Path, record_of: RecordOf, tmp_path: Path, sample_readings: Path
+    record_of: RecordOf, tmp_path: Path, sample_readings: Path
 ) -> None:
-    unit = tmp_path / "unit.toml"
+    unit, job = tmp_path / "unit.toml", tmp_path / "job.toml"
     text = Path(catalogue_files("controllers")["four_speed_2023"]).read_text(encoding="utf-8")
     lands = "kind = 'crescent'\nroot_diameter_mm = 42.0\nshaft_diameter_mm = 32.0\nring_root_diameter_mm = 70.0\n"
     lands += "ring_outer_diameter_mm = 82.0\nside_clearance_um = 35.0\n"
     unit.write_text(text.replace("[pump]\n", f"[pump]\n{lands}", 1), encoding="utf-8")
-    job = tmp_path / "job.toml"
     job.write_text("pump_side_clearance_um = 76.2", encoding="utf-8")
-    given = record_of(sample_readings, "--controller", unit, "--pump-side-clearance", "0.003in")
-    assert given["pump"]["side_clearance_measured_um"] == 76.2
-    assert given["hot_idle"]["pump_slip_dm3_min"] > given["hot_idle"]["pump_slip_new_dm3_min"]
-    assert given["hot_idle"]["leakage_dm3_min"] > 0.0
-    of_job = record_of(sample_readings, "--controller", unit, "--job", job)
-    assert (of_job["pump"], of_job["hot_idle"]) == (given["pump"], given["hot_idle"])
+    record = record_of(sample_readings, "--controller", unit, "--job", job, "--pump-tip-clearance", "0.006in")
+    pump, idle = record["pump"], record["hot_idle"]
+    assert (pump["side_clearance_measured_um"], pump["tip_clearance_measured_um"]) == (76.2, 152.4)
+    assert idle["pump_slip_dm3_min"] > idle["pump_slip_new_dm3_min"] > 0.0
+    (left_out,) = [each["text"] for each in record["messages"] if each["code"] == "pump_clearance_left_out"]
+    assert "does not state tip_land_mm, sealing_tips" in left_out
 
 
 def test_the_limits_of_earlier_versions_called_that_pair_watch_only_when_it_was_warm(

@@ -65,7 +65,7 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (pump.gear_pair_displacement, (0.050, 0.042, 0.016, 12.0)),
     (pump.crescent_displacement, (0.0775, 0.0825, 0.0075, 0.012, 24.0, 29.0)),
     (pump.face_slip, (40e-6, 0.066, 0.048)),
-    (pump.tip_slip, (120e-6, 0.012, 0.002, 3.0)),
+    (pump.tip_slip, (5e5, 120e-6, 0.012, 0.002, 3.0, 6e-3, 800.0)),
     (pump.slip_coefficient, (2e-13, 1.7e-5)),
     (pump.capacity, (1.7e-5, 40.0, 0.95)),
     (referees.wilson_efficiency, (1e-7, 8e5, 8.5e-3, 40.0)),

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
@@ -200,7 +201,7 @@ def test_another_working_angle_matters_little(monkeypatch: pytest.MonkeyPatch) -
         (pump.crescent_displacement, (0.0775, 0.09, 0.0075, 0.012, 24, 29), "ring gear must be below its working"),
         (pump.vane_displacement, (0.07, 0.0, 0.018, 13), "eccentricity must be positive"),
         (pump.face_slip, (40e-6, 0.04, 0.048), "outer diameter of the land must be above the inner diameter"),
-        (pump.tip_slip, (-1e-6, 0.012, 0.002, 3), "tip clearance"),
+        (pump.tip_slip, (5e5, -1e-6, 0.012, 0.002, 3, 6e-3, 800.0), "tip clearance"),
     ],
 )
 def test_dimensions_of_no_pump_are_refused_by_name(function, arguments: tuple, words: str) -> None:
@@ -277,10 +278,24 @@ def test_a_round_tip_has_about_the_land_that_the_docstring_says(radius: float, c
     assert resistance * clearance**3 == pytest.approx(1.2 * math.sqrt(2.0 * radius * clearance), rel=0.03, abs=0.0)
 
 
-def test_wider_gaps_leak_with_their_cube_and_longer_ones_less() -> None:
+def test_wider_faces_leak_with_their_cube() -> None:
     assert pump.face_slip(80e-6, 0.066, 0.048) == pytest.approx(
         8 * pump.face_slip(40e-6, 0.066, 0.048), rel=1e-12, abs=0.0
     )
-    assert pump.tip_slip(1e-4, 0.012, 0.002, 4) == pytest.approx(
-        pump.tip_slip(1e-4, 0.012, 0.002, 1) / 4, rel=1e-12, abs=0.0
-    )
+
+
+@pytest.mark.parametrize(("clearance", "left"), [(40e-6, (0.95, 1.0)), (110e-6, (0.5, 0.56)), (200e-6, (0.2, 0.22))])
+def test_a_tip_leaks_what_its_velocity_allows(clearance: float, left: tuple[float, float]) -> None:
+    """The root of friction and entry loss over one of three tips; cold, it is the plane gap."""
+    mu, rho, land, width = 5.2e-3, 800.0, 0.002, 0.015
+    drop = 890e3 / 3
+
+    def missing(u: float) -> float:
+        return 12.0 * mu * land * u / clearance**2 + 0.75 * rho * u * u - drop
+
+    exact = width * clearance * brentq(missing, 0.0, 100.0, xtol=1e-14)
+    assert pump.tip_slip(890e3, clearance, width, land, 3, mu, rho) == pytest.approx(exact, rel=1e-9, abs=0.0)
+    laminar = width * clearance**3 * drop / (12.0 * mu * land)
+    assert left[0] < exact / laminar < left[1]
+    cold = pump.tip_slip(890e3, clearance, width, land, 3, 5.0, rho)
+    assert cold == pytest.approx(laminar * mu / 5.0, rel=1e-3, abs=0.0)

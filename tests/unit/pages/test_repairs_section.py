@@ -24,7 +24,7 @@ def test_repairs_of_the_file_are_shown_and_another_one_can_be_chosen(app: AppTes
     first, second = planned(app)
     assert "37947-03K" in first
     assert planned(app) == {first: "planned", second: ""}
-    assert "Not in these sums" in texts(app)
+    assert "neither price nor hours" in texts(app)
     assert "Contact lengths of 1 of 34 lands are those measured on the sheet" in texts(app)
     app.multiselect[0].select("boost_kit_a4ld").run()
     assert not app.exception

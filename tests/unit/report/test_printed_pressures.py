@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 from xml.etree import ElementTree
@@ -10,7 +11,8 @@ import pytest
 
 from atleak.diagnosis import Diagnosis
 from atleak.repair import plan_repairs
-from atleak.report.printed_charts import pressures_chart, pump_chart
+from atleak.report.printed_charts import Bar, pressures_chart, pump_chart, shares_chart
+from atleak.verdicts import Verdict
 from atleak.views.pressures import pressures_at
 from atleak.views.pump_speed import pump_over_speed
 from atleak.wording import languages, wording
@@ -69,3 +71,11 @@ def test_signs_that_no_font_has_are_drawn_as_boxes(worn_clutch: Diagnosis, hosti
         ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
         data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=((name, 10.0),))
         ElementTree.fromstring(pump_chart(data, wording("en")))
+
+
+@pytest.mark.parametrize("low", [3.0, math.inf])
+def test_shares_of_a_pump_that_may_deliver_nothing_are_drawn_to_the_edge(low: float) -> None:
+    bars = [Bar("8/1", 9.0, Verdict.CRITICAL, low, math.inf), Bar("25/1", 4.0, Verdict.OK, 3.0, 5.0)]
+    said = words(shares_chart(bars, "share [%]", wording("en")))
+    assert "9.00" in said
+    assert "4.00" in said

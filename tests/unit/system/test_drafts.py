@@ -9,6 +9,7 @@ import pytest
 
 from atleak.system import drafts as kept
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
+from atleak.system.home import made
 
 
 def test_a_draft_is_kept_replaced_and_forgotten(own_home: Path) -> None:
@@ -40,3 +41,18 @@ def test_no_other_file_is_read_or_deleted_by_the_name_of_a_draft(own_home: Path,
     assert draft_text(token) is None
     forget_draft(token)
     assert secret.exists()
+
+
+def test_a_draft_that_another_page_deletes_meanwhile_is_no_error(
+    own_home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone = "0123456789ab"
+    monkeypatch.setattr(Path, "glob", lambda folder, pattern: [folder / f"{gone}.json"])
+    assert list(drafts()) == [gone]
+    assert draft_text(gone) is None
+
+
+def test_forgetting_a_draft_where_there_is_no_folder_of_drafts_is_no_error(own_home: Path) -> None:
+    (made(own_home) / "drafts").write_text("a file", encoding="utf-8")
+    forget_draft(new_token())
+    assert (own_home / "drafts").read_text(encoding="utf-8") == "a file"

@@ -29,6 +29,13 @@ def test_the_environment_names_the_folder(tmp_path: Path, monkeypatch: pytest.Mo
     assert default_path() == tmp_path / "mine" / "road-test-columns.json"
 
 
+def test_a_folder_named_by_the_short_form_of_ones_own_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("HOME", "USERPROFILE"):
+        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.setenv("ATLEAK_HOME", "~/mine")
+    assert home() == tmp_path / "mine"
+
+
 def test_nobody_who_names_no_folder_loses_what_an_earlier_version_remembered(settings: Path, tmp_path: Path) -> None:
     path = default_path()
     assert path == tmp_path / "data" / "atleak" / "road-test-columns.json"

@@ -93,6 +93,28 @@ def test_a_wrong_cell_is_named(inch_book: Book, heading: str, value: object, mes
     assert len(faults) == 1 or (heading, value) in {("Land", 1.5), ("Component", "")}
 
 
+@pytest.mark.parametrize(
+    ("sheet", "row", "heading"),
+    [
+        ("Head", 0, "Contact length unless stated"),
+        ("Head", 0, "Material of the body"),
+        ("Consumer flows", 3, "Operating point"),
+        ("Consumer flows", 3, "Flow"),
+        ("Set pressures", 2, "Set by"),
+        ("Set pressures", 2, "Pressure"),
+        ("Pump", 0, "Displacement of one revolution"),
+        ("Leaks", 4, "At viscosity"),
+    ],
+)
+def test_what_follows_from_a_fault_is_none_of_its_own(
+    five_speed_book: Book, sheet: str, row: int, heading: str
+) -> None:
+    five_speed_book.put(sheet, row, heading, "?x")
+    (fault,) = five_speed_book.faults()
+    assert fault.place.sheet == sheet
+    assert f"({heading})" in fault.place.column
+
+
 def test_columns_that_are_missing_unknown_or_without_heading_are_named(minimal_book: Book) -> None:
     lands = minimal_book.sheets["Lands"]
     lands[0][lands[0].index("Diameter")] = "Diametre"
@@ -101,7 +123,14 @@ def test_columns_that_are_missing_unknown_or_without_heading_are_named(minimal_b
     assert len(faults) == 3
     assert "did you mean 'Diameter'?" in faults[0] or "did you mean 'Diameter'?" in faults[1]
     assert any("the column 'Diameter' is missing" in fault for fault in faults)
-    assert any("has no heading" in fault for fault in faults)
+    assert any("column U holds something and has no heading" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("heading", [1e300, True, "1-3", "D"])
+def test_a_heading_of_the_apply_chart_that_is_no_gear_is_named(five_speed_book: Book, heading: object) -> None:
+    five_speed_book.sheets["Apply chart"][0][4] = heading
+    places = [(fault.problem, fault.place.sheet, fault.place.row) for fault in five_speed_book.faults()]
+    assert ("unknown column", "Apply chart", 1) in places
 
 
 def test_a_missing_sheet_is_named_and_nothing_that_follows_from_it(minimal_book: Book) -> None:

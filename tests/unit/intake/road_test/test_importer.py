@@ -382,7 +382,10 @@ with open("/proc/self/status", encoding="ascii") as status:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system does not tell the peak memory")
-@pytest.mark.parametrize("what", ["log", "remarks", "clocks", "zeros", "digits"])
+@pytest.mark.parametrize(
+    "what",
+    ["log", "remarks", "zeros", *(pytest.param(what, marks=pytest.mark.slow) for what in ("clocks", "digits"))],
+)
 def test_memory_stays_within_six_times_the_size(tmp_path: Path, what: str) -> None:
     path = tmp_path / "log.csv"
     if what == "zeros":
