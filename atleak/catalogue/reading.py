@@ -70,7 +70,7 @@ class Reading:
 
     def unknown_gear(self, steps: Steps, gear: int) -> CatalogueError:
         """Return the fault of a gear that the controller does not have."""
-        return self.fault(steps, "unknown gear", value=gear, expected=f"one of {list(self.gears)}", refers_to="gears")
+        return self.fault(steps, "unknown gear", value=gear, expected=gears_listed(self.gears), refers_to="gears")
 
     def pressure(self, text: str, steps: Steps) -> Pressure:
         """Read a pressure of one of the sections."""
@@ -147,6 +147,16 @@ class Reading:
     def _without_signal(self, steps: Steps, signal: str, key: str) -> CatalogueError:
         problem = f"the set pressure follows {signal}, which an operating point does not state"
         return self.fault(steps, problem, expected=f"{key} in every table [[operating_points]]")
+
+
+def gears_listed(gears: Iterable[int]) -> str | None:
+    """List the gears that would have been right, as files write them and as people do.
+
+    >>> gears_listed([-1, 0, 1, 2])
+    'one of R (-1), N (0), 1, 2'
+    """
+    letters = {-1: "R (-1)", 0: "N (0)"}
+    return one_of([letters.get(gear, str(gear)) for gear in gears])
 
 
 def _scaled(values: Sequence[float], unit: float) -> tuple[float, ...]:

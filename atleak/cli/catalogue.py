@@ -69,9 +69,9 @@ def _controllers(options: argparse.Namespace) -> int:
         }
         for controller in known.entries.values()
     ]
-    counts = [{evidence: row["known_from"][evidence] for evidence in Evidence} for row in rows]
-    shown = [{**row, **count} for row, count in zip(rows, counts, strict=True)]
-    status = _list(known, rows, ["id", "name", "lands", "gaps", *Evidence], options, shown)
+    heading = ",\n".join(Evidence)  # in one column, which leaves room for the names
+    shown = [{**row, heading: ", ".join(str(row["known_from"][evidence]) for evidence in Evidence)} for row in rows]
+    status = _list(known, rows, ["id", "name", "lands", "gaps", heading], options, shown)
     if options.json != "-":
         for row in rows:
             if row["still_to_measure"]:

@@ -23,6 +23,7 @@ _FROM_TO = re.compile(r"(\d+)[-–—‑…](\d+)|(\d+)\.{2,3}(\d+)")
 _WHOLE = re.compile(r"[-−]?\d{1,3}")
 _PLAIN = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
 _MOST_GEARS = 30
+_DOTTED = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})$")  # day, month and year: dots stand in no other order
 _YES, _NO = {"yes", "y", "true", "x", "1"}, {"no", "n", "false", "0"}
 
 Cell = Any  # str, float, int, bool, date
@@ -62,7 +63,7 @@ class Day(Kind):
     def value(self, cell: Cell, units: Units) -> str:
         if isinstance(cell, datetime.date):
             return cell.isoformat()[:10]
-        text = as_text(cell)
+        text = _DOTTED.sub(r"\3-\2-\1", as_text(cell))
         try:
             return datetime.date.fromisoformat(text[:10] if text[10:].strip("T 0:") == "" else text).isoformat()
         except ValueError:

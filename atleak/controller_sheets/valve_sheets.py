@@ -107,7 +107,7 @@ MATERIALS = NamedTables(
 
 COMPONENTS = Tables(
     "Components",
-    "One row for each valve, damper or end plug. Their lands stand on the next sheet",
+    "One row for each valve, damper or end plug. Their lands stand under Lands",
     (
         Column("Id", ("id",), required=True, help="As on the drawing: 8, 12', boost_valve", width=28),
         Column("Name", ("name",), required=True, width=34),
@@ -121,7 +121,7 @@ COMPONENTS = Tables(
 
 LANDS = Parts(
     "Lands",
-    "One row for each land: a cylindrical section of a spool, as the picture on the first sheet shows",
+    "One row for each land: a cylindrical section of a spool, as the picture shows",
     (
         Column("Component", (), required=True, names="component", width=28),
         Column("Land", ("land",), Whole(), required=True, help="Its number on this component, 1 to 9", width=7),

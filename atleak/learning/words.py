@@ -22,6 +22,7 @@ def messages(learned: Learned) -> tuple[Message, ...]:
         *_many_left_out(learned),
         *_one_unit(learned),
         *_few_units(learned),
+        *_wider_than_thought(learned),
         *_known_better(learned),
         *_unworn_ends(learned),
         *_unlearned(learned),
@@ -118,6 +119,20 @@ def _few_units(learned: Learned) -> Iterator[Message]:
         f"Student's t{'; ' if cannot else ''}{'; '.join(cannot)}"
     )
     yield Message("info", "few_units", text)
+
+
+def _wider_than_thought(learned: Learned) -> Iterator[Message]:
+    """Name the lands that are surely wider than the file has new pairs, as all units worn alike would make them."""
+    wide = [land for land in learned.lands if land.clearance - land.uncertainty > land.land.widest_new]
+    if wide:
+        most = max(wide, key=lambda land: land.clearance - land.land.widest_new)
+        text = (
+            f"{len(wide)} of {len(learned.lands)} lands are wider than the file has them when new "
+            f"({_name(most)}: {most.clearance * UM:.1f} µm, so far at most {most.land.widest_new * UM:.1f}): "
+            f"{_listed(map(_name, wide))}. Units that are worn alike look like this too: look at them before "
+            "taking these values over"
+        )
+        yield Message("warning", "wider_than_new_so_far", text)
 
 
 def _known_better(learned: Learned) -> Iterator[Message]:

@@ -16,7 +16,7 @@ from atleak.workshop_units import MM
 
 FONT = "Noto Sans, DejaVu Sans, sans-serif"
 
-_NUMBER = 8  # most characters of a component's number that are drawn
+_NUMBER = 8  # most characters of a component's number that leave room for its name beside it
 _WIDTH = 1000.0
 _ROW = 104.0
 _ROD = 0.45  # diameter of the rod as a fraction of the smallest land's diameter
@@ -118,11 +118,12 @@ def _component(
     lands = controller.lands_of(name)
     reached = worst(Verdict(verdicts[land.key]) for land in lands if land.key in verdicts)
     edge, thick = (look_of(reached).line, look_of(reached).width) if reached.flagged else (EDGE, 0.8)
-    short = shortened(name, _NUMBER)
-    lines = _wrapped(controller.components[name], max(int((cell - 30.0 - 9.5 * len(short)) / 5.8), 6), 2)
+    beside = len(name) <= _NUMBER  # the name stands beside a short number, beneath a long one
+    short = name if beside else shortened(name, int((cell - 24.0) / 9.5))
+    left, down, most = (20.0 + 9.5 * len(short), 20, 2) if beside else (12.0, 36, 1)
+    lines = _wrapped(controller.components[name], max(int((cell - 10.0 - left) / 5.8), 6), most)
     label = "".join(
-        svg_text(x + 12 + 9.5 * len(short) + 8, y + 20 + 13 * number, line, 11.5, anchor="start")
-        for number, line in enumerate(lines)
+        svg_text(x + left, y + down + 13 * number, line, 11.5, anchor="start") for number, line in enumerate(lines)
     )
     return (
         f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{_ROW - 8:.1f}"{_card(PAPER)} '

@@ -42,6 +42,7 @@ class Editing:
     draft: Draft
     token: str = field(default_factory=new_token)  # under which the draft is kept
     over: str = ""  # SHA-256 of the own file that it was read from or saved as
+    own: str = ""  # id of that file
     generation: int = 0
     step: str = ""  # the tables that are shown
     base: dict[str, list[dict[str, str]]] = field(default_factory=dict)  # rows that an editor began with, by its key
@@ -73,11 +74,16 @@ class Editing:
 def current() -> Editing | None:
     """Return what is being described in this session or, after the page was loaded anew, before it."""
     editing: Editing | None = st.session_state.get(_STATE)
-    if editing is None and (token := st.query_params.get("draft")):
-        _go_on(token)
+    if editing is None:
+        if token := st.query_params.get("draft"):
+            _go_on(token)
+        if _STATE not in st.session_state and (name := st.query_params.get("own")) in own_files("controllers"):
+            _start(name)
         editing = st.session_state.get(_STATE)
     if editing is not None:
         st.query_params["draft"] = editing.token
+        if editing.own:
+            st.query_params["own"] = editing.own
     return editing
 
 
@@ -136,8 +142,10 @@ def _start(name: str) -> None:
         st.session_state[_STATE] = Editing(Draft())
         return
     data, origin = read_tables("controllers", name)
-    own = origin.own
-    st.session_state[_STATE] = Editing(draft_of(data if own else copy_of(data)), over=origin.sha256 if own else "")
+    if origin.own:
+        st.session_state[_STATE] = Editing(draft_of(data), over=origin.sha256, own=name)
+    else:
+        st.session_state[_STATE] = Editing(draft_of(copy_of(data)))
 
 
 def _go_on(token: str) -> None:
@@ -154,7 +162,8 @@ def _throw_away(token: str) -> None:
 
 def _close() -> None:
     st.session_state.pop(_STATE, None)
-    st.query_params.pop("draft", None)
+    for name in ("draft", "own"):
+        st.query_params.pop(name, None)
 
 
 def _read_file(name: str, content: bytes) -> None:
@@ -294,3 +303,4 @@ def _save(editing: Editing, name: str, text: str, over: str) -> None:
         return
     editing.over = hashlib.sha256(path.read_bytes()).hexdigest()
     forget_draft(editing.token)
+    editing.own = name

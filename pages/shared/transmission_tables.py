@@ -41,6 +41,7 @@ _SHEETS = {sheet.name: sheet for sheet in SHEETS}
 _WRONG, _ROW = "What is wrong", "Row"
 _SPARE = 6  # empty rows at the end of a table
 _MORE = 10
+_NAMED = 5  # rows of which is said beneath their table what is wrong, too
 _TALL, _LINE = 20, 35  # rows that are shown at most, and pixels of one
 _LETTER, _SIGN = 7, 40  # pixels of a letter, and of the sign before a heading
 _OPEN = {"pressure"}  # whose names are offered by no list: a share of one may be typed too
@@ -175,6 +176,9 @@ def _table(editing: Editing, sheet: Sheet, found: Checked) -> None:
         on_change=_take,
         args=(editing, sheet.name, key),
     )
+    with st.container():
+        for number in [number for number in sorted(wrong) if number][:_NAMED]:
+            st.markdown(f":red[✗ Row {number}. {show.plain(' · '.join(wrong[number]))}]")
     st.button("More rows", key=f"{key}-more", on_click=_more, args=(editing, sheet.name))
 
 

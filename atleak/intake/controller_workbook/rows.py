@@ -196,7 +196,7 @@ def _check_units(
         label, stands = column.kind.label(units), as_text(sheet.cell(row, number))
         if stands and words(stands) != words(label):
             spot = Spot(declared.name, sheet.row_number(row), column.heading)
-            expected = f"{label}, as the first sheet says" if label else "no unit"
+            expected = f"{label}, as the sheet Head says" if label else "no unit"
             into.faults.append(Fault(spot, "another unit than that of the workbook", stands, expected))
 
 

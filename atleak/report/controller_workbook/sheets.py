@@ -33,6 +33,7 @@ _LINE = 16  # height of a line of text in points
 _SPARE_ROWS = 25  # to fill in below those that are filled
 _LEAST_ROWS = 40
 _A4 = 9
+_DIMENSION = "0.0####"  # how lengths and pressures look; a cell keeps every digit
 _LONGEST = 32_767  # characters that a cell holds
 
 Data = Mapping[str, Any] | None
@@ -63,6 +64,7 @@ def formats(book: xlsxwriter.Workbook) -> Styles:
         "field": book.add_format({**cell, "bold": True, "bg_color": SHEET_COLOURS["given"]}),
         "unit": book.add_format({**given, "align": "center"}),
         "example": book.add_format({**given, "italic": True}),
+        "example dimension": book.add_format({**given, "italic": True, "num_format": _DIMENSION}),
         "note": book.add_format({"italic": True, "font_color": SHEET_COLOURS["soft"], "valign": "top"}),
         "long note": book.add_format(
             {"italic": True, "text_wrap": True, "font_color": SHEET_COLOURS["soft"], "valign": "top"}
@@ -70,7 +72,7 @@ def formats(book: xlsxwriter.Workbook) -> Styles:
         "text": book.add_format({**entry, "num_format": "@", "align": "left"}),
         "long text": book.add_format({**entry, "num_format": "@", "text_wrap": True, "align": "left"}),
         "number": book.add_format({**entry, "align": "right"}),
-        "dimension": book.add_format({**entry, "align": "right", "num_format": "0.0####"}),
+        "dimension": book.add_format({**entry, "align": "right", "num_format": _DIMENSION}),
         "mark": book.add_format({**entry, "num_format": "@", "align": "center"}),
         "choice": book.add_format({**entry, "align": "left"}),
     }
@@ -139,7 +141,8 @@ def write_table(page: Worksheet, styles: Styles, sheet: Sheet, data: Data, units
         page.write_string(_HEADINGS, number, column.heading, styles["needed" if column.required else "optional"])
         _write_unit(page, _UNITS, number, column.kind, units, styles["unit"])
         for row, values in enumerate(examples, start=_UNITS + 1):
-            _write_cell(page, styles, row, number, column, values.get(column.heading), units, style="example")
+            style = _example_style(column.kind)
+            _write_cell(page, styles, row, number, column, values.get(column.heading), units, style)
         for row in range(first, last + 1):
             values = filled[row - first] if row - first < len(filled) else {}
             _write_cell(page, styles, row, number, column, values.get(column.heading), units)
@@ -180,6 +183,10 @@ def _write_cell(
         page.write_string(row, column, cell, form)
     else:
         page.write_number(row, column, cell, form)
+
+
+def _example_style(kind: Kind) -> str:
+    return "example dimension" if _style(kind) == "dimension" else "example"
 
 
 def _style(kind: Kind) -> str:

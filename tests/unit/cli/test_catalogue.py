@@ -25,6 +25,14 @@ def test_the_catalogue_as_json_and_as_a_table(run: Run, kind: str) -> None:
     assert "id" in out
 
 
+def test_names_stay_legible_in_a_terminal_of_eighty_columns(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    _, out, _ = run("controllers")
+    table = out[: out.index("└")]
+    assert "…" not in table
+    assert "0, 51, 158" in table
+
+
 def test_the_catalogue_into_a_file_is_shown_too(run: Run, tmp_path: Path) -> None:
     status, out, _ = run("limits", "--json", tmp_path / "limits.json")
     assert status == 0

@@ -176,6 +176,22 @@ def test_one_unit_keeps_a_tolerance_that_the_file_states(four_speed: Controller,
     assert "√2" in " ".join(message.text for message in messages(learned))
 
 
+def test_units_wider_than_the_file_has_new_ones_may_all_be_worn(four_speed: Controller, sheet_of: SheetOf) -> None:
+    random = np.random.default_rng(5)
+    new = {land.key: land.mounting_high for land in four_speed.lands}
+    worn = {key: clearance + 8e-6 * (key == ("8", 1)) for key, clearance in new.items()}
+
+    def said(clearances: dict) -> list:
+        units = [sheet_of(four_speed, clearances, random, f"{number}.xlsx") for number in range(3)]
+        return [message for message in messages(learn(four_speed, units)) if message.code == "wider_than_new_so_far"]
+
+    assert said(new) == []
+    (warned,) = said(worn)
+    assert warned.level == "warning"
+    assert f"1 of {len(new)} lands are wider" in warned.text
+    assert "8/1" in warned.text
+
+
 @pytest.mark.parametrize(
     ("count", "says"), [(2, "a worn unit cannot be named"), (3, "worn in all lands alike"), (4, "")]
 )

@@ -64,6 +64,10 @@ def test_a_copy_is_named_kept_saved_used_and_edited_again(app: AppTest) -> None:
     assert f"Saved: {path}" in texts(app)
     assert tomllib.loads(path.read_text(encoding="utf-8"))["gears"] == [-1, 1, 2, 3, 4]
     assert not drafts()
+    del app.session_state["transmission"]  # the page loaded anew
+    app.run()
+    assert labelled(app.text_input, "Name *").value == "Our box"
+    assert f"Saved: {path}" in texts(app)
     labelled(app.button, "Use it for this job").click().run()
     assert choice(app, "Valve body").value == "our_box"
     assert "-1" in next(box for box in app.sidebar.selectbox if box.label == "Gear").options

@@ -75,6 +75,14 @@ def test_units_under_the_headings_follow_the_choice_on_the_first_sheet(template:
     assert [template["Head"].cell(row, 3).value for row in (5, 6, 7)] == ["inch", "diametral", "psi"]
 
 
+def test_examples_in_inches_show_as_few_digits_as_what_people_type(template: Any) -> None:
+    page = template["Lands"]
+    examples = {page.cell(4, cell.column).value: cell for cell in page[6]}
+    assert 0.387 < examples["Diameter"].value < 0.389
+    for heading in ("Diameter", "Contact length", "Mounting clearance", "Up to"):
+        assert examples[heading].number_format == "0.0####"
+
+
 def test_the_first_sheet_has_a_picture_and_leads_to_every_other(template: Any) -> None:
     assert template.sheetnames == [INSTRUCTIONS, *(sheet.name for sheet in SHEETS), LISTS]
     assert template[LISTS].sheet_state == "hidden"

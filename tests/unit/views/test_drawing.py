@@ -67,6 +67,14 @@ def test_lands_lie_where_their_positions_say_where_those_of_all_are_known():
     assert gap_over_length(None, 21.0e-3) == pytest.approx(1.0, abs=0.02)
 
 
+def test_a_readable_id_is_drawn_whole_above_its_name():
+    drawn = [
+        text.text for text in ElementTree.fromstring(controller_svg(load_controller("gm_4l60e"))).iter(f"{SVG}text")
+    ]
+    assert drawn[:2] == ["pressure_regulator", "pressure regulator valve (216)"]
+    assert {"accumulator_1_2", "accumulator_3_4", "forward_abuse_plug"} <= set(drawn)
+
+
 def test_names_from_a_file_stay_text(hostile):
     controller = load_controller("four_speed_2023")
     for text in hostile:

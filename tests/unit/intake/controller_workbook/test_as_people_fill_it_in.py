@@ -25,6 +25,8 @@ def test_text_commas_dates_and_units_of_their_own_are_read(minimal_book: Book) -
     minimal_book.put("Operating points", 1, "Main pressure", "8 bar")
     minimal_book.put("Pump", 0, "Volumetric efficiency", "0,92")
     assert written_toml(minimal_book.read().data) == plain
+    minimal_book.put("Head", 0, "Date", "21.11.2026")
+    assert written_toml(minimal_book.read().data) == plain
 
 
 def test_gears_are_read_as_people_name_them(five_speed_book: Book) -> None:

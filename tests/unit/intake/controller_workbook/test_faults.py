@@ -22,7 +22,7 @@ ONE_PER_SHEET = (
     ("Components", 3, "Part", "slide", "one of spool, piston, end plug"),
     ("Lands", 4, "Diameter", 9855.0, "was it in µm?"),
     ("Pump", 0, "Volumetric efficiency", 92.0, "less than or equal to 1"),
-    ("Operating points", 2, "Gear", 9.0, "unknown gear"),
+    ("Operating points", 2, "Gear", 9.0, "expected one of R (-1), N (0), 1, 2, 3, 4, 5"),
     ("Circuits", 3, "Name", "", "this cell must be filled in"),
     ("Feeds", 2, "Fed from", "solenoid_fed", "no such section or circuit"),
     ("Set pressures", 2, "At", "full", "a number in mA or %"),
@@ -163,7 +163,7 @@ def test_a_unit_under_a_heading_that_is_not_the_workbook_s_is_a_fault(minimal_bo
     lands = minimal_book.sheets["Lands"]
     lands.insert(1, ["unit", *("inch" if heading == "Diameter" else "" for heading in lands[0][1:])])
     (fault,) = minimal_book.faults()
-    assert "another unit than that of the workbook (found 'inch'); expected mm, as the first sheet says" in str(fault)
+    assert "another unit than that of the workbook (found 'inch'); expected mm, as the sheet Head says" in str(fault)
 
 
 @pytest.mark.parametrize("units", [Units(), Units("inch", "diametral", "psi")], ids=["mm", "inch"])
