@@ -81,7 +81,7 @@ def test_calamine_and_openpyxl_see_the_same_cells(content):
         WORKSHOP,
         PAPER,
         WORKSHOP.with_options(entry_loss="off", form="cube_of_mean"),
-        WORKSHOP.with_options(eccentricity="0.4"),
+        pytest.param(WORKSHOP.with_options(eccentricity="0.4"), marks=pytest.mark.slow, id="eccentricity=0.4"),
         WORKSHOP.with_options(eccentricity="unknown", entry_loss="off"),
         WORKSHOP.with_options(viscosity="regression"),
     ],
