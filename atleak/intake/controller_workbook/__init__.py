@@ -151,7 +151,7 @@ def _units(sheet: Sheet | None, into: Description) -> Units:
     """Return what the workbook's numbers are written in."""
     if sheet is None:
         return Units()
-    page = form_page(sheet, HEAD, UNIT_LINES, Units(), into, others=HEAD.columns)
+    page = form_page(sheet, HEAD, UNIT_LINES, Units(), into, others=HEAD.columns, say_unknown=False)
     if page is None:
         return Units()
     row = page.rows[0] if page.rows else Row(Spot(HEAD.name), {}, {})

@@ -49,6 +49,8 @@ def form_page(
     units: Units,
     into: Description,
     others: Sequence[Column] = (),
+    *,
+    say_unknown: bool = True,
 ) -> Page | None:
     """Read a sheet with one key on each line; None where its headings are missing.
 
@@ -66,6 +68,8 @@ def form_page(
         takes what is wrong.
     others
         further lines of the sheet that are not read here.
+    say_unknown
+        whether a line that is neither of them is a fault; one of two readings of a sheet says so.
     """
     top = _heading_row(sheet, [FIELD, VALUE])
     if top is None:
@@ -87,8 +91,8 @@ def form_page(
         if line is None:
             if words(label) in skipped:
                 places.setdefault(skipped[words(label)].heading, (row, value_column))
-            elif label and _raw(sheet, row, value_column) is not None:
-                headings = [each.heading for each in by_words.values()]
+            elif say_unknown and label and _raw(sheet, row, value_column) is not None:
+                headings = [each.heading for each in (*others, *by_words.values())]
                 spot = Spot(declared.name, sheet.row_number(row))
                 into.faults.append(Fault(spot, "unknown field", label, one_of(headings), nearest_name(label, headings)))
             continue

@@ -243,3 +243,10 @@ def test_a_number_that_another_unit_would_make_usual_is_taken_and_asked_about(
 def test_a_number_with_its_own_unit_is_not_asked_about(inch_book: Book) -> None:
     inch_book.put("Lands", 4, "Contact length", "60 mm")
     assert inch_book.read().notes == ()
+
+
+def test_a_field_of_the_head_that_means_nothing_is_named_once_with_all_that_it_could_be(minimal_book: Book) -> None:
+    minimal_book.sheets["Head"].append(["Pressures are inn", "psi"])
+    (fault,) = minimal_book.faults()
+    assert (fault.problem, fault.place.sheet, fault.nearest) == ("unknown field", "Head", "Pressures are in")
+    assert "Date" in fault.expected
