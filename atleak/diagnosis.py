@@ -218,7 +218,7 @@ class Diagnosis:
         if rule.condition is None:  # gauges and logs measured it
             return Verdict.OK
         lands = () if rule.circuit is None else self.lands_of(rule.circuit, rule.condition.gear)
-        whole = all(land.state.status == "measured" for land in lands)
+        whole = all(land.state.can_be_ok for land in lands)
         return Verdict.OK if self.judged and whole else Verdict.NOT_MEASURED
 
     def lands_of(self, circuit: Circuit, gear: int) -> tuple[LandDiagnosis, ...]:
@@ -379,8 +379,8 @@ class Diagnosis:
 
     @property
     def judged(self) -> int:
-        """Count the lands that were measured, on both parts or on one."""
-        return sum(land.state.measured for land in self.lands)
+        """Count the lands that were measured, on both parts or on one, but for those that a ring seals."""
+        return sum(land.state.judged for land in self.lands)
 
     @property
     def measured(self) -> int:
@@ -583,10 +583,10 @@ def _land(
 def _verdict(state: LandClearance, rules: Iterable[Rule]) -> Verdict:
     """Return the verdict of the worst rule.
 
-    With one part at its nominal diameter a limit can be passed, but ``ok`` cannot be claimed.
+    With one part at its nominal diameter a limit can be passed, but ``ok`` cannot be claimed; nor of a sealed land.
     """
     reached = worst(rule.verdict for rule in rules)
-    return Verdict.NOT_MEASURED if reached == Verdict.OK and state.status != "measured" else reached
+    return Verdict.NOT_MEASURED if reached == Verdict.OK and not state.can_be_ok else reached
 
 
 def _replace_mileage(

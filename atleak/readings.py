@@ -170,6 +170,16 @@ class LandClearance:
         return self.status != "not_measured"
 
     @property
+    def judged(self) -> bool:
+        """Return whether what was measured of it counts: a land that a ring seals is judged by nothing."""
+        return self.measured and self.land.seal is None
+
+    @property
+    def can_be_ok(self) -> bool:
+        """Return whether it can be called ok: it is judged, and by both of its parts."""
+        return self.judged and self.status == "measured"
+
+    @property
     def wear(self) -> float:
         """Return the wear (c_r − c_m)/c_m as a fraction, eq. (1), from the upper end of the mounting clearance."""
         return clearance_equations.wear(self.radial_clearance, self.land.mounting_high)

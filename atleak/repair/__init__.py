@@ -213,7 +213,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     """
     options = Options(diagnosis)
     mended = options.model(options.single)
-    lands = [land for land in diagnosis.lands if land.state.measured]
+    lands = [land for land in diagnosis.lands if land.state.judged]
     totals, *alone = _totals(diagnosis, mended, [[], *([land] for land in lands)])
     single = {land.key: _both(totals, after) for land, after in zip(lands, alone, strict=True)}
 

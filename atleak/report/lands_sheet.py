@@ -21,7 +21,7 @@ _LIST = 255  # characters that a spreadsheet program takes as the choices of a c
 _HOW_TO = (
     "Beside the diameters, where it was measured: yellow cells may stay empty, then the valve body's file counts.",
     "Contact length: over which spool and bore face each other where the valve works, by calliper. Position: of the "
-    "land's near edge, from the end of the spool that the drawing shows left.",
+    "land's near edge, from the left end of the spool.",  # "drawing" would set the table aside when it is read back
 )
 _HOW_TO_REPAIR = "Fitted repair: an oversize valve, a sleeve … from an earlier repair, by its id; once for a component."
 

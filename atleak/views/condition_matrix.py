@@ -118,9 +118,8 @@ def land_at(land: LandDiagnosis, diagnosis: Diagnosis, projection: Projection) -
 def _verdict(land: LandDiagnosis, rule: Rule | None) -> Verdict | None:
     """Return the verdict of a land's share; half a measurement can pass a limit, but never be called ok."""
     if rule is None:
-        return None if land.state.measured else Verdict.NOT_MEASURED
-    whole = land.state.status == "measured"
-    return rule.verdict if whole or rule.verdict.flagged else Verdict.NOT_MEASURED
+        return None if land.state.judged else Verdict.NOT_MEASURED
+    return rule.verdict if land.state.can_be_ok or rule.verdict.flagged else Verdict.NOT_MEASURED
 
 
 def _rank(verdict: Verdict | None) -> int:

@@ -19,10 +19,12 @@ from atleak.errors import ReadingsError
 from atleak.intake.readings import read_readings
 from atleak.own_lands import FittedRepair, OwnLands, OwnLength
 from atleak.readings import Reading
+from atleak.repair import plan_repairs
 from atleak.report.lands_sheet import HEADER, LANDS
 from atleak.report.measuring_sheet import SHEET, write_readings, write_template
 from atleak.report.terminal import print_diagnosis
 from atleak.verdicts import Verdict
+from atleak.views.condition_matrix import condition_matrix
 from atleak.views.diagnosis_record import diagnosis_record
 
 Edited = Callable[..., Path]
@@ -264,13 +266,28 @@ def test_a_sealed_land_leaks_nothing_and_is_shown_but_not_judged(edited: Edited,
     assert land.leakage == 0.0
     assert land.rules == ()
     assert land.decision is None
-    assert land.verdict is Verdict.OK
+    assert land.verdict is Verdict.NOT_MEASURED  # never green: nothing of it was judged
     assert not diagnosis.flagged
+    assert diagnosis.judged == sum(each.state.measured for each in diagnosis.lands) - 1
     codes = [each.code for each in diagnosis.messages]
     assert "land_sealed" in codes
     assert "land_without_gap" not in codes
     judged = diagnosed(sheet, load_controller("minimal_example"), hipol, limits)
     assert judged.verdict.flagged
+
+
+def test_a_unit_of_which_only_a_sealed_land_was_measured_is_not_called_ok(
+    edited: Edited, hipol: Fluid, limits: Limits
+) -> None:
+    line = "{ land = 1, nominal_diameter_mm = 15.0"
+    path = edited("controllers", "minimal_example", (line, line.replace("land = 1,", 'land = 1, seal = "o_ring",')))
+    sheet = "Valve;Land;Part;Diameter [mm]\npressure_regulator;1;spool;15.000\npressure_regulator;1;sleeve;15.030\n"
+    assert diagnosed(sheet, load_controller("minimal_example"), hipol, limits).verdict is Verdict.OK
+    diagnosis = diagnosed(sheet, load_controller(path), hipol, limits)
+    assert (diagnosis.verdict, diagnosis.judged) == (Verdict.NOT_MEASURED, 0)
+    assert not plan_repairs(diagnosis).judged
+    (row,) = (each for each in condition_matrix(diagnosis) if each.land.key == ("pressure_regulator", 1))
+    assert {cell.verdict for cell in row.cells} == {Verdict.NOT_MEASURED}
 
 
 def test_an_end_plug_and_a_sleeved_bore_are_named_in_the_form_and_the_catalogue(edited: Edited) -> None:
@@ -296,3 +313,24 @@ def test_a_repair_with_another_land_s_diameter_is_refused(edited: Edited) -> Non
     with pytest.raises(Exception, match="no oversize of it") as caught:
         load_controller(path)
     assert caught.value.place.steps == ("repairs", 0, "nominal_diameter_mm")
+
+
+@pytest.mark.parametrize("name", ["four_speed_2023", "gm_4l60e"])  # without and with repairs: other words stand above
+def test_a_length_typed_into_a_printed_form_of_a_shipped_valve_body_is_read(name: str) -> None:
+    controller = load_controller(name)
+    land, stated = controller.lands[0], controller.lands[0].contact_length
+    readings = [
+        Reading(land.component, part, plane, direction, 1, diameter)
+        for part, diameter in (("spool", land.nominal_diameter), ("sleeve", land.nominal_sleeve_diameter))
+        for plane in land.planes
+        for direction in (0.0, 90.0)
+    ]
+    book = openpyxl.load_workbook(io.BytesIO(write_readings(controller, readings)))
+    book[LANDS].cell(HEADER + 2, 4).value = stated * 1e3 - 0.2
+    target = io.BytesIO()
+    book.save(target)
+    read = read_readings(target.getvalue(), controller)
+    assert [(each.key, round(each.contact_length or 0.0, 9)) for each in read.own_lands.lengths] == [
+        (land.key, round(stated - 0.2e-3, 9))
+    ]
+    assert not [message.text for message in read.messages if message.code == "table_aside"]

@@ -106,8 +106,8 @@ def component_width(components: Mapping[str, str]) -> int:
 
 
 def fine_of(land: LandDiagnosis) -> Verdict:
-    """Return the verdict of a land that has reached no limit: half a pair is never called ok."""
-    return Verdict.OK if land.state.status == "measured" else Verdict.NOT_MEASURED
+    """Return the verdict of a land that has reached no limit: half a pair, or a sealed one, is never called ok."""
+    return Verdict.OK if land.state.can_be_ok else Verdict.NOT_MEASURED
 
 
 def verdict_of_rank(rank: str, fine: Verdict = Verdict.OK) -> str:

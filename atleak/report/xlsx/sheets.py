@@ -118,7 +118,7 @@ class Sheets:
         book, diagnosis = self.book, self.diagnosis
         put(sheet, row, 0, "verdict of the unit", book.bold)
         if diagnosis.judged:  # half a pair is never called ok
-            fine = Verdict.OK if diagnosis.measured else Verdict.NOT_MEASURED
+            fine = Verdict.OK if any(land.state.can_be_ok for land in diagnosis.lands) else Verdict.NOT_MEASURED
             shown = (*diagnosis.gauge_rules, *diagnosis.log_rules)
             issued = "".join(
                 f",{1 + RANKED.index(verdict)}" for verdict in dict.fromkeys(each.verdict for each in shown)
