@@ -234,6 +234,10 @@ def read_tables(kind: str, id_or_path: str | Path) -> tuple[dict[str, Any], Orig
         raise CatalogueError(
             f"cannot be read: {error.strerror}", place=Place(file=str(path)), expected="a TOML file"
         ) from error
+    if content.startswith(b"PK"):  # as every .xlsx does, and no text that is TOML
+        made = f"atleak controller from-workbook {path.name} -o {path.stem}.toml"
+        expected = f"the file that '{made}' makes" if kind == "controllers" else "TOML text in UTF-8"
+        raise CatalogueError("is a workbook", place=Place(file=path.name), expected=expected)
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:  # also a number of 5000 digits, or tables nested a thousand deep

@@ -261,3 +261,11 @@ def test_a_file_nested_too_deep_or_a_number_too_long_is_refused_in_words(tmp_pat
     path.write_text(f"{line}\n", encoding="utf-8")
     for load in LOADERS.values():
         assert str(refused(load, path)).startswith("own.toml: is not valid TOML")
+
+
+def test_a_workbook_in_place_of_the_file_made_of_it_says_how_to_make_that(tmp_path: Path) -> None:
+    path = tmp_path / "my_unit.xlsx"
+    path.write_bytes(b"PK\x03\x04\xb3")
+    made = "atleak controller from-workbook my_unit.xlsx -o my_unit.toml"
+    assert str(refused(load_controller, path)) == f"my_unit.xlsx: is a workbook; expected the file that '{made}' makes"
+    assert str(refused(load_limits, path)) == "my_unit.xlsx: is a workbook; expected TOML text in UTF-8"
