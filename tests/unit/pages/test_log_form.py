@@ -154,7 +154,9 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     rows = [";".join(low[0]), *(";".join([*row[:2], f"{0.4 * float(row[2]):.2f}", *row[3:]]) for row in low[1:])]
     uploader(app, "Road-test log").upload("low.csv", "\n".join(rows).encode(), "text/csv").run()
     assert not app.exception
-    assert app.error[0].value.startswith("**✖ critical** Main pressure stayed below what is permitted for 11")
+    assert app.error[0].value.startswith(
+        "**Provisional.** **✖ critical** Main pressure stayed below what is permitted for 11"
+    )
     headings = [widget.value for widget in app.subheader]
     assert headings == ["What the road test says", "Over the road test", "Take it along"]
     assert "Main pressure is low in every gear and state that was judged" in texts(app)
