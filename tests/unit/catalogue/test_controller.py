@@ -262,7 +262,7 @@ def test_rings_of_main_pressure_can_be_given_apart(four_speed: Controller, edite
             ("'1'",),
         ),
         ("[1, 2, 3, 4, 5, 6]", "[1, 2, 2]", None, "gears", ("twice", "2")),
-        ("gear = 2", "gear = 7", "operating_points[1] (driving_second)", "gear", ("7", "[1, 2, 3, 4, 5, 6]")),
+        ("gear = 2", "gear = 7", "operating_points[1] (driving_second)", "gear", ("7", "one of 1, 2, 3, 4, 5, 6")),
         ('name = "hot_idle"', 'name = "driving_second"', "operating_points[2] (driving_second)", "name", ("twice",)),
         (
             'name = "hot_idle"',
@@ -295,7 +295,7 @@ def test_faults_of_meaning_name_table_and_key(
     [
         ("land = 1", "land = 4", "land", ("4", "lands 1")),
         ('"accumulator"', '"acumulator"', "component", ("'acumulator'", "component with lands")),
-        ("[1, 2]", "[1, 9]", "gears", ("9", "[1, 2, 3, 4, 5, 6]")),
+        ("[1, 2]", "[1, 9]", "gears", ("9", "one of 1, 2, 3, 4, 5, 6")),
         ('from = "p_g"', 'from = "p_q"', "from", ("'p_q'", "p_g, p_s, p_m, p_k")),
         ('to = "drain"', 'to = "1.5*p_g"', "to", ("'1.5*p_g'", "at most 1")),
         ('section = "p_g"', 'section = "p_k"', "section", ("'p_k'", "from = 'p_g'")),
