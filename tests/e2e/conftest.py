@@ -24,7 +24,19 @@ SOON = 90_000  # [ms] until the page must show what was asked of it
 
 playwright_api.expect.set_options(timeout=SOON)
 
+# Comes back when an element has stood where it stands for a second.
+AT_REST = """element => new Promise(done => {
+    let last = "", since = performance.now()
+    const look = () => {
+        const {x, y, width, height} = element.getBoundingClientRect(), place = `${x} ${y} ${width} ${height}`
+        if (place !== last) [last, since] = [place, performance.now()]
+        performance.now() - since > 1000 ? done() : requestAnimationFrame(look)
+    }
+    look()
+})"""
 
+
+@pytest.mark.page("4_Road_test")
 def free_port() -> int:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))

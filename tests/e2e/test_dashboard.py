@@ -17,6 +17,8 @@ from playwright.sync_api import Page, expect
 from pages.shared.conditions import CONDITION_WIDTH
 from pages.shared.show import WIDTHS
 
+from .conftest import AT_REST
+
 Visit = Callable[[str], Page]
 SHEET, LOG = "Measuring sheet", "Road-test log"
 
@@ -231,19 +233,6 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     assert page.get_by_test_id("stException").count() == 0
 
 
-# Comes back when an element has stood where it stands for a second.
-AT_REST = """element => new Promise(done => {
-    let last = "", since = performance.now()
-    const look = () => {
-        const {x, y, width, height} = element.getBoundingClientRect(), place = `${x} ${y} ${width} ${height}`
-        if (place !== last) [last, since] = [place, performance.now()]
-        performance.now() - since > 1000 ? done() : requestAnimationFrame(look)
-    }
-    look()
-})"""
-
-
-@pytest.mark.page("4_Road_test")
 def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
     chart.wait_for()

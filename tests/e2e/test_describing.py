@@ -10,6 +10,8 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
+from .conftest import AT_REST
+
 ROW = 35  # pixels
 EXAMPLE = "Example of a workshop's own description"
 
@@ -19,20 +21,31 @@ def wait_until_idle(page: Page) -> None:
 
 
 def type_into(page: Page, table: int, row: int, column: int, text: str) -> None:
-    """Type over a cell as people do: reach it with the arrow keys, type, press Enter."""
+    """Type over a cell as people do: reach it with the arrow keys, press Enter, type, press Enter.
+
+    On a busy machine the table may be drawn anew just then, and what is typed goes nowhere: then one tries again.
+    """
     editor = page.get_by_test_id("stDataFrame").nth(table)
+    cell = editor.get_by_test_id(f"glide-cell-{column}-{row - 1}")
     editor.scroll_into_view_if_needed()
-    box = editor.bounding_box()
-    assert box is not None
-    page.mouse.click(box["x"] + 20, box["y"] + ROW * (row + 0.5))  # the head is one row high
-    for _ in range(column):
-        page.keyboard.press("ArrowRight")
-    page.keyboard.press("Enter")
-    page.keyboard.press("Control+A")
-    page.keyboard.type(text, delay=30)
-    page.keyboard.press("Enter")
-    expect(editor.get_by_test_id(f"glide-cell-{column}-{row - 1}")).to_have_text(text)
-    wait_until_idle(page)
+    for _ in range(5):
+        page.evaluate(AT_REST, editor.element_handle())
+        box = editor.bounding_box()
+        assert box is not None
+        page.mouse.click(box["x"] + 20, box["y"] + ROW * (row + 0.5))  # the head is one row high
+        for _ in range(column):
+            page.keyboard.press("ArrowRight")
+        page.keyboard.press("Enter")
+        page.keyboard.press("Control+A")
+        page.keyboard.type(text, delay=30)
+        page.keyboard.press("Enter")
+        try:
+            expect(cell).to_have_text(text, timeout=5000)
+        except AssertionError:
+            continue
+        wait_until_idle(page)
+        return
+    expect(cell).to_have_text(text)
 
 
 def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
