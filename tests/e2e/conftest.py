@@ -24,6 +24,14 @@ SOON = 90_000  # [ms] until the page must show what was asked of it
 
 playwright_api.expect.set_options(timeout=SOON)
 
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run a browser test again that fails: mouse and keys can meet a page that is drawn anew on a busy machine."""
+    for item in items:
+        if item.path.parent == Path(__file__).parent:
+            item.add_marker(pytest.mark.flaky(reruns=2))
+
+
 # Comes back when an element has stood where it stands for a second.
 AT_REST = """element => new Promise(done => {
     let last = "", since = performance.now()
@@ -36,7 +44,6 @@ AT_REST = """element => new Promise(done => {
 })"""
 
 
-@pytest.mark.page("4_Road_test")
 def free_port() -> int:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))

@@ -233,6 +233,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     assert page.get_by_test_id("stException").count() == 0
 
 
+@pytest.mark.page("4_Road_test")
 def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
     chart.wait_for()
