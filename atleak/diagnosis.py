@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -18,7 +17,6 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import (
     Projection,
-    mileage_at_wear,
     model_new,
     project,
     project_beside,
@@ -31,6 +29,7 @@ from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
+from atleak.replace_mileage import ReplaceMileage, replace_mileage
 from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
@@ -50,24 +49,6 @@ from atleak.uncertainty import (
 from atleak.verdicts import Band, Verdict, worst
 
 NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
-FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
-
-
-@dataclass(frozen=True)
-class ReplaceMileage:
-    """The mileage [km] at which the wear limit for replacing is reached, wear ∝ mileage, with its 95 % interval.
-
-    The vehicle has not come there yet, so the interval begins at its mileage at the earliest.
-    """
-
-    value: float | None  # None where it cannot be told whether the land wears at all
-    low: float  # infinite where the land does not wear
-    high: float  # infinite where the limit may never be reached
-
-    @property
-    def foreseeable(self) -> bool:
-        """Return whether the interval ends within what a vehicle runs."""
-        return self.high <= FARTHEST
 
 
 @dataclass(frozen=True)
@@ -574,7 +555,7 @@ def _land(
         excess_share=excess,
         verdict=_verdict(state, own_rules),
         rules=own_rules,
-        replace_mileage=_replace_mileage(own_rules, mileage, own_uncertainty),
+        replace_mileage=replace_mileage(own_rules, mileage, own_uncertainty),
         uncertainty=own_uncertainty,
         messages=state.messages,
     )
@@ -587,22 +568,3 @@ def _verdict(state: LandClearance, rules: Iterable[Rule]) -> Verdict:
     """
     reached = worst(rule.verdict for rule in rules)
     return Verdict.NOT_MEASURED if reached == Verdict.OK and not state.can_be_ok else reached
-
-
-def _replace_mileage(
-    rules: Iterable[Rule], mileage: float | None, uncertainty: LandUncertainty | None
-) -> ReplaceMileage | None:
-    rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
-    if rule is None or mileage is None or uncertainty is None or uncertainty.wear_interval is None:
-        return None
-    limit = rule.steps.limit_of(Verdict.REPLACE) or rule.steps.levels[-1][1]
-
-    def reached_with(wear: float) -> float:
-        reached = mileage_at_wear(mileage, wear, limit)
-        return math.inf if reached is None else reached
-
-    least, most = uncertainty.wear_interval
-    if reached_with(rule.value) <= mileage:
-        return None
-    low, high = max(reached_with(most), mileage), reached_with(least)
-    return ReplaceMileage(reached_with(rule.value) if math.isfinite(high) else None, low, high)

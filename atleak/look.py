@@ -157,6 +157,8 @@ SHEET_COLOURS = {
     "on_heading": "#FFFFFF",
     "soft": "#52606D",
     "alarm": "#C62828",
+    "bore": "#D5DCE3",  # in the picture of what to measure; no verdict has these two
+    "spool": "#F2DFA0",
 }
 
 # Curves that differ in colour and dash: the variants of the source study, models of viscosity.

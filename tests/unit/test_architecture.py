@@ -47,7 +47,7 @@ FLOORS = (
     ("engine.series", "engine.projection", "engine.repaired", "engine.flows"),
     ("engine.road_leakage", "engine.road_pressure", "rules"),
     ("uncertainty", "variants"),
-    ("sheet_checks", "provisional", "result_messages", "road_findings", "gauges", "learning"),
+    ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("diagnosis",),
     ("repair", "next_checks"),
     ("views", "intake"),

@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 from atleak.look import SHEET_COLOURS
 
 _INK, _SOFT = SHEET_COLOURS["heading"], SHEET_COLOURS["soft"]
-_BODY, _SPOOL = "#D5DCE3", "#F7D774"
+_BODY, _SPOOL = SHEET_COLOURS["bore"], SHEET_COLOURS["spool"]
 _LANDS = ((1.6, 2.4), (6.6, 2.0))  # start and length of the two lands
 _RADIUS, _BORE, _ROD = 1.0, 1.13, 0.42
 _PORTS = ((0.35, 0.9), (3.4, 2.6), (8.95, 0.9))  # start and length of the openings in the bore
