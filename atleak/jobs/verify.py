@@ -46,7 +46,7 @@ def verify(book: Book) -> tuple[Fault, ...]:
     with book.reading() as connection:
         every = connection.execute(sa.select(jobs.c.id, jobs.c.number).order_by(jobs.c.id)).all()
     for id, number in every:
-        faults += [Fault(problem, id, number) for problem in _problems(book, id)]
+        faults += [Fault(problem, id, number) for problem in problems_of(book, id)]
     return tuple(faults)
 
 
@@ -61,7 +61,8 @@ def _damage(book: Book) -> Iterator[str]:
             yield f"row {row} of {table} refers to no row of {other}"
 
 
-def _problems(book: Book, id: str) -> Iterator[str]:
+def problems_of(book: Book, id: str) -> Iterator[str]:
+    """Say what is wrong with one job, as `verify` does of every one."""
     try:
         stored = book.load(id)
         yield from _result_problems(book, stored)
