@@ -356,7 +356,9 @@ def _decision(row: Mapping[str, Any]) -> dict[str, Any]:
 def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
     """Write down what this version of atleak says, unless it said so before of the same files and choices."""
     mine = (results.c.job == id) & (results.c.atleak == __version__)
-    if connection.execute(sa.select(results.c.key).where(mine)).scalar() == parts.case.key:
+    newest = sa.select(results.c.atleak, results.c.key).where(results.c.job == id)
+    newest = newest.order_by(results.c.made_at.desc(), results.c.id.desc()).limit(1)
+    if connection.execute(newest).one_or_none() == (__version__, parts.case.key):
         return
     record = parts.result
     connection.execute(results.delete().where(mine))
