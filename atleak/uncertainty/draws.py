@@ -83,21 +83,27 @@ def land_draws(
     fraction: np.ndarray,
     assumptions: Assumptions,
     position: Any,
+    readings: np.random.Generator | None = None,
 ) -> LandDraws:
-    """Draw all that is not known of one land."""
+    """Draw all that is not known of one land.
+
+    ``readings`` draws the errors of what was measured, and ``stream`` all that a unit keeps between two visits; one and
+    the same unless given.
+    """
+    readings = readings or stream
     draws = fraction.size
     new = new_bore(stream, land, draws)
     # what was not measured is as new: the same in every trial
     bore = unworn = new
     if land.state.measured:
-        measured = measured_clearance(stream, land, common, new.clearance)
+        measured = measured_clearance(readings, land, common, new.clearance)
         bore = worn_bore(stream, land, measured, new.clearance, fraction)
         unworn = unworn_bore(land, measured, new)
-    nominal = land.state.land.contact_length
+    nominal, by_calliper = land.state.land.contact_length, land.state.land.contact_length_measured
     length: float | np.ndarray = nominal
-    uncertain = assumptions.of_contact_length(measured=land.state.land.contact_length_measured)
+    uncertain = assumptions.of_contact_length(measured=by_calliper)
     if uncertain:
-        lengths = stream.standard_normal(draws)
+        lengths = (readings if by_calliper else stream).standard_normal(draws)
         lengths *= uncertain
         lengths += nominal
         length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)

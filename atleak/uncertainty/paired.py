@@ -1,8 +1,9 @@
 """Draw one unit at two visits together: by how much its total, reserve and pressures changed, and how sure that is.
 
-What both visits state alike, fluid, temperatures, pressures and pump, is drawn once for both: it is one number on both
-sides of the difference. What was measured is drawn for each visit by itself, common errors of the instruments included:
-no sheet says whether a gauge was set with the same ring, or a part is still the same one.
+What both visits state alike, fluid, temperatures, pressures, pump and lengths of lands, is drawn once for both: it is
+one number on both sides of the difference. So is what a bore keeps: what its pair was when new, how much of its wear
+lies to one side, and to which. What was measured is drawn for each visit by itself, common errors of the instruments
+included: no sheet says whether a gauge was set with the same ring, or a part is still the same one.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from atleak.uncertainty.results import Interval
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import flow_ratio, interval_of
 
-_UNMEASURED, _VISITS = 1, (4, 5)  # streams of lands that neither visit measured, and of each visit's lands
+_UNIT, _VISITS = 1, (4, 5)  # streams of what the unit keeps, and of what each visit measured
 
 
 @dataclass(frozen=True)
@@ -81,17 +82,15 @@ def changes(
 
     Notes
     -----
-    How much of all wear lies to one side is one fraction of the unit at both visits, with a phase of its own for each
-    land and visit. A land that neither visit measured is the same unknown one at both.
+    A land that neither visit measured is the same unknown one at both. A spool that was taken out may lie elsewhere in
+    its bore than before.
     """
     shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
     deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
     deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
     fraction = one_sided_fraction(shared, before.model, assumptions, draws)
-    untouched = {land.key for land in before.lands if not land.state.measured}
-    untouched &= {land.key for land in after.lands if not land.state.measured}
     drawn = [
-        list(_lands(visit, stream, untouched, fraction, assumptions, seed))
+        list(_lands(visit, stream, fraction, assumptions, seed))
         for visit, stream in zip((before, after), _VISITS, strict=True)
     ]
     found = []
@@ -116,21 +115,16 @@ def changes(
     return tuple(found)
 
 
-def _lands(
-    visit: Visit,
-    stream: int,
-    untouched: set[tuple[str, int]],
-    fraction: np.ndarray,
-    assumptions: Assumptions,
-    seed: int,
-) -> Iterator[LandDraws]:
-    own = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, stream))))
-    common = common_errors(own, visit.lands, fraction.size)
-    positions = Positions(visit.model, fraction.size, seed + stream)  # a spool that was out lies elsewhere
-    for number, land in enumerate(visit.lands):
-        streams = (seed, _UNMEASURED if land.key in untouched else stream, number)
-        of_land = np.random.Generator(np.random.PCG64(np.random.SeedSequence(streams)))
-        yield land_draws(of_land, land, common, fraction, assumptions, positions.of(land))
+def _lands(visit: Visit, number: int, fraction: np.ndarray, assumptions: Assumptions, seed: int) -> Iterator[LandDraws]:
+    def stream(*name: int | str) -> np.random.Generator:
+        words = [part if isinstance(part, int) else int.from_bytes(part.encode()) for part in name]
+        return np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, *words))))
+
+    common = common_errors(stream(number), visit.lands, fraction.size)
+    positions = Positions(visit.model, fraction.size, seed + number)
+    for land in visit.lands:
+        kept, readings = stream(_UNIT, *land.key), stream(number, *land.key)
+        yield land_draws(kept, land, common, fraction, assumptions, positions.of(land), readings)
 
 
 def _held(

@@ -62,7 +62,7 @@ FLOORS = (
         "report.lands_sheet",
     ),
     ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet"),
-    ("job.file",),
+    ("job.file", "report.comparison_terminal"),
     ("report.batch", "jobs"),
     ("cli",),
     ("__main__", "__init__"),
