@@ -31,7 +31,7 @@ from atleak.jobs.tables import (
     results,
     search_words,
 )
-from atleak.jobs.units import unit_of, visit_for, without_jobs_away
+from atleak.jobs.units import left_behind, unit_of, visit_for, without_jobs_away
 from atleak.version import __version__
 
 PICTURE = "picture"  # the slot of a picture
@@ -178,10 +178,10 @@ class Book:
         pictures = {name: hashlib.sha256(content).hexdigest() for name, content in parts.pictures.items()}
         contents |= {pictures[name]: content for name, content in parts.pictures.items()}
         _keep_files(connection, contents)
-        record, before = parts.job, None if earlier is None else earlier.visit
+        record, before = parts.job, None if earlier is None else left_behind(connection, earlier.visit)
         values: dict[str, Any] = {
             "version": saved.version,
-            "visit": visit_for(connection, saved.id, parts, before),
+            "visit": visit_for(connection, saved.id, parts, None if before is None else before[0]),
             "sample": sample,
             "changed_at": now,
             "choices": _packed(parts.choices.model_dump_json(exclude_defaults=True).encode()),
@@ -196,12 +196,11 @@ class Book:
             "controller": parts.diagnosis.controller.id,
             "verdict": str(parts.diagnosis.verdict),
         }
-        if earlier is None:
+        if before is None:
             connection.execute(jobs.insert().values(id=saved.id, made_at=now, **values))
         else:
             connection.execute(jobs.update().where(jobs.c.id == saved.id).values(**values))
-            if before != values["visit"]:
-                without_jobs_away(connection)
+            without_jobs_away(connection, *before)
         held = [(slot, source.name, source.sha256) for slot, source in parts.sources.items()]
         held += [(PICTURE, name, sha256) for name, sha256 in pictures.items()]
         _keep_list(connection, saved.id, held)
@@ -296,14 +295,14 @@ class Book:
             self._row(connection, id)
             connection.execute(jobs.update().where(jobs.c.id == id).values(archived_at=moment))
 
-    def _row(self, connection: sa.Connection, id: str, *, lock: bool = False) -> sa.Row[Any]:
+    def _row(self, connection: sa.Connection, id: str, *, lock: bool = False) -> Any:
         wanted = sa.select(jobs).where(jobs.c.id == id)
         row = connection.execute(wanted.with_for_update() if lock else wanted).one_or_none()
         if row is None:
             raise BookError("the job book has no such job", place=Place(file=self.name), value=id)
         return row
 
-    def _whole(self, row: sa.Row[Any], called: str) -> bytes:
+    def _whole(self, row: Any, called: str) -> bytes:
         content = self._unpacked(row.content, called)
         if hashlib.sha256(content).hexdigest() != row.sha256:
             raise BookError(f"{row.name} of {called} was damaged in the database", place=Place(file=self.name))
