@@ -49,9 +49,10 @@ class LandComparison:
         return any(each is not None and each.verdict.flagged for each in (self.before, self.after))
 
     @property
-    def rank(self) -> int:
-        """Return how bad the worse of both verdicts is."""
-        return max(each.verdict.rank for each in (self.before, self.after) if each is not None)
+    def order(self) -> tuple[int, int]:
+        """Return what orders lands by their verdicts: the worst before comes first, of these what is best now."""
+        before, after = (0 if each is None else each.verdict.rank for each in (self.before, self.after))
+        return -before, after
 
 
 @dataclass(frozen=True)
@@ -99,9 +100,9 @@ class Comparison:
 
     @property
     def flagged(self) -> tuple[LandComparison, ...]:
-        """Return the lands that have reached a limit at either visit, the worst first."""
+        """Return the lands that have reached a limit at either visit: the worst before first, of these the best now."""
         flagged = [land for land in self.lands if land.flagged]
-        return tuple(sorted(flagged, key=lambda land: -land.rank))
+        return tuple(sorted(flagged, key=lambda land: land.order))
 
     @property
     def changed(self) -> tuple[LandComparison, ...]:
