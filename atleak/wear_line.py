@@ -77,7 +77,7 @@ class WearLine:
 
     def rate_interval(self, coverage: float = COVERAGE) -> tuple[float, float]:
         """Return the interval of the rate [m/km]."""
-        reach = _deviate(coverage) * math.sqrt(self.covariance[1, 1])
+        reach = _deviate(coverage) * math.sqrt(float(self.covariance[1, 1]))
         return self.rate - reach, self.rate + reach
 
     @property
@@ -108,13 +108,13 @@ class WearLine:
         clearance, u = self.at(present), self.uncertainty_at(present)
         if clearance + deviate * u >= limit:
             return present
-        spread = deviate * deviate * self.covariance
+        (_, of_both), (_, of_rate) = (deviate * deviate * self.covariance).tolist()
         past, way = clearance - limit, present - self.origin
         if deviate == 0.0:
             return present - past / self.rate if self.rate > 0.0 else math.inf
         # (past + rate·x)² = z² u(x)², with x the way from the present mileage on
-        square = self.rate**2 - spread[1, 1]
-        linear = 2.0 * (self.rate * past - spread[0, 1] - spread[1, 1] * way)
+        square = self.rate**2 - of_rate
+        linear = 2.0 * (self.rate * past - of_both - of_rate * way)
         constant = past**2 - (deviate * u) ** 2
         ways = (x for x in _roots(square, linear, constant) if x > 0.0 and (past + self.rate * x) * deviate <= 0.0)
         return present + min(ways, default=math.inf)

@@ -49,7 +49,7 @@ FLOORS = (
     ("uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("diagnosis",),
-    ("repair", "next_checks"),
+    ("repair", "next_checks", "history"),
     ("views", "intake"),
     (
         "figures",
