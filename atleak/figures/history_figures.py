@@ -21,6 +21,7 @@ from atleak.wording import signed
 from atleak.workshop_units import PERCENT, UM
 
 _AHEAD = 100_000.0  # [km] that a line is drawn on, where no limit is reached later
+_WHOLE = 10  # units up to which an axis names each number
 _STEPS = 41  # of the band, whose edges are no straight lines
 _BAND = "rgba(42, 134, 209, 0.18)"
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
@@ -164,9 +165,11 @@ def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str) -> g
         name=what,
         marker={"color": look_of(Verdict.WATCH).screen, "pattern": {**_HATCH, "shape": look_of(Verdict.WATCH).pattern}},
         text=[f"{count} of {of}" for count in counts],
+        textposition="outside",
         customdata=passed,
         hovertemplate="%{y}: %{text} units; %{customdata:.0f} % of all with those above<extra></extra>",
     )
-    figure.update_xaxes(title=f"units {what}", dtick=None, rangemode="tozero")
+    most = max(counts, default=1)
+    figure.update_xaxes(title=f"units {what}", dtick=1 if most <= _WHOLE else None, range=[0.0, 1.25 * most])
     figure.update_yaxes(type="category", categoryorder="array", categoryarray=list(reversed(names)))
     return framed(figure, 110 + 26 * max(len(names), 3))

@@ -46,6 +46,11 @@ class ReplacedPair:
     land: int | None  # None where the record names the component alone
     units: int
 
+    @property
+    def name(self) -> str:
+        """Name it by component and land, or by the component alone."""
+        return self.component if self.land is None else f"{self.component}/{self.land}"
+
 
 @dataclass(frozen=True)
 class AcrossUnits:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import sqlalchemy as sa
@@ -94,3 +94,25 @@ def _repaired(stored: StoredJob) -> frozenset[LandKey]:
     return frozenset(
         key for key in keys if any(each.component == key[0] and each.land in (None, key[1]) for each in done)
     )
+
+
+def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, RepairDecision], ...]:
+    """Return the repairs that were declined or deferred and not done since, each with the visit at which that was last.
+
+    Parameters
+    ----------
+    visited
+        the jobs of a unit, the earliest first, as from `visits_of_unit`.
+    """
+    undone: dict[tuple[str, int | None], tuple[VisitedJob, RepairDecision]] = {}
+    for each in visited:
+        for decision in each.stored.file.job.repair_decisions:
+            pair = decision.component, decision.land
+            if decision.decision in ("declined", "deferred"):
+                undone.pop(pair, None)
+                undone[pair] = each, decision
+            elif decision.decision == "done":
+                done = [key for key in undone if key == pair or (decision.land is None and key[0] == pair[0])]
+                for key in done:
+                    del undone[key]
+    return tuple(reversed(undone.values()))

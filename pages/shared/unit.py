@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import get_args
 
 import streamlit as st
 
@@ -13,11 +13,11 @@ from atleak.figures import history_figures as figures
 from atleak.history.land_wear import WearHistory, wear_over_mileage
 from atleak.history.totals import totals_over_mileage
 from atleak.job.case import Case
-from atleak.job.record import RepairDecision
+from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, across_units, standing
 from atleak.jobs.book import Book, JobRow
 from atleak.jobs.search import Query
-from atleak.jobs.unit_visits import VisitedJob, unit_of_job, visits_of_unit
+from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
 from atleak.uncertainty import LandSources
 from atleak.views.history_rows import land_name, soonest_first, total_rows, wear_rows
 from atleak.wording import wording
@@ -29,6 +29,8 @@ from pages.shared.cases import Kept, diagnosis_of, opened_case
 UNIT = "unit"  # the parameter of the address that names a unit
 OFFERED = 200  # jobs among which a search offers units
 SHOWN = 15  # pairs of a Pareto chart, places among the kind
+STATES: tuple[RepairState, ...] = get_args(RepairState)  # of a repair, in their order
+NARROW = {name: st.column_config.Column(width=width) for name, width in (("Pair", 150), ("Condition", 150))}
 FRESH = 60.0  # [s] for which what all units of a kind show is kept
 
 
@@ -93,10 +95,10 @@ def _measured(key: str, _case: Case) -> tuple[LandSources, ...]:
 # --- visits
 
 
-def draw_visits(visited: Iterable[VisitedJob]) -> None:
+def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
     """Show the visits, the last one first, and which of their sheets cannot be read any more."""
     rows = []
-    for each in sorted(visited, key=lambda each: each.date, reverse=True):
+    for each in reversed(visited):
         mileage = each.visit.mileage
         rows.append(
             {
@@ -105,27 +107,20 @@ def draw_visits(visited: Iterable[VisitedJob]) -> None:
                 "Mileage [km]": None if mileage is None else wording("en").number(mileage, 0),
                 "Job": each.visit.name or each.stored.id,
                 "Measured": sum(land.state.can_be_ok for land in each.visit.lands),
-                **{
-                    state.capitalize(): len(each.decided(state)) or None
-                    for state in ("proposed", "done", "declined", "deferred")
-                },
+                **{state.capitalize(): len(each.decided(state)) or None for state in STATES},
             }
         )
         if each.problem:
             st.warning(f"The sheet of {show.plain(each.visit.label)} cannot be read: {show.plain(each.problem)}")
-    show.verdict_table(rows, {})
+    show.verdict_table(rows, {state.capitalize(): 0 for state in STATES})
 
 
 def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
-    """Say what was declined or deferred last time, with its reason, and list every decision in a fold."""
-    last = visited[-1]
-    undone = [*last.decided("declined"), *last.decided("deferred")]
+    """Say what was declined or deferred and not done since, with its reason, and list every decision in a fold."""
+    undone = left_undone(visited)
     if undone:
-        st.markdown(
-            "\n".join(
-                [f"**Left undone on {last.date.isoformat()}:**", "", *(f"- {_decision(each)}" for each in undone)]
-            )
-        )
+        said = (f"- {_decision(decision)} ({each.date.isoformat()})" for each, decision in undone)
+        st.markdown("\n".join(["**Left undone so far:**", "", *said]))
     every = [(each, decision) for each in reversed(visited) for decision in each.stored.file.job.repair_decisions]
     if every:
         with st.expander(f"Every repair that was decided on ({len(every)})"):
@@ -191,7 +186,7 @@ def draw_wear(now: Seen) -> None:
             "clearances that were measured."
         )
         return
-    show.table(wear_rows(now.history, now.diagnosis.controller), number=show.rounded)
+    show.table(wear_rows(now.history, now.diagnosis.controller), number=show.rounded, column_config=NARROW)
     st.caption(
         "Wear is taken as proportional to mileage. Brackets: 90 % intervals, by the uncertainty of measuring alone; "
         "what all readings of one instrument share moves a line and leaves its rate alone."
@@ -209,7 +204,7 @@ def draw_totals(now: Seen) -> None:
         "Condition", list(by_name), format_func=lambda each: by_name[each].condition.label, key="unit-condition"
     )
     show.chart(figures.total_over_mileage(by_name[name]), "unit-total")
-    show.table(total_rows(totals.totals), number=show.rounded)
+    show.table(total_rows(totals.totals), number=show.rounded, column_config=NARROW)
     show.messages(totals.messages, "the total over mileage")
     st.caption("Fluid, pressures and pump as at the last visit; each land at its own line, through the engine.")
 
@@ -244,19 +239,13 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
             }
             for each in places
         ]
-        show.table(rows[:SHOWN], number=show.rounded)
+        show.table(rows[:SHOWN], number=show.rounded, column_config=NARROW)
         st.caption(f"The {len(rows[:SHOWN])} widest among their kind; the right columns are quantiles of all units.")
     else:
         st.info(f"Where this unit stands among its kind is shown from {ENOUGH_UNITS} other units on.")
-    _pareto("flagged", [(land_name(controller, land.key), land.flagged) for land in across.flagged], across.units)
-    _pareto(
-        "repaired",
-        [
-            (pair.component if pair.land is None else land_name(controller, (pair.component, pair.land)), pair.units)
-            for pair in across.replaced
-        ],
-        across.units,
-    )
+    flagged = [(f"{component}/{land}", each.flagged) for each in across.flagged for component, land in [each.key]]
+    _pareto("flagged", flagged, across.units)
+    _pareto("repaired", [(pair.name, pair.units) for pair in across.replaced], across.units)
 
 
 def _pareto(what: str, counted: list[tuple[str, int]], of: int) -> None:

@@ -14,7 +14,7 @@ from atleak.history.land_wear import wear_over_mileage
 from atleak.job.case import Case
 from atleak.job.parts import JobParts
 from atleak.jobs.book import Book
-from atleak.jobs.unit_visits import unit_of_job, visits_of_unit
+from atleak.jobs.unit_visits import left_undone, unit_of_job, visits_of_unit
 
 MakeJob = Callable[..., JobParts]
 TCC = ("tcc_regulator", 1)
@@ -58,6 +58,32 @@ def test_what_was_done_is_repaired_and_a_decision_without_a_land_is_about_all_of
     saved = book.save(small_job(**record(2024, 100_000.0, *done, {"component": "accumulator", "decision": "proposed"})))
     [visited] = visits_of_unit(book, unit_of_job(book, saved.id))
     assert visited.visit.repaired == {("pressure_regulator", 1), ("pressure_regulator", 2), TCC}
+
+
+def test_what_was_declined_or_deferred_stays_undone_until_it_is_done(book: Book, small_job: MakeJob) -> None:
+    def decided(component: str, land: int | None, decision: str) -> dict[str, object]:
+        return {"component": component, "land": land, "decision": decision, "reason": f"{decision} then"}
+
+    book.save(
+        small_job(
+            **record(
+                2022,
+                1e5,
+                decided("pressure_regulator", 1, "declined"),
+                decided("pressure_regulator", 2, "deferred"),
+                decided("tcc_regulator", 1, "declined"),
+                decided("accumulator", 1, "proposed"),
+            )
+        )
+    )
+    again = decided("tcc_regulator", 1, "deferred"), decided("pressure_regulator", None, "done")
+    last = book.save(small_job(**record(2024, 1.4e5, *again)))
+    visited = visits_of_unit(book, unit_of_job(book, last.id))
+    assert [(each.visit.name, decision.component, decision.decision) for each, decision in left_undone(visited)] == [
+        ("2024", "tcc_regulator", "deferred")
+    ]
+    before = [decision.land for _, decision in left_undone(visited[:1])]
+    assert before == [1, 2, 1]  # the last one written down first
 
 
 def test_a_sheet_that_cannot_be_read_any_more_leaves_its_visit_without_lands(book: Book, small_job: MakeJob) -> None:
