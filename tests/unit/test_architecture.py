@@ -61,8 +61,9 @@ FLOORS = (
         "report.controller_workbook",
         "report.lands_sheet",
     ),
-    ("job.file", "report.pdf", "report.xlsx", "report.measuring_sheet"),
-    ("report.batch",),
+    ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet"),
+    ("job.file",),
+    ("report.batch", "jobs"),
     ("cli",),
     ("__main__", "__init__"),
 )
