@@ -77,7 +77,7 @@ def _renamed(slot: str, choice: str | SourceFile) -> str | SourceFile:
 
 
 def _plain_files(case: Case, controller: Controller, reader: Reader) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return the fields of a case whose files say the same and nothing else, and which files could not be written so."""
+    """Return the fields of a case whose files say the same and nothing else, and the files that cannot be so."""
     fields: dict[str, Any] = {}
     lost = []
     gauges: PressureTable | None = None
