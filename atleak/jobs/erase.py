@@ -11,13 +11,13 @@ import sqlalchemy as sa
 
 from atleak.errors import BookError, Place
 from atleak.job.parts import JobParts
-from atleak.job.record import Job
 from atleak.jobs.book import Book, JobRow, packed
+from atleak.jobs.merge import key_stated
 from atleak.jobs.opening import in_words
 from atleak.jobs.rows import replace_rows
 from atleak.jobs.search import Query
 from atleak.jobs.tables import jobs, key_of, lands, metadata, results, units, visits
-from atleak.jobs.units import rows_of_unit, unit_key, unit_of, without_jobs_away
+from atleak.jobs.units import rows_of_unit, unit_of, without_jobs_away
 from atleak.jobs.without_person import result_without_person, without_person
 
 
@@ -130,17 +130,12 @@ def _unname(connection: sa.Connection, unit: int) -> None:
         .join(visits, visits.c.id == jobs.c.visit)
         .where(visits.c.unit.in_([row.id for row in rows]))
     ).all()
-    stated = {unit_key(row.id, _told(row)) for row in left}
+    stated = {key_stated(row.id, serial=row.serial, vin=row.vin, plate=row.plate) for row in left}
     for row in rows:
         if row.key not in stated:
             connection.execute(units.update().where(units.c.id == row.id).values(key=f"erased:{row.id}", serial=""))
     if not left:
         connection.execute(units.delete().where(units.c.merged_into == unit))
-
-
-def _told(row: Any) -> Job:
-    vehicle = {"vin": row.vin, "registration": row.plate}
-    return Job.model_validate({"transmission": {"serial": row.serial}, "vehicle": vehicle})
 
 
 def _keep_together(connection: sa.Connection, ids: Sequence[str]) -> None:
