@@ -323,14 +323,14 @@ class Book:
             self._row(connection, id)
             connection.execute(jobs.update().where(jobs.c.id == id).values(archived_at=moment))
 
-    def _row(self, connection: sa.Connection, id: str, *, lock: bool = False) -> sa.Row[Any]:
+    def _row(self, connection: sa.Connection, id: str, *, lock: bool = False) -> Any:
         wanted = sa.select(jobs).where(jobs.c.id == id)
         row = connection.execute(wanted.with_for_update() if lock else wanted).one_or_none()
         if row is None:
             raise BookError("the job book has no such job", place=Place(file=self.name), value=id)
         return row
 
-    def _whole(self, row: sa.Row[Any], called: str) -> bytes:
+    def _whole(self, row: Any, called: str) -> bytes:
         content = self.unpacked(row.content, called)
         if hashlib.sha256(content).hexdigest() != row.sha256:
             raise BookError(f"{row.name} of {called} was damaged in the database", place=Place(file=self.name))

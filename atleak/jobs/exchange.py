@@ -6,7 +6,7 @@ import hashlib
 import io
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ import pandas as pd
 import sqlalchemy as sa
 
 from atleak.job.file import packed_job, read_job_file
-from atleak.job.parts import JobFile, JobParts, job_parts
+from atleak.job.parts import JobParts, job_parts
 from atleak.jobs.book import PICTURE, Book
 from atleak.jobs.tables import decisions, job_files, jobs, lands, visits
 from atleak.jobs.units import final_unit

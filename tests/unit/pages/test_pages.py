@@ -47,9 +47,9 @@ def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: st
 
 
 def test_every_page_has_a_number_of_its_own() -> None:
-    stems = sorted(path.stem for path in (ROOT / "pages").glob("[0-9]*.py"))
-    assert stems == sorted(PAGES)
-    assert [int(name.split("_")[0]) for name in stems] == list(range(1, len(stems) + 1))
+    stems = [path.stem for path in (ROOT / "pages").glob("[0-9]*.py")]
+    assert sorted(stems) == sorted(PAGES)
+    assert sorted(int(name.split("_")[0]) for name in stems) == list(range(1, len(stems) + 1))
 
 
 @pytest.mark.parametrize("page", PAGES)
