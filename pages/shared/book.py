@@ -46,7 +46,11 @@ def follow_address() -> None:
     """Open the job that the address names, where that is another one: after a reload, in a second tab, going back."""
     wanted = st.query_params.get(JOB)
     in_book = session().in_book
-    if wanted and wanted not in (in_book.id, in_book.unknown):
+    if wanted is None:
+        in_book.left = None
+    elif wanted == in_book.left:
+        del st.query_params[JOB]
+    elif wanted not in (in_book.id, in_book.unknown):
         open_from_book(wanted)
 
 
@@ -63,7 +67,6 @@ def open_from_book(id: str) -> bool:
         return False
     in_book = InBook(id, stored.version, archived=stored.archived_at is not None, result_by=stored.result_by)
     show_job(case, stored.file.job, in_book)
-    st.query_params[JOB] = id
     parts = job_parts(diagnosis_of(case), stored.file.job, case_with_columns(case))
     in_book.judged_otherwise = judged_otherwise(stored.file.result, parts.result)
     return True

@@ -42,6 +42,7 @@ class InBook:
     conflict: AtleakError | None = None  # somebody else has saved it since
     fault: AtleakError | None = None  # why it could not be saved
     unknown: str = ""  # id in the address that could not be opened
+    left: str | None = None  # id in the address, of the job that was shown before this one: not to be opened again
     archived: bool = False
     result_by: str = ""  # version of atleak that gave the stored result
     judged_otherwise: tuple[JudgedOtherwise, ...] = ()  # where this version judges otherwise
@@ -137,24 +138,14 @@ def choose(**changes: Any) -> None:
 
 def take_sample() -> None:
     """Return to the sample job, with fresh widgets and an empty job record."""
-    now = session()
-    case = sample_case()
-    st.session_state["atleak"] = Session(case, case, {}, generation=now.generation + 1)
-    _empty_record()
+    show_job(sample_case(), Job(), InBook())
 
 
 def new_job() -> None:
     """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
     case = PageCase(**{name: getattr(now.good, name) for name in KEPT} | chosen_by_id(now.good))
-    st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
-    _empty_record()
-
-
-def _empty_record() -> None:
-    st.session_state.pop("pictures", None)
-    st.query_params.pop(JOB, None)  # the job of the address is left
-    put_job(Job())
+    show_job(case, Job(), InBook())
 
 
 def show_job(case: PageCase, record: Job, in_book: InBook) -> None:
