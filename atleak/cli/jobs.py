@@ -61,7 +61,7 @@ def _add_list(group: Any) -> None:
     parser.add_argument(
         "--text",
         default="",
-        help="what a number, customer, VIN, plate or serial begins with, or a VIN or serial ends with; several words: each",
+        help="what a number, customer, VIN, plate or serial begins with, or a VIN or serial ends with",
     )
     for name in ("vin", "plate", "serial", "customer", "number"):
         parser.add_argument(f"--{name}", default="", help="likewise, of this alone")
