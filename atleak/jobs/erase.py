@@ -20,6 +20,8 @@ from atleak.jobs.tables import jobs, key_of, lands, metadata, results, units, vi
 from atleak.jobs.units import rows_of_unit, unit_of, without_jobs_away
 from atleak.jobs.without_person import result_without_person, without_person
 
+_PATIENCE = 5_000  # [ms] with others who read the book while its files are written anew
+
 
 @dataclass(frozen=True)
 class Erased:
@@ -162,8 +164,11 @@ def sweep(book: Book) -> None:
             for table in metadata.sorted_tables:
                 connection.exec_driver_sql(f"VACUUM (FULL, ANALYZE) {table.name}")
             return
+        usual = connection.exec_driver_sql("PRAGMA busy_timeout").scalar()
+        connection.exec_driver_sql(f"PRAGMA busy_timeout = {_PATIENCE}")
         connection.exec_driver_sql("VACUUM")
         busy = connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)").one()[0]
+        connection.exec_driver_sql(f"PRAGMA busy_timeout = {usual}")
     if busy:
         raise BookError(
             "the data are erased, but another program has the job book open: its journal may still hold them",
