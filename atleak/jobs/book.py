@@ -31,7 +31,7 @@ from atleak.jobs.tables import (
     results,
     search_words,
 )
-from atleak.jobs.units import unit_of, visit_for, without_jobs_away
+from atleak.jobs.units import left_behind, unit_of, visit_for, without_jobs_away
 from atleak.version import __version__
 
 PICTURE = "picture"  # the slot of a picture
@@ -190,10 +190,10 @@ class Book:
         pictures = {name: hashlib.sha256(content).hexdigest() for name, content in parts.pictures.items()}
         contents |= {pictures[name]: content for name, content in parts.pictures.items()}
         _keep_files(connection, contents)
-        record, before = parts.job, None if earlier is None else earlier.visit
+        record, before = parts.job, None if earlier is None else left_behind(connection, earlier.visit)
         values: dict[str, Any] = {
             "version": saved.version,
-            "visit": visit_for(connection, saved.id, parts, before),
+            "visit": visit_for(connection, saved.id, parts, None if before is None else before[0]),
             "sample": sample,
             "changed_at": now,
             "choices": packed(parts.choices.model_dump_json(exclude_defaults=True).encode()),
@@ -208,12 +208,11 @@ class Book:
             "controller": parts.diagnosis.controller.id,
             "verdict": str(parts.diagnosis.verdict),
         }
-        if earlier is None:
+        if before is None:
             connection.execute(jobs.insert().values(id=saved.id, made_at=now, **values))
         else:
             connection.execute(jobs.update().where(jobs.c.id == saved.id).values(**values))
-            if before != values["visit"]:
-                without_jobs_away(connection)
+            without_jobs_away(connection, *before)
         held = [(slot, source.name, source.sha256) for slot, source in parts.sources.items()]
         held += [(PICTURE, name, sha256) for name, sha256 in pictures.items()]
         _keep_list(connection, saved.id, held)

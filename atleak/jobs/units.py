@@ -80,18 +80,27 @@ def _vehicle(connection: sa.Connection, record: Job) -> int | None:
     return int(row)
 
 
-def without_jobs_away(connection: sa.Connection) -> None:
-    """Delete visits without jobs, and units and vehicles without visits, as corrected typing leaves them."""
-    connection.execute(visits.delete().where(~sa.exists().where(jobs.c.visit == visits.c.id)))
+def left_behind(connection: sa.Connection, visit: int) -> tuple[int, int, int | None]:
+    """Return a visit with its unit and vehicle, as a job that may be about to leave them has them."""
+    row = connection.execute(sa.select(visits.c.id, visits.c.unit, visits.c.vehicle).where(visits.c.id == visit)).one()
+    return row.id, row.unit, row.vehicle
+
+
+def without_jobs_away(connection: sa.Connection, visit: int, unit: int, vehicle: int | None) -> None:
+    """Delete a visit, unit and vehicle that no job has any more, as corrected typing leaves them."""
+    connection.execute(visits.delete().where(visits.c.id == visit, ~sa.exists().where(jobs.c.visit == visit)))
     other = units.alias()
     connection.execute(
         units.delete().where(
+            units.c.id == unit,
             units.c.merged_into.is_(None),
-            ~sa.exists().where(visits.c.unit == units.c.id),
-            ~sa.exists().where(other.c.merged_into == units.c.id),
+            ~sa.exists().where(visits.c.unit == unit),
+            ~sa.exists().where(other.c.merged_into == unit),
         )
     )
-    connection.execute(vehicles.delete().where(~sa.exists().where(visits.c.vehicle == vehicles.c.id)))
+    connection.execute(
+        vehicles.delete().where(vehicles.c.id == vehicle, ~sa.exists().where(visits.c.vehicle == vehicle))
+    )
 
 
 def final_unit() -> sa.ColumnElement[int]:

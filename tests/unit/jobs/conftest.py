@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from atleak.diagnosis import Diagnosis
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
@@ -94,11 +96,16 @@ def book(new_book: Callable[[], Book]) -> Book:
 def small_job() -> Callable[..., JobParts]:
     """Makes a job of one land of the minimal example; the keywords are those of its record."""
 
-    def make(sleeve: float = 11.04, **record: Any) -> JobParts:
+    @functools.cache
+    def diagnosed(sleeve: float) -> tuple[Case, Diagnosis]:
         rows = ["component,part,plane,direction,diameter [mm]"]
         for direction in (0, 90):
             rows += [f"tcc_regulator,spool,1,{direction},11.000", f"tcc_regulator,sleeve,1,{direction},{sleeve:.3f}"]
         case = Case(readings=SourceFile("small.csv", "\n".join(rows).encode()), controller="minimal_example")
-        return job_parts(case.diagnose(), Job(**record), case)
+        return case, case.diagnose()
+
+    def make(sleeve: float = 11.04, **record: Any) -> JobParts:
+        case, diagnosis = diagnosed(sleeve)
+        return job_parts(diagnosis, Job(**record), case)
 
     return make
