@@ -12,14 +12,8 @@ from atleak.cli.shared import add_command, add_force, add_job_id, check_targets,
 from atleak.errors import AtleakError, InputError, Place
 
 if TYPE_CHECKING:
-    from atleak.jobs.book import Book, JobRow
+    from atleak.jobs.book import Book
     from atleak.system.marks import Kind
-
-_GOES = (
-    "These jobs lose their customer, VIN, plate, serial, number, complaint, notes, photos, file names and every other "
-    "text for good. Readings, channels of the log, mileage, date and verdicts stay. Backups and exports made earlier "
-    "still hold it all."
-)
 
 
 def add_upkeep(group: Any) -> None:
@@ -77,19 +71,13 @@ def _export(options: argparse.Namespace) -> int:
 def _ids(book: Book, options: argparse.Namespace) -> list[str]:
     """Return the jobs that an export is asked for."""
     from atleak.jobs.named import named_job
+    from atleak.jobs.search import Query
 
     if options.all == bool(options.jobs):
         raise InputError("it is not said which jobs", expected="their ids, or --all")
     if not options.all:
         return list(dict.fromkeys(named_job(book, name) for name in options.jobs))
-    return [row.id for row in _every(book)]
-
-
-def _every(book: Book) -> Iterator[JobRow]:
-    from atleak.jobs.search import Query
-
-    for archived in (False, True):
-        yield from book.rows(Query(archived=archived, limit=None))
+    return [row.id for row in book.rows(Query(archived=None, limit=None))]
 
 
 def _import(options: argparse.Namespace) -> int:
@@ -160,8 +148,9 @@ def _duplicates(options: argparse.Namespace) -> int:
 
 def _erase(options: argparse.Namespace) -> int:
     from atleak.jobs.book import open_book
-    from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
+    from atleak.jobs.erase import WHAT_GOES, erase, jobs_of_customer, same_vehicle
     from atleak.jobs.named import named_job
+    from atleak.jobs.search import Query
 
     if (options.customer is None) == (not options.jobs):
         raise InputError("it is not said which jobs", expected="--customer NAME|NUMBER, or ids of jobs")
@@ -174,12 +163,12 @@ def _erase(options: argparse.Namespace) -> int:
             expected = "the whole name or number, as `atleak jobs list` shows it"
             place = Place(file=book.name)
             raise InputError("no job is of this customer", place=place, value=options.customer, expected=expected)
-    rows = [row for row in _every(book) if row.id in ids]
+    rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
     for row in rows:
-        print(f"{row.id}  {_told(row)}")
-    print(_GOES)
+        print(f"{row.id}  {row.told}")
+    print(WHAT_GOES)
     for row in same_vehicle(book, ids):
-        print(f"Not erased, of the same vehicle or transmission: {row.id}  {_told(row)}")
+        print(f"Not erased, of the same vehicle or transmission: {row.id}  {row.told}")
     if not options.yes and not _agreed(len(rows)):
         return 2
     for done in erase(book, ids):
@@ -188,11 +177,6 @@ def _erase(options: argparse.Namespace) -> int:
         for name in done.left_in:
             print(f"atleak: {done.id}: left as it is, and it names the customer: {name}", file=sys.stderr)
     return 0
-
-
-def _told(row: JobRow) -> str:
-    parts = (row.date, row.number, row.customer, row.vin, row.plate, row.serial)
-    return ", ".join(str(part) for part in parts if part) or "nothing that tells whose it is"
 
 
 def _agreed(count: int) -> bool:
@@ -232,6 +216,7 @@ def _restore(options: argparse.Namespace) -> int:
 def _verify(options: argparse.Namespace) -> int:
     from atleak.jobs.backup import verify
     from atleak.jobs.book import open_book
+    from atleak.jobs.search import Query
 
     book = open_book()
     faults = verify(book)
@@ -239,6 +224,6 @@ def _verify(options: argparse.Namespace) -> int:
         print(f"atleak: {fault}", file=sys.stderr)
     if faults:
         return 2
-    count = sum(1 for _ in _every(book))
+    count = book.count(Query(archived=None))
     print(f"{count} job{'s' * (count != 1)}, every one whole")
     return 0

@@ -67,6 +67,12 @@ class JobRow:
     archived_at: dt.datetime | None
     sample: bool
 
+    @property
+    def told(self) -> str:
+        """Return whose job it is, in words."""
+        parts = (self.number, self.customer, self.date, self.plate, self.vin, self.serial)
+        return ", ".join(str(part) for part in parts if part) or f"job {self.id}, which names nobody"
+
 
 @dataclass(frozen=True)
 class HeldJob:

@@ -17,9 +17,14 @@ from atleak.jobs.opening import in_words
 from atleak.jobs.rows import replace_rows
 from atleak.jobs.search import Query
 from atleak.jobs.tables import jobs, key_of, lands, metadata, results, units, visits
-from atleak.jobs.units import rows_of_unit, unit_of, without_jobs_away
+from atleak.jobs.units import rows_of_unit, unit_of
 from atleak.jobs.without_person import result_without_person, without_person
 
+WHAT_GOES = (
+    "These jobs lose their customer, VIN, plate, serial, number, complaint, notes, photos, file names and every other "
+    "text for good. Readings, channels of the log, mileage, date and verdicts stay. Backups and exports made earlier "
+    "still hold it all."
+)
 _PATIENCE = 5_000  # [ms] with others who read the book while its files are written anew
 
 
@@ -40,9 +45,7 @@ def jobs_of_customer(book: Book, customer: str) -> list[JobRow]:
     wanted = key_of(customer)
     if not wanted:
         return []
-    near = [
-        row for archived in (False, True) for row in book.rows(Query(customer=customer, archived=archived, limit=None))
-    ]
+    near = book.rows(Query(customer=customer, archived=None, limit=None))
     return [row for row in near if wanted in (key_of(row.customer), key_of(_customer_number(book, row)))]
 
 
@@ -52,7 +55,7 @@ def _customer_number(book: Book, row: JobRow) -> str:
 
 def same_vehicle(book: Book, ids: Collection[str]) -> list[JobRow]:
     """Return further jobs, archived ones too, that name a VIN, plate or serial which one of these jobs names."""
-    every = [row for archived in (False, True) for row in book.rows(Query(archived=archived, limit=None))]
+    every = book.rows(Query(archived=None, limit=None))
     told = {key for row in every if row.id in ids for key in _told_by(row)}
     return [row for row in every if row.id not in ids and told & _told_by(row)]
 
@@ -86,7 +89,6 @@ def erase(book: Book, ids: Sequence[str]) -> list[Erased]:
         for unit, together in families.items():
             _unname(connection, unit)
             _keep_together(connection, together)
-        without_jobs_away(connection)
     sweep(book)
     return [Erased(id, left.lost, left.left_in) for id, (_, left) in bare.items()]
 
@@ -132,12 +134,14 @@ def _unname(connection: sa.Connection, unit: int) -> None:
         .join(visits, visits.c.id == jobs.c.visit)
         .where(visits.c.unit.in_([row.id for row in rows]))
     ).all()
+    if not left:
+        connection.execute(units.delete().where(units.c.merged_into == unit))
+        connection.execute(units.delete().where(units.c.id == unit))
+        return
     stated = {key_stated(row.id, serial=row.serial, vin=row.vin, plate=row.plate) for row in left}
     for row in rows:
         if row.key not in stated:
             connection.execute(units.update().where(units.c.id == row.id).values(key=f"erased:{row.id}", serial=""))
-    if not left:
-        connection.execute(units.delete().where(units.c.merged_into == unit))
 
 
 def _keep_together(connection: sa.Connection, ids: Sequence[str]) -> None:

@@ -6,6 +6,7 @@ import hashlib
 import io
 import json
 import re
+import zipfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -109,6 +110,21 @@ def exported(book: Book, ids: Sequence[str]) -> Iterator[tuple[Path, bytes]]:
     for name, frame in tables(book, ids).items():
         for form in FORMS:
             yield paths[f"{name}.{form}"], table_bytes(frame, form)
+
+
+def export_zip(book: Book, ids: Sequence[str]) -> bytes:
+    """Return an export as one zip.
+
+    Raises
+    ------
+    BookError
+        as `exported`.
+    """
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as bundle:
+        for path, content in exported(book, ids):
+            bundle.writestr(path.as_posix(), content)
+    return target.getvalue()
 
 
 def export_paths(book: Book, ids: Sequence[str]) -> dict[str, Path]:

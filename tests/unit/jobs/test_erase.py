@@ -17,6 +17,7 @@ from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book, packed
 from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
+from atleak.jobs.merge import merge
 from atleak.jobs.search import Query
 from atleak.jobs.tables import metadata, results, units, vehicles
 
@@ -222,3 +223,17 @@ def test_somebody_else_who_has_the_book_open_is_told_of(
     assert all(NAME.encode() not in path.read_bytes() for path in tmp_path.glob("book.sqlite*"))
     book.engine.dispose()
     other.engine.dispose()
+
+
+@pytest.mark.parametrize("database", ["sqlite"], indirect=True)
+def test_a_merged_unit_is_left_with_neither_of_its_names(book: Book, small_job: Callable[..., JobParts]) -> None:
+    ids = [book.save(small_job(customer={"name": NAME}, vehicle={"vin": vin})).id for vin in (VIN, SERIAL)]
+    merge(book, *(row.unit for row in reversed(book.rows())))
+    erase(book, ids[:1])
+    with book.reading() as connection:
+        assert VIN not in str(connection.execute(sa.select(units)).all())
+    assert [row.id for row in book.rows(Query(vin=SERIAL))] == ids[1:]
+    erase(book, ids[1:])
+    with book.reading() as connection:
+        assert len(connection.execute(sa.select(units)).all()) == 2
+        assert SERIAL not in str(connection.execute(sa.select(units)).all())
