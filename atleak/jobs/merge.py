@@ -156,11 +156,12 @@ def duplicates(book: Book) -> list[Duplicate]:
     """
     seen = _units_seen(book)
     found: dict[tuple[int, int], Reason] = {}
-    for reason, pairs in (
-        ("same_vin", _sharing(seen, "vins")),
-        ("vin_within_one_character", _alike(seen)),
-        ("same_plate", _sharing(seen, "plates")),
-    ):
+    looked_for: dict[Reason, Iterator[tuple[int, int]]] = {
+        "same_vin": _sharing(seen, "vins"),
+        "vin_within_one_character": _alike(seen),
+        "same_plate": _sharing(seen, "plates"),
+    }
+    for reason, pairs in looked_for.items():
         for pair in pairs:
             one, other = (seen[unit] for unit in pair)
             if _may_be_one(one, other, reason):
@@ -185,7 +186,7 @@ def _units_seen(book: Book) -> dict[int, UnitSeen]:
     return seen
 
 
-def _may_be_one(one: UnitSeen, other: UnitSeen, reason: str) -> bool:
+def _may_be_one(one: UnitSeen, other: UnitSeen, reason: Reason) -> bool:
     names = ("serials", "plates") if reason != "same_plate" else ("serials", "vins")
     return all(
         not getattr(one, name) or not getattr(other, name) or getattr(one, name) & getattr(other, name)

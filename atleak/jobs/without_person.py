@@ -14,7 +14,7 @@ from atleak.errors import AtleakError
 from atleak.job.case import OWN_FILES, SLOTS, Case, Reader, SourceFile
 from atleak.job.parts import JobFile, JobParts, job_parts
 from atleak.job.record import Job
-from atleak.jobs.plain_files import plain_gauges, plain_log, plain_sheet
+from atleak.jobs.plain_files import PlainLog, plain_gauges, plain_log, plain_sheet
 from atleak.pressure_table import PressureTable
 
 _OF_JOB = ("date", "measuring_temperature_c", "pump_side_clearance_um", "pump_tip_clearance_um")
@@ -22,6 +22,7 @@ _OF_DECISION = ("decision", "date", "price", "hours")  # besides component, land
 _LEVELS = ("verdict", "decision", "band", "atleak", "measured")  # keys of a result whose words are atleak's own
 Of = TypeVar("Of")
 
+_CALLED = {"readings": "measuring sheet", "pressures": "gauge readings", "road_test": "road-test log"}
 _SHORT = 4  # characters: shorter names stand in any text
 
 
@@ -43,63 +44,52 @@ def without_person(file: JobFile) -> WithoutPerson:
         a valve body, fluid or limits that this version cannot use.
     """
     case, reader = file.case, Reader()
-    catalogue = {name: _renamed(name, getattr(case, name)) for name in SLOTS}
+    controller: Controller = reader.entry(SLOTS["controller"], case.controller)
+    files, log, lost = _plain_files(case, controller, reader)
+    own = {slot: choice for slot in SLOTS if isinstance(choice := getattr(case, slot), SourceFile)}
+    renamed = {slot: SourceFile(f"{slot}.toml", file.content) for slot, file in own.items()}
     bare = replace(
-        case,
-        **dict.fromkeys(OWN_FILES),
-        **catalogue,
+        case.with_files({**dict.fromkeys(OWN_FILES), **files, **renamed}),
         sheet_name=None,
         sheet_unit=None,
         sheet_where=(),
-        columns=(),
-        units=(),
+        columns=log.columns if log else (),
+        units=log.units if log else (),
         remember=False,
     )
-    controller: Controller = reader.entry(SLOTS["controller"], case.controller)
-    plain, lost = _plain_files(case, controller, reader)
-    bare = replace(bare, **plain)
     diagnosis = bare.diagnose()
     parts = job_parts(diagnosis, _without_person(file.job, controller, lost), bare)
     names = _names(file.job)
-    left_in = tuple(
-        choice.name
-        for choice in (getattr(case, name) for name in SLOTS)
-        if isinstance(choice, SourceFile) and _holds(choice.content, names)
-    )
+    left_in = tuple(file.name for file in own.values() if _holds(file.content, names))
     return WithoutPerson(parts, lost, left_in)
-
-
-def _renamed(slot: str, choice: str | SourceFile) -> str | SourceFile:
-    return SourceFile(f"{slot}.toml", choice.content) if isinstance(choice, SourceFile) else choice
 
 
 # --- the files
 
 
-def _plain_files(case: Case, controller: Controller, reader: Reader) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return the fields of a case whose files say the same and nothing else, and the files that cannot be so."""
-    fields: dict[str, Any] = {}
-    lost = []
+def _plain_files(
+    case: Case, controller: Controller, reader: Reader
+) -> tuple[dict[str, SourceFile], PlainLog | None, tuple[str, ...]]:
+    """Return files that say the same and nothing else, by slot, the log among them, and what of them cannot be had."""
+    files: dict[str, SourceFile | None] = {}
     gauges: PressureTable | None = None
     if case.readings is not None:
         readings = _read(reader.readings, case, controller)
         gauges = None if readings is None else readings.pressures
         if readings is None or readings.readings:
-            fields["readings"] = None if readings is None else plain_sheet(readings, controller)
-            lost += ["measuring sheet"] if fields["readings"] is None else []
+            files["readings"] = None if readings is None else plain_sheet(readings, controller)
     if case.pressures is not None:
         gauges = _read(reader.pressures, case, controller)
     if gauges is not None or case.pressures is not None:
-        fields["pressures"] = None if gauges is None else plain_gauges(gauges, controller)
-        lost += ["gauge readings"] if fields["pressures"] is None else []
+        files["pressures"] = None if gauges is None else plain_gauges(gauges, controller)
+    log = None
     if case.road_test is not None:
-        log = _read(reader.log, case)
-        test = None if log is None else log.road_test
-        plain = None if test is None else plain_log(test, case.constants)
-        if plain is not None:
-            fields |= {"road_test": plain.file, "columns": plain.columns, "units": plain.units}
-        lost += ["road-test log"] if plain is None else []
-    return fields, tuple(lost)
+        understood = _read(reader.log, case)
+        test = None if understood is None else understood.road_test
+        log = None if test is None else plain_log(test, case.constants)
+        files["road_test"] = None if log is None else log.file
+    kept = {slot: file for slot, file in files.items() if file is not None}
+    return kept, log, tuple(_CALLED[slot] for slot in files if slot not in kept)
 
 
 def _read(read: Callable[..., Of], *given: Any) -> Of | None:

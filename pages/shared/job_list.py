@@ -114,7 +114,7 @@ def actions(book: Book, picked: Sequence[JobRow]) -> bool:
     ids = [row.id for row in picked]
     with st.container(horizontal=True):
         opened = st.button(
-            "Open", on_click=open_from_book, args=tuple(ids[:1]), disabled=len(ids) != 1, type="primary", key="job-open"
+            "Open", on_click=_open, args=tuple(ids[:1]), disabled=len(ids) != 1, type="primary", key="job-open"
         )
         back = bool(picked) and all(row.archived_at is not None for row in picked)
         st.button(
@@ -136,6 +136,10 @@ def actions(book: Book, picked: Sequence[JobRow]) -> bool:
         )
         st.button("Erase the customer …", on_click=_begin, args=(ids,), disabled=not ids, key="job-erase")
     return opened and job_id() in ids
+
+
+def _open(id: str) -> None:
+    open_from_book(id)  # where it cannot be opened, the head of the page says why
 
 
 def _done(act: Callable[[], str]) -> None:
