@@ -10,7 +10,7 @@ import io
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from atleak.errors import AtleakError
 from atleak.intake.gauge_table import read_pressure_table
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import understand
+from atleak.intake.road_test.clock.timeline import gap_limit
 from atleak.intake.units import Unit, kinds_of, unit
 from atleak.job.case import Pairs, SourceFile
 from atleak.own_lands import OwnLands
@@ -78,7 +79,7 @@ def plain_sheet(readings: Readings, controller: Controller) -> SourceFile | None
 
 def _same_readings(one: Readings, other: Readings, controller: Controller) -> bool:
     """Return whether two sheets say the same of a controller's lands and of how they were measured."""
-    if (one.temperature, one.pump) != (other.temperature, other.pump):
+    if (one.temperature, one.pump.um) != (other.temperature, other.pump.um):
         return False
     if _own(one.own_lands) != _own(other.own_lands):
         return False
@@ -89,8 +90,12 @@ def _same_readings(one: Readings, other: Readings, controller: Controller) -> bo
 
 
 def _own(lands: OwnLands) -> tuple[list[tuple[LandKey, float | None, float | None]], list[tuple[str, str]]]:
-    lengths = sorted((each.key, each.contact_length, each.position) for each in lands.lengths)
+    lengths = sorted((each.key, _length(each.contact_length), _length(each.position)) for each in lands.lengths)
     return lengths, sorted((each.component, each.repair) for each in lands.fitted)
+
+
+def _length(metres: float | None) -> float | None:
+    return None if metres is None else round(metres, _DIGITS)
 
 
 def _of_lands(readings: Iterable[Reading], controller: Controller) -> list[Reading]:
@@ -131,7 +136,7 @@ def plain_log(test: RoadTest, constants: Pairs) -> PlainLog | None:
         table.append(values.tolist())
 
     if shared:
-        add(_TIME, test.time)
+        add(_TIME, _with_restarts(test))
     for quantity, channel in logged.items():
         written = _unit_of(quantity, channel)
         values = written.from_si(channel.values) if written else channel.values
@@ -154,6 +159,16 @@ def plain_log(test: RoadTest, constants: Pairs) -> PlainLog | None:
     file = SourceFile("road test.csv", stream.getvalue().encode())
     plain = PlainLog(file, tuple(columns.items()), tuple(units.items()))
     return plain if _reads_the_same(plain, test, constants) else None
+
+
+def _with_restarts(test: RoadTest) -> np.ndarray:
+    """Return the stamps [s] with the clock set back where a recording began anew, not after a gap: so they are kept."""
+    stamps = test.time.copy()
+    limit = gap_limit(np.diff(test.time))
+    for before, segment in pairwise(test.segments):
+        if segment.start - before.stop <= limit:
+            stamps[segment.start_row :] = test.time[segment.start_row :] - segment.start + test.time[0]
+    return stamps
 
 
 def _unit_of(quantity: str, channel: Channel) -> Unit | None:
