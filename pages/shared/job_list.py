@@ -26,6 +26,7 @@ PAGE = 50  # rows
 _TABLE = "job-list"
 _SAID = "job-list-said"  # what was done by the last click
 _ERASING = "job-list-erasing"  # ids of jobs whose customer is to be erased
+_PAIRS = "job-list-pairs"  # units that may be one, as they were when somebody looked
 _MERGED = "job-list-merged"  # unit that was merged last
 _EMPTY = (
     "The job book is empty. Every job stands here from its first file or entry on, to be looked up by VIN, plate, "
@@ -238,21 +239,25 @@ def suggestions(book: Book) -> None:
     with st.expander("Units that may be one"):
         if merged is not None:
             st.button("Undo the last merge", on_click=_done, args=(partial(_parted, book, merged),), key="job-part")
-        if not st.toggle("Look for them", key="job-duplicates"):
-            st.caption("A slip in typing a VIN makes two units of one transmission. Merging can be undone.")
-            return
-        pairs = duplicates(book)
-        if not pairs:
+        st.caption("A slip in typing a VIN makes two units of one transmission. Merging can be undone.")
+        st.button("Look for them", on_click=_look_for_pairs, args=(book,), key="job-duplicates")
+        pairs = st.session_state.get(_PAIRS)
+        if pairs == []:
             st.write("No two units look like one.")
-        for pair in pairs[:PAGE]:
+        for pair in (pairs or [])[:PAGE]:
             words, button = st.columns([4, 1], vertical_alignment="center")
             words.markdown(f"{show.plain(pair.one.told)}  \n{show.plain(pair.other.told)}  \n*{pair.why}*")
             act = partial(_merged, book, pair.one.id, pair.other.id)
             button.button("Merge", on_click=_done, args=(act,), key=f"job-merge-{pair.one.id}-{pair.other.id}")
 
 
+def _look_for_pairs(book: Book) -> None:
+    st.session_state[_PAIRS] = duplicates(book)  # takes seconds in a book of 50 000 jobs: not at every click
+
+
 def _merged(book: Book, unit: int, other: int) -> str:
     merge(book, unit, other)
+    _look_for_pairs(book)
     st.session_state[_MERGED] = other
     return "The two units are one now."
 
@@ -260,4 +265,5 @@ def _merged(book: Book, unit: int, other: int) -> str:
 def _parted(book: Book, row: int) -> str:
     st.session_state.pop(_MERGED)
     part(book, row)
+    _look_for_pairs(book)
     return "The two units stand by themselves again."
