@@ -20,6 +20,6 @@ try:
     if st.button("New job", on_click=new_job, help="An empty job; this one stays in the book."):
         st.switch_page(panel.PAGES / "1_Diagnosis.py")
     job_list.taken_in(jobs)
-    job_list.suggestions(jobs)
+    job_list.suggestions(jobs, picked)
 except BookError as error:
     st.error(f"{show.plain(error)}\n\nEverything else works as ever; what you do now is kept in this tab alone.")

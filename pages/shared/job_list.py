@@ -14,7 +14,7 @@ from atleak.errors import AtleakError
 from atleak.jobs.book import Book, JobRow
 from atleak.jobs.erase import WHAT_GOES, erase, jobs_of_customer, same_vehicle
 from atleak.jobs.exchange import export_zip, import_job
-from atleak.jobs.merge import duplicates, merge, part
+from atleak.jobs.merge import duplicates, merge, merged_rows, part
 from atleak.jobs.search import Query, controllers_held
 from atleak.verdicts import Verdict
 from atleak.wording import signed
@@ -233,14 +233,17 @@ def _import_one(book: Book, name: str, content: bytes) -> str:
     return f"{show.plain(name)}: {said}{before}."
 
 
-def suggestions(book: Book) -> None:
-    """Point out units that may be one, to be merged."""
+def suggestions(book: Book, picked: Sequence[JobRow]) -> None:
+    """Point out units that may be one, to be merged, and what was merged into the unit of a picked job."""
     merged = st.session_state.get(_MERGED)
     with st.expander("Units that may be one"):
         if merged is not None:
             st.button("Undo the last merge", on_click=_done, args=(partial(_parted, book, merged),), key="job-part")
+        for row in merged_rows(book, picked[0].unit) if len(picked) == 1 else []:
+            act = partial(_parted, book, row.id)
+            st.button(f"Part {row.told_by} from the picked job's unit", on_click=_done, args=(act,))
         st.caption("A slip in typing a VIN makes two units of one transmission. Merging can be undone.")
-        st.button("Look for them", on_click=_look_for_pairs, args=(book,), key="job-duplicates")
+        st.button("Look for them", on_click=_done, args=(partial(_look_for_pairs, book),), key="job-duplicates")
         pairs = st.session_state.get(_PAIRS)
         if pairs == []:
             st.write("No two units look like one.")
@@ -251,8 +254,9 @@ def suggestions(book: Book) -> None:
             button.button("Merge", on_click=_done, args=(act,), key=f"job-merge-{pair.one.id}-{pair.other.id}")
 
 
-def _look_for_pairs(book: Book) -> None:
+def _look_for_pairs(book: Book) -> str:
     st.session_state[_PAIRS] = duplicates(book)  # takes seconds in a book of 50 000 jobs: not at every click
+    return ""
 
 
 def _merged(book: Book, unit: int, other: int) -> str:
@@ -263,7 +267,7 @@ def _merged(book: Book, unit: int, other: int) -> str:
 
 
 def _parted(book: Book, row: int) -> str:
-    st.session_state.pop(_MERGED)
+    st.session_state.pop(_MERGED, None)
     part(book, row)
     _look_for_pairs(book)
     return "The two units stand by themselves again."
