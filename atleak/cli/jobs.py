@@ -51,7 +51,7 @@ def add_parser(commands: Any) -> None:
     )
     archive = add_command(group, "archive", _archive, "take jobs out of lists and statistics; bring-back undoes it")
     add_job_id(archive, "+")
-    back = add_command(group, "bring-back", _bring_back, "put archived jobs back")
+    back = add_command(group, "bring-back", _archive, "put archived jobs back")
     add_job_id(back, "+")
     add_upkeep(group)
 
@@ -191,19 +191,8 @@ def _archive(options: argparse.Namespace) -> int:
     from atleak.jobs.book import open_book
     from atleak.jobs.named import named_job
 
-    book = open_book()
-    for id in [named_job(book, name) for name in options.jobs]:
-        book.archive(id)
-        print(f"archived: {id}")
-    return 0
-
-
-def _bring_back(options: argparse.Namespace) -> int:
-    from atleak.jobs.book import open_book
-    from atleak.jobs.named import named_job
-
-    book = open_book()
-    for id in [named_job(book, name) for name in options.jobs]:
-        book.bring_back(id)
-        print(f"brought back: {id}")
+    book, back = open_book(), options.action == "bring-back"
+    for id in [named_job(book, name) for name in options.jobs]:  # one that is not there stops before the first
+        (book.bring_back if back else book.archive)(id)
+        print(f"{'brought back' if back else 'archived'}: {id}")
     return 0
