@@ -7,6 +7,7 @@ import datetime as dt
 import sys
 from typing import TYPE_CHECKING, Any
 
+from atleak.cli import compare
 from atleak.cli.app import PORT, open_page, port_number
 from atleak.cli.job_options import add_job_options, as_read, chosen_job
 from atleak.cli.jobs_upkeep import add_upkeep
@@ -49,6 +50,7 @@ def add_parser(commands: Any) -> None:
     opened.add_argument(
         "--port", metavar="N", type=port_number, default=PORT, help=f"of the dashboard: {PORT} unless given"
     )
+    compare.add_parser(group)
     archive = add_command(group, "archive", _archive, "take jobs out of lists and statistics; bring-back undoes it")
     add_job_id(archive, "+")
     back = add_command(group, "bring-back", _archive, "put archived jobs back")
