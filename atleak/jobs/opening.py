@@ -131,6 +131,8 @@ def _prepare_sqlite(connection: Any, _record: Any) -> None:
 
 def _begin_sqlite(connection: sa.Connection) -> None:
     options = connection.get_execution_options()
+    if options.get("isolation_level") == "AUTOCOMMIT":
+        return  # what rewrites the whole file cannot be part of a transaction
     connection.exec_driver_sql("BEGIN IMMEDIATE" if _WRITING.items() <= options.items() else "BEGIN")
 
 
