@@ -28,12 +28,12 @@ def _land_row(comparison: Comparison, land: LandComparison) -> dict[str, Any]:
     before, after = land.before, land.after
     return {
         "Verdict": None if after is None else after.verdict,
+        "Was": None if before is None else signed(before.verdict),
         "Pair": land_name(comparison, land),
         "Before [µm]": _clearance(before),
         "After [µm]": _clearance(after),
         "Change [µm]": with_uncertainty(land.change, wording("en")) if land.change else None,
         "Changed": None if land.change is None else YES if land.significant else NO,
-        "Was": None if before is None else signed(before.verdict),
         "Wear before [%]": None if before is None or before.wear is None else before.wear * PERCENT,
         "Wear after [%]": None if after is None or after.wear is None else after.wear * PERCENT,
         "Share before [%]": _share(before),
