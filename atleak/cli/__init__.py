@@ -12,7 +12,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from atleak.cli import app, catalogue, compare, controller, diagnose, import_log, report, template, variants
+from atleak.cli import app, catalogue, compare, controller, diagnose, import_log, jobs, report, template, variants
 from atleak.cli.shared import without_colours
 from atleak.errors import AtleakError
 from atleak.system.printable import printable_streams
@@ -64,10 +64,11 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for group in (
         diagnose,
+        jobs,
+        compare,
         variants,
         import_log,
         report,
-        compare,
         template,
         controller,
         catalogue,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
@@ -230,7 +231,7 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
         "suspect": land.suspect,
         "probability_over_limit": land.probability_over_limit,
         "advice": uncertainty.advice if uncertainty else None,
-        "replace_mileage_km": at.value if at else None,
+        "replace_mileage_km": at.value if at and math.isfinite(at.high) else None,
         "replace_mileage_low_km": finite(at.low) if at else None,
         "replace_mileage_high_km": finite(at.high) if at else None,
         "representative": list(nominal.representative),

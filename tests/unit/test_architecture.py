@@ -36,7 +36,7 @@ FLOORS = (
     ("errors", "system.printable", "version", "verdicts", "workshop_units", "written_numbers", "thinning"),
     ("equations", "faults", "system.files", "system.home", "system.shipped", "system.marks", "look", "paper"),
     ("catalogue", "wording", "system.drafts"),
-    ("pressure_table", "controller_sheets", "own_lands"),
+    ("pressure_table", "controller_sheets", "own_lands", "wear_line"),
     ("readings", "road_test"),
     ("events", "engine.profile", "engine.extremes", "engine.restrictions"),
     ("engine.balance",),
@@ -49,7 +49,7 @@ FLOORS = (
     ("uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("diagnosis",),
-    ("repair", "next_checks", "comparison"),
+    ("repair", "next_checks", "comparison", "history"),
     ("views", "intake"),
     (
         "figures",

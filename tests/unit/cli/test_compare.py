@@ -67,6 +67,7 @@ def test_a_job_is_named_by_its_file_or_by_its_id_in_the_book(run: Run, job_file)
     status, of_book, err = run("compare", id, after, "--json", "-")
     assert (status, err) == (0, "")
     assert json.loads(of_book)["lands"] == json.loads(of_file)["lands"]
+    assert run("jobs", "compare", "before", after, "--json", "-") == (0, of_book, "")  # by its number
 
 
 def test_the_terminal_says_both_verdicts_and_what_changed(run: Run, job_file, monkeypatch: pytest.MonkeyPatch) -> None:
