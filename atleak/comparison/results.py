@@ -116,11 +116,21 @@ class Comparison:
         return tuple(land for land in self.lands if land.change is not None)
 
     @property
-    def leading(self) -> ConditionComparison | None:
-        """Return the operating point at which the total before was worst, of those that both jobs were judged at."""
+    def on_both_sides(self) -> tuple[ConditionComparison, ...]:
+        """Return the operating points at which totals can be compared, that with the worst total before first.
+
+        There are none where one of the jobs measured no land: its totals are those of a new unit.
+        """
+        if not (self.before.judged and self.after.judged):
+            return ()
         both = [each for each in self.conditions if each.before is not None and each.alike is not None]
         worst = self.before.worst.condition.name
-        return next((each for each in both if each.name == worst), both[0] if both else None)
+        return tuple(sorted(both, key=lambda each: each.name != worst))
+
+    @property
+    def leading(self) -> ConditionComparison | None:
+        """Return the first of them; None without one."""
+        return next(iter(self.on_both_sides), None)
 
 
 def _measured(land: LandDiagnosis | None) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from atleak.comparison import Change, Comparison, ConditionComparison, LandComparison, LogComparison
 from atleak.diagnosis import LandDiagnosis
 from atleak.road_test import RoadTest
-from atleak.views.comparison_words import event_name, land_name, on_both_sides, signed_number, with_uncertainty
+from atleak.views.comparison_words import event_name, land_name, signed_number, with_uncertainty
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, UM
 
@@ -62,7 +62,7 @@ def condition_rows(comparison: Comparison, *, brief: bool = False) -> list[dict[
     condition is named in its first row only.
     """
     rows: list[dict[str, Any]] = []
-    for each in on_both_sides(comparison):
+    for each in comparison.on_both_sides:
         of_condition = _quantities(each, brief=brief)
         if brief:
             of_condition[1:] = [{**row, "Operating point": ""} for row in of_condition[1:]]

@@ -125,6 +125,7 @@ def test_without_a_sheet_on_one_side_nothing_is_sure(worn: Diagnosis, three_circ
     found = compare(worn, diagnose(three_circuits, hipol, limits))
     assert not found.compared
     assert all(each.share.significant is None for each in found.conditions)
+    assert found.leading is None  # the totals of what nobody measured are those of a new unit
     assert "no_sheet" in codes(found)
 
 
