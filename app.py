@@ -19,6 +19,6 @@ panel.draw()
 try:
     page.run()
 finally:  # also where the page ends early
-    news = book.keep()
+    news = book.keep(page.url_path)
 if news:
     st.rerun()

@@ -6,8 +6,9 @@ import io
 import json
 import tomllib
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from atleak.diagnosis import Diagnosis
 from atleak.errors import InputError, Place
@@ -104,13 +105,22 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
         files that are missing, or not those that the diagnosis rests on.
     """
     parts = job_parts(diagnosis, job, case)
+    choices = parts.choices.model_dump_json(indent=2, exclude_defaults=True).encode()
+    sources = {slot: source.content for slot, source in parts.sources.items()}
+    return packed_job(choices, sources, parts.pictures, parts.result)
+
+
+def packed_job(
+    choices: bytes, sources: Mapping[str, bytes], pictures: Mapping[str, bytes], result: Mapping[str, Any]
+) -> bytes:
+    """Return the bytes of the zip of a job that is given as what `JobFile.of` puts together; the same give the same."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as bundle:
-        _add(bundle, "job.json", parts.choices.model_dump_json(indent=2, exclude_defaults=True).encode())
-        _add(bundle, "result.json", json.dumps(parts.result, ensure_ascii=False, indent=2).encode())
-        for slot, source in parts.sources.items():
-            _add(bundle, entry_of(slot), source.content)
-        for name, content in sorted(parts.pictures.items()):
+        _add(bundle, "job.json", choices)
+        _add(bundle, "result.json", json.dumps(result, ensure_ascii=False, indent=2).encode())
+        for slot in sorted(sources, key=[*OWN_FILES, *SLOTS].index):
+            _add(bundle, entry_of(slot), sources[slot])
+        for name, content in sorted(pictures.items()):
             _add(bundle, f"pictures/{name}", content)
     return target.getvalue()
 

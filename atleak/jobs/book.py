@@ -67,6 +67,23 @@ class JobRow:
     archived_at: dt.datetime | None
     sample: bool
 
+    @property
+    def told(self) -> str:
+        """Return whose job it is, in words."""
+        parts = (self.number, self.customer, self.date, self.plate, self.vin, self.serial)
+        return ", ".join(str(part) for part in parts if part) or f"job {self.id}, which names nobody"
+
+
+@dataclass(frozen=True)
+class HeldJob:
+    """What the book keeps of a job: the content of ``job.json``, files by slot, pictures by name, the last result."""
+
+    choices: bytes
+    sources: Mapping[str, bytes]
+    pictures: Mapping[str, bytes]
+    result: dict[str, Any]
+    result_by: str
+
 
 @dataclass(frozen=True)
 class StoredJob:
@@ -157,16 +174,17 @@ class Book:
         for left in reversed(range(_TRIES)):
             try:
                 with self.writing() as connection:
-                    return self._save(connection, parts, id, version, sample)
+                    return self.save_in(connection, parts, id, version, sample)
             except BookError as error:
                 crossed = isinstance(error.__cause__, exc.IntegrityError)  # a file that another save has just dropped
                 if not crossed or not left:
                     raise
         raise AssertionError("the last try raises")
 
-    def _save(
+    def save_in(
         self, connection: sa.Connection, parts: JobParts, id: str | None, version: int | None, sample: bool
     ) -> Saved:
+        """Save a job as part of a transaction that writes more; `save` says the rest."""
         now = dt.datetime.now(dt.UTC)
         earlier = None if id is None else self._row(connection, id, lock=True)
         if earlier is not None and earlier.version != version:
@@ -184,7 +202,7 @@ class Book:
             "visit": visit_for(connection, saved.id, parts, None if before is None else before[0]),
             "sample": sample,
             "changed_at": now,
-            "choices": _packed(parts.choices.model_dump_json(exclude_defaults=True).encode()),
+            "choices": packed(parts.choices.model_dump_json(exclude_defaults=True).encode()),
             "number": record.number[:80],
             "date": record.date,
             "technician": record.technician,
@@ -221,29 +239,44 @@ class Book:
         """
         with self.reading() as connection:
             row = self._row(connection, id)
-            held = connection.execute(
-                sa.select(job_files.c.slot, job_files.c.name, files.c.sha256, files.c.content)
-                .join(files, files.c.sha256 == job_files.c.sha256)
-                .where(job_files.c.job == id)
-            ).all()
-            result = connection.execute(
-                sa.select(results.c.record, results.c.atleak)
-                .where(results.c.job == id)
-                .order_by(results.c.made_at.desc(), results.c.id.desc())
-                .limit(1)
-            ).one()
+            held = self._held(connection, row)
             unit = unit_of(connection, row.visit)
-        called = f"job {row.number or id}"
-        contents = {(each.slot, each.name): self._whole(each, called) for each in held}
-        job_file = JobFile.of(
-            self._unpacked(row.choices, called),
+        job_file = JobFile.of(held.choices, held.sources, held.pictures, held.result, name=_called(row))
+        return StoredJob(
+            id, row.version, job_file, row.made_at, row.changed_at, row.archived_at, unit, row.sample, held.result_by
+        )
+
+    def held(self, id: str) -> HeldJob:
+        """Return what the book keeps of a job, as it was saved.
+
+        Raises
+        ------
+        BookError
+            as `load`.
+        """
+        with self.reading() as connection:
+            return self._held(connection, self._row(connection, id))
+
+    def _held(self, connection: sa.Connection, row: Any) -> HeldJob:
+        kept = connection.execute(
+            sa.select(job_files.c.slot, job_files.c.name, files.c.sha256, files.c.content)
+            .join(files, files.c.sha256 == job_files.c.sha256)
+            .where(job_files.c.job == row.id)
+        ).all()
+        result = connection.execute(
+            sa.select(results.c.record, results.c.atleak)
+            .where(results.c.job == row.id)
+            .order_by(results.c.made_at.desc(), results.c.id.desc())
+            .limit(1)
+        ).one()
+        called = _called(row)
+        contents = {(each.slot, each.name): self._whole(each, called) for each in kept}
+        return HeldJob(
+            self.unpacked(row.choices, called),
             {slot: content for (slot, _), content in contents.items() if slot != PICTURE},
             {name: content for (slot, name), content in contents.items() if slot == PICTURE},
-            json.loads(self._unpacked(result.record, called)),
-            name=called,
-        )
-        return StoredJob(
-            id, row.version, job_file, row.made_at, row.changed_at, row.archived_at, unit, row.sample, result.atleak
+            json.loads(self.unpacked(result.record, called)),
+            result.atleak,
         )
 
     def version(self, id: str) -> int:
@@ -303,20 +336,32 @@ class Book:
         return row
 
     def _whole(self, row: Any, called: str) -> bytes:
-        content = self._unpacked(row.content, called)
+        content = self.unpacked(row.content, called)
         if hashlib.sha256(content).hexdigest() != row.sha256:
             raise BookError(f"{row.name} of {called} was damaged in the database", place=Place(file=self.name))
         return content
 
-    def _unpacked(self, content: bytes, called: str) -> bytes:
+    def unpacked(self, content: bytes, called: str) -> bytes:
+        """Return content as it came.
+
+        Raises
+        ------
+        BookError
+            naming what was damaged in the database.
+        """
         try:
             return zlib.decompress(content)
         except zlib.error as error:
             raise BookError(f"{called} was damaged in the database", place=Place(file=self.name)) from error
 
 
-def _packed(content: bytes) -> bytes:
+def packed(content: bytes) -> bytes:
+    """Return content as the book keeps it: compressed."""
     return zlib.compress(content)
+
+
+def _called(row: Any) -> str:
+    return f"job {row.number or row.id}"
 
 
 def _keep_files(connection: sa.Connection, contents: Mapping[str, bytes]) -> None:
@@ -324,7 +369,7 @@ def _keep_files(connection: sa.Connection, contents: Mapping[str, bytes]) -> Non
     held = set(connection.execute(sa.select(files.c.sha256).where(files.c.sha256.in_(contents))).scalars())
     for sha256, content in contents.items():
         if sha256 not in held:
-            values = {"sha256": sha256, "size": len(content), "content": _packed(content)}
+            values = {"sha256": sha256, "size": len(content), "content": packed(content)}
             put_once(connection, files, values)
 
 
@@ -356,7 +401,9 @@ def _decision(row: Mapping[str, Any]) -> dict[str, Any]:
 def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
     """Write down what this version of atleak says, unless it said so before of the same files and choices."""
     mine = (results.c.job == id) & (results.c.atleak == __version__)
-    if connection.execute(sa.select(results.c.key).where(mine)).scalar() == parts.case.key:
+    newest = sa.select(results.c.atleak, results.c.key).where(results.c.job == id)
+    newest = newest.order_by(results.c.made_at.desc(), results.c.id.desc()).limit(1)
+    if connection.execute(newest).one_or_none() == (__version__, parts.case.key):
         return
     record = parts.result
     connection.execute(results.delete().where(mine))
@@ -372,7 +419,7 @@ def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.da
             readings_sha256=record["readings"]["sha256"],
             road_test_sha256=parts.sources["road_test"].sha256 if "road_test" in parts.sources else None,
             verdict=str(record["verdict"]),
-            record=_packed(json.dumps(record, ensure_ascii=False).encode()),
+            record=packed(json.dumps(record, ensure_ascii=False).encode()),
         )
     )
     rows = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,7 @@ _FAULTS = (  # what a database says, and what that means
     ("unable to open database", "its folder may not be written, or is not there"),
     ("database is locked", "another program has held it for too long"),
     ("not a database", "the file is no job book"),
-    ("malformed", "the file is damaged: `atleak jobs restore` brings a backup back"),
+    ("malformed", "the file is damaged: move it away, and `atleak jobs restore` brings a backup back"),
     ("connection refused", "the database server does not answer"),
     ("could not translate host", "the database server is not known"),
     ("password authentication failed", "the database server refuses the password"),
@@ -100,14 +101,14 @@ def writing(engine: sa.Engine) -> Iterator[sa.Connection]:
 
 
 @contextlib.contextmanager
-def in_words(name: str) -> Iterator[None]:
+def in_words(name: str, problem: str = "the job book cannot be used") -> Iterator[None]:
     """Turn what a database reports into a `BookError` that says what it means."""
     try:
         yield
-    except (exc.DBAPIError, exc.NoSuchModuleError, exc.TimeoutError) as error:
+    except (exc.DBAPIError, exc.NoSuchModuleError, exc.TimeoutError, sqlite3.Error) as error:
         said = str(getattr(error, "orig", None) or error).strip()
         meaning = next((words for sign, words in _FAULTS if sign in said.lower()), said.splitlines()[0][:200])
-        raise BookError(f"the job book cannot be used: {meaning}", place=Place(file=name)) from error
+        raise BookError(f"{problem}: {meaning}", place=Place(file=name)) from error
 
 
 def shown(url: sa.URL) -> str:
@@ -130,6 +131,8 @@ def _prepare_sqlite(connection: Any, _record: Any) -> None:
 
 def _begin_sqlite(connection: sa.Connection) -> None:
     options = connection.get_execution_options()
+    if options.get("isolation_level") == "AUTOCOMMIT":
+        return  # what rewrites the whole file cannot be part of a transaction
     connection.exec_driver_sql("BEGIN IMMEDIATE" if _WRITING.items() <= options.items() else "BEGIN")
 
 

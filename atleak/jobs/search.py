@@ -32,7 +32,7 @@ class Query:
     verdict: str = ""
     controller: str = ""
     unit: int | None = None
-    archived: bool = False  # those that were archived, instead of the others
+    archived: bool | None = False  # those that were archived instead of the others; None: all of them
     limit: int | None = 200
     offset: int = 0
 
@@ -66,7 +66,9 @@ def found_by(connection: sa.Connection, query: Query) -> sa.Select[Any]:
         )
     ]
     statement = sa.select(*columns, final_unit().label("unit")).join(visits, visits.c.id == jobs.c.visit)
-    statement = statement.where(jobs.c.archived_at.is_not(None) if query.archived else jobs.c.archived_at.is_(None))
+    if query.archived is not None:
+        is_archived = jobs.c.archived_at.is_not(None)
+        statement = statement.where(is_archived if query.archived else ~is_archived)
     asked = [("", word) for word in query.text.split()]
     asked += [(field, getattr(query, field)) for field in ("vin", "plate", "serial", "customer", "number")]
     for field, word in asked:
@@ -87,3 +89,8 @@ def found_by(connection: sa.Connection, query: Query) -> sa.Select[Any]:
     if query.unit is not None:
         statement = statement.where(visits.c.unit.in_(rows_of_unit(query.unit)))
     return statement.order_by(jobs.c.changed_at.desc(), jobs.c.id.desc()).limit(query.limit).offset(query.offset)
+
+
+def controllers_held(connection: sa.Connection) -> list[str]:
+    """Return the ids of the valve bodies of which the book holds jobs."""
+    return list(connection.execute(sa.select(jobs.c.controller).distinct().order_by(jobs.c.controller)).scalars())

@@ -72,15 +72,22 @@ def open_from_book(id: str) -> bool:
     return True
 
 
-def keep() -> bool:
-    """Save the job where it has changed since it was saved; return whether there is news that the page must show."""
+def keep(page: str) -> bool:
+    """Save the job where it has changed since it was saved; return whether there is news that the page must show.
+
+    Parameters
+    ----------
+    page
+        the page that was drawn: the browser drops what names the job from the address where another page is chosen.
+    """
     now = session()
     in_book, state = now.in_book, _state(now)
     before = in_book.news
     if in_book.state is None and not in_book.new:
         in_book.state = state  # as it was opened, its widgets drawn
-    if in_book.id is not None and st.query_params.get(JOB) != in_book.id:
+    if in_book.id is not None and (st.query_params.get(JOB), in_book.page) != (in_book.id, page):
         st.query_params[JOB] = in_book.id
+    in_book.page = page
     try:
         if state == in_book.state:
             _look_for_others(in_book)

@@ -15,7 +15,7 @@ from atleak.job.record import Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import fields, show
-from pages.shared.state import choose, job, job_generation, put_job, session
+from pages.shared.state import RECORD, choose, job, job_generation, put_job, session
 
 __all__ = ["draw", "job", "key", "put_job"]
 
@@ -73,7 +73,7 @@ def draw(controller: Controller) -> Job:
         first_fault = error.errors(include_url=False)[0]
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
-    st.session_state["job"] = changed
+    st.session_state[RECORD] = changed
     measured = {
         "measuring_temperature": changed.measuring_temperature_c,
         "pump_clearances": changed.pump_clearances,

@@ -19,6 +19,7 @@ from pages.shared.cases import FITTED, PageCase, chosen_by_id, diagnosis_of, hel
 FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
 JOB = "job"  # the parameter of the address that names a job of the job book
+RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
 REPLACING = 60.0  # [s] within which a new file replaces the one taken away: an uploader does both, one after the other
 
 
@@ -43,6 +44,7 @@ class InBook:
     fault: AtleakError | None = None  # why it could not be saved
     unknown: str = ""  # id in the address that could not be opened
     left: str | None = None  # id in the address, of the job that was shown before this one: not to be opened again
+    page: str = ""  # on which the address was given the id last
     archived: bool = False
     result_by: str = ""  # version of atleak that gave the stored result
     judged_otherwise: tuple[JudgedOtherwise, ...] = ()  # where this version judges otherwise
@@ -83,13 +85,13 @@ def session() -> Session:
 
 def job() -> Job:
     """Return the record of the job that is shown."""
-    record: Job = st.session_state.setdefault("job", Job())
+    record: Job = st.session_state.setdefault(RECORD, Job())
     return record
 
 
 def put_job(record: Job) -> None:
     """Replace the record by another one, with fresh widgets."""
-    st.session_state["job"] = record
+    st.session_state[RECORD] = record
     st.session_state["job-generation"] = job_generation() + 1
 
 

@@ -53,6 +53,10 @@ def test_a_killed_tab_and_a_killed_server_lose_no_digit_and_the_second_browser_i
         first = visit(f"{address}/Report?job={job}")
         for label, text in TYPED.items():
             expect(first.get_by_label(label, exact=True)).to_have_value(text)
+        first.get_by_role("link", name="Readings").first.click()
+        first.wait_for_url(f"**/Readings?job={job}")
+        first.get_by_role("link", name="Report").first.click()
+        expect(first.get_by_label("VIN", exact=True)).to_have_value(TYPED["VIN"])
         second = visit(f"{address}/Report?job={job}")
         expect(second.get_by_label("VIN", exact=True)).to_have_value(TYPED["VIN"])
         typed_in(second, "Make", "BMW")

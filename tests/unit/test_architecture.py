@@ -49,7 +49,7 @@ FLOORS = (
     ("uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("diagnosis",),
-    ("repair", "next_checks", "history"),
+    ("repair", "next_checks", "comparison", "history"),
     ("views", "intake"),
     (
         "figures",
@@ -61,7 +61,7 @@ FLOORS = (
         "report.controller_workbook",
         "report.lands_sheet",
     ),
-    ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet"),
+    ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet", "report.comparison_terminal"),
     ("job.file",),
     ("report.batch", "jobs"),
     ("cli",),
