@@ -16,8 +16,9 @@ try:
     visited = unit.visits(jobs, chosen)
     st.subheader("Visits")
     unit.draw_visits(visited)
-    if page := unit.open_one(visited):
-        st.switch_page(panel.PAGES / f"{page}.py", query_params=st.query_params.to_dict())
+    if (goal := unit.goal(visited)) is not None:
+        page, parameters = goal
+        st.switch_page(panel.PAGES / f"{page}.py", query_params=parameters)
     unit.draw_left_undone(visited)
     seen = unit.seen(visited)
     if seen is None:

@@ -62,6 +62,9 @@ HELP = {
     "Reserve within": "95 % interval of the reserve",
     "Permissible [kPa]": "main pressure that the valve body's file permits in this gear and state",
     "Covered from [rpm]": "lowest engine speed at which the pump covers leakage, slip and consumers",
+    "Was": "the verdict of the job before; the verdict first in the row is that of the job after",
+    "Change [µm]": "of the radial clearance, after minus before, with its 95 % interval",
+    "Changed": "by more than the uncertainty of measuring",
     "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (95 % interval)",
 }
 WIDTHS = {

@@ -115,18 +115,21 @@ def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
     show.verdict_table(rows, {state.capitalize(): 0 for state in STATES})
 
 
-def open_one(visited: tuple[VisitedJob, ...]) -> str | None:
-    """Offer to open the job of a visit, or to put it beside the one before; return the page that was asked for."""
+def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
+    """Offer to open the job of a visit, or to put it beside the one before; return the page to go to, with parameters."""
     jobs = {each.stored.id: each for each in visited}
     with st.container(horizontal=True, vertical_alignment="bottom"):
         id = st.selectbox("Visit", list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit")
-        opened = st.button("Open its job", on_click=open_from_book, args=(id,))
+        opened = st.button("Open its job", on_click=_open, args=(id,))
         place = list(jobs).index(id)
         compared = st.button("Compare with the visit before", disabled=place == 0)
     if compared:
-        st.query_params["before"], st.query_params["after"] = list(jobs)[place - 1], id
-        return "12_Compare"
-    return "1_Diagnosis" if opened and job_id() == id else None
+        return "12_Compare", {"before": list(jobs)[place - 1], "after": id}
+    return ("1_Diagnosis", {}) if opened and job_id() == id else None
+
+
+def _open(id: str) -> None:
+    open_from_book(id)  # where it cannot be opened, the head of the page says why
 
 
 def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
