@@ -116,7 +116,7 @@ def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
 
 
 def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
-    """Offer to open the job of a visit, or to put it beside the one before; return the page to go to, with parameters."""
+    """Offer to open the job of a visit, or to put it beside the one before; return the page to go to."""
     jobs = {each.stored.id: each for each in visited}
     with st.container(horizontal=True, vertical_alignment="bottom"):
         id = st.selectbox("Visit", list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit")
