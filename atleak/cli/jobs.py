@@ -56,7 +56,6 @@ def add_parser(commands: Any) -> None:
     add_job_id(archive, "+")
     back = add_command(group, "bring-back", _archive, "put archived jobs back")
     add_job_id(back, "+")
-    compare.add_parser(group)
     add_upkeep(group)
 
 
