@@ -58,12 +58,30 @@ class Target:
             return self._circuit()
         if kind is RuleKind.PERMISSIBLE_PRESSURE:
             return self._line()
-        at = self.judged.projection
+        assert self.most_drawn is not None
+        return self._draw(self.at.sections, self.most_drawn)
+
+    @property
+    def most_drawn(self) -> float | None:
+        """Return what may be drawn from the pump at the required line pressure [m³/s]; None where any may."""
+        kind, at = self.judged.rule.kind, self.judged.projection
         if kind is RuleKind.RESERVE:
-            most = at.pump_supply / self.limit - at.slip - at.consumers if self.limit > 0.0 else np.inf
-        else:
-            most = self.limit * at.pump_capacity
-        return self._draw(self.at.sections, most)
+            return at.pump_supply / self.limit - at.slip - at.consumers if self.limit > 0.0 else np.inf
+        return self.limit * at.pump_capacity if kind is RuleKind.TOTAL_SHARE else None
+
+    @cached_property
+    def adds_up(self) -> bool:
+        """Tell whether what a repair saves depends on no other circuit than the one that its land leaks from.
+
+        Then every further repair of a circuit's lands saves at least as much as the one before it: its feed lets
+        through ever less per pascal that is lacking.
+        """
+        network = self.at.networks[0]
+        solved = network.solved
+        lands_apart = not any(gap.high.section in solved and gap.low.section in solved for gap in self.at.gaps)
+        leaks_apart = not any(leak.high.section in solved and leak.low.section in solved for leak in network.leaks)
+        feeds_apart = not any(feed.high.section in solved for feed in network.feeds)
+        return lands_apart and leaks_apart and feeds_apart and not self._mixed
 
     @cached_property
     def _mixed(self) -> bool:

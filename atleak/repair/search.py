@@ -16,10 +16,13 @@ import numpy as np
 
 from atleak.repair.bounds import LandState, Sum, Target
 from atleak.repair.moves import Move, Moves, together
-from atleak.repair.totals import RepairableUnit
+from atleak.repair.totals import LandChoice, RepairableUnit
 from atleak.rules import LandKey
 
-ROUNDS = 300  # of proposals at the most; then repairs are named that suffice, and may not be the best
+ROUNDS = 100  # of proposals at the most; then repairs are named that suffice, and may not be the best
+_COUPLED = (
+    0.05  # of what a repair saves, by which it may differ where circuits feed one another: choice of this project
+)
 _SLACK = 1e-7  # of a sum, in which the programme may be off: the engine has the last word
 
 
@@ -60,6 +63,7 @@ class Search:
     allowed: Sequence[Move]
     rounds: int = ROUNDS
     _rows: list[tuple[dict[int, float], float]] = field(default_factory=list)  # Σ factor · variable ≥ least
+    _saved: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)  # by condition
     _used: int = 0
 
     def best(self) -> Best | None:
@@ -71,6 +75,7 @@ class Search:
         for target in self.targets:
             if target.sum is not None:
                 self._add_sum(target.sum)
+            self._add_draw(target, ())
         chosen: list[Move] | None = None
         for objective in self.objectives:
             found = self._least(objective)
@@ -122,6 +127,7 @@ class Search:
                 return chosen
             choice = self.moves.choice(chosen)
             for target in unkept:
+                self._add_draw(target, chosen)
                 self._add_needed(target.lacking(choice, self._numbers))
         return None
 
@@ -234,6 +240,35 @@ class Search:
             for variable, factor in variables.items():
                 factors[variable] = factors.get(variable, 0.0) + factor
         self._rows.append((factors or {0: 0.0}, least))
+
+    def _add_draw(self, target: Target, chosen: Sequence[Move]) -> None:
+        """Add how much more must be saved than a choice saves: by what its repairs save at least, others at most."""
+        most = target.most_drawn
+        if most is None or not np.isfinite(most) or self._overridden or not self.unit.states:
+            return
+        drawn = float(target.at.repaired([self.moves.choice(chosen)]).leakage[0])
+        least, largest = self._savings(target)
+        mine = np.array([any(move is each for each in chosen) for move in self.moves.all])
+        factors, needed = np.where(mine, least, largest), drawn + float(least[mine].sum()) - most
+        scale = float(np.abs(factors).max())
+        if scale > 0.0:
+            row = {place: factor / scale for place, factor in enumerate(factors.tolist())}
+            self._rows.append((row, (needed - _SLACK * max(abs(most), drawn)) / scale))
+
+    def _savings(self, target: Target) -> tuple[np.ndarray, np.ndarray]:
+        """Return what each repair saves at a condition, alone and after all others [m³/s]: the less and the more."""
+        if id(target.at) not in self._saved:
+            best = self.moves.choice(together(self.moves.all))
+            choices: list[LandChoice] = [{}]
+            for move in self.moves.all:
+                mine = self.moves.choice([move])
+                choices += [mine, {**best, **mine}, {**best, **dict.fromkeys(mine, 0)}]
+            drawn = target.at.repaired(choices).leakage
+            alone, last = drawn[0] - drawn[1::3], drawn[3::3] - drawn[2::3]
+            both = np.minimum(alone, last), np.maximum(alone, last)
+            spare = 0.0 if target.adds_up else _COUPLED * np.maximum(abs(alone), abs(last))
+            self._saved[id(target.at)] = both[0] - spare, both[1] + spare
+        return self._saved[id(target.at)]
 
     # --- where it takes too long
 
