@@ -62,19 +62,24 @@ class Sum:
     """What lines cost together: known amounts added, each rounded before, and tax on their sum, rounded once."""
 
     lines: tuple[Line, ...]
-    parts: Decimal
-    work: Decimal
-    tax: Decimal | None  # None: no tax was stated
+    parts: Decimal | None  # None: no price is known
+    work: Decimal | None  # None: of no line the work is known
+    tax: Decimal | None  # None: no tax was stated, or there is nothing to tax
 
     @property
-    def net(self) -> Decimal:
-        """Return parts and work."""
-        return self.parts + self.work
+    def net(self) -> Decimal | None:
+        """Return parts and work, as far as they are known."""
+        return _added((self.parts, self.work))
 
     @property
-    def gross(self) -> Decimal:
+    def gross(self) -> Decimal | None:
         """Return parts, work and tax."""
-        return self.net + (self.tax or Decimal(0))
+        return _added((self.parts, self.work, self.tax))
+
+    @property
+    def complete(self) -> bool:
+        """Tell whether every amount of every line is known."""
+        return not self.without_price and not self.without_work
 
     @property
     def without_price(self) -> tuple[Line, ...]:
@@ -85,6 +90,12 @@ class Sum:
     def without_work(self) -> tuple[Line, ...]:
         """Return the lines whose work has no known cost."""
         return tuple(line for line in self.lines if line.work is None)
+
+
+def _added(amounts: Iterable[Decimal | None]) -> Decimal | None:
+    """Return the sum of the amounts that are known; None where none is."""
+    known = [each for each in amounts if each is not None]
+    return sum(known[1:], known[0]) if known else None
 
 
 @dataclass(frozen=True)
@@ -100,11 +111,9 @@ class Estimate:
     def sum_of(self, *states: RepairState) -> Sum:
         """Add up the lines in some states."""
         lines = tuple(line for line in self.lines if line.decision.decision in states)
-        zero = amount(0.0, self.currency)
-        parts = sum((line.part for line in lines if line.part is not None), zero)
-        work = sum((line.work for line in lines if line.work is not None), zero)
-        percent = self.terms.tax_percent
-        tax = None if percent is None else amount((parts + work) * Decimal(repr(percent)) / 100, self.currency)
+        parts, work = _added(line.part for line in lines), _added(line.work for line in lines)
+        net, percent = _added((parts, work)), self.terms.tax_percent
+        tax = None if net is None or percent is None else amount(net * Decimal(repr(percent)) / 100, self.currency)
         return Sum(lines, parts, work, tax)
 
     @property

@@ -20,6 +20,8 @@ from atleak.repair.totals import LandChoice, RepairableUnit, Total
 from atleak.rules import LandKey, Rule
 from atleak.verdicts import Verdict
 
+_WORTH_SAYING = 1e-3  # of a limit, by which something must be worse to be named: choice of this project
+
 
 class Goal(StrEnum):
     """What a choice of repairs is to reach."""
@@ -87,7 +89,7 @@ def gain_of(within: Iterable[Total], without: Iterable[Total]) -> Gain | None:
             limits = [limit for _, limit in better.steps.levels]
             first = max(limits) if better.steps.falling else min(limits)
             lost = (worse.value - better.value) * (-1.0 if better.steps.falling else 1.0)
-            if np.isfinite(lost) and lost > 1e-6 * abs(first):
+            if np.isfinite(lost) and lost > _WORTH_SAYING * abs(first):
                 gains.append((lost / abs(first) if first else lost, Gain(better, worse)))
     return max(gains, key=lambda each: each[0])[1] if gains else None
 

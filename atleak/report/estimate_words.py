@@ -17,6 +17,10 @@ from atleak.rules import Rule
 from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated
 
+_COLUMNS = (
+    "component", "lands", "repair", "work", "part_number", "price", "hours", "labour", "currency", "state", "reason",
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class EstimateWords:
@@ -46,6 +50,16 @@ class EstimateWords:
     def money(self, value: Decimal | None) -> str:
         """Write an amount with the currency's decimals; a dash where it is unknown."""
         return self.say.number(None if value is None else float(value), decimals(self.estimate.currency))
+
+    def summed(self, value: Decimal | None, complete: bool) -> str:
+        """Write a sum; before one from which an amount is missing, that it is at least so much."""
+        return self.money(value) if complete or value is None else f"≥ {self.money(value)}"
+
+    def sum_row(self, name: str, each: Sum) -> tuple[str, ...]:
+        """Return the cells of a sum: its name, parts, labour, net, tax and total."""
+        parts = self.summed(each.parts, not each.without_price)
+        work = self.summed(each.work, not each.without_work)
+        return name, parts, work, *(self.summed(value, each.complete) for value in (each.net, each.tax, each.gross))
 
     def hours(self, line: Line) -> str:
         """Write the hours of work; a dash where they are unknown."""
@@ -129,31 +143,18 @@ class EstimateWords:
         """Return lines and sums as a table for other programs: with a point as decimal sign, UTF-8 with a mark."""
         target = io.StringIO()
         table = csv.writer(target, lineterminator="\r\n")
-        table.writerow(
-            [
-                "component",
-                "lands",
-                "repair",
-                "work",
-                "part_number",
-                "price",
-                "hours",
-                "labour",
-                "currency",
-                "state",
-                "reason",
-            ]
-        )
+        table.writerow(_COLUMNS)
         for line in self.estimate.lines:
             decision = line.decision
             lands = " ".join(f"{component}/{land}" for component, land in (each.key for each in line.lands))
-            row = [decision.component, lands, decision.repair, self.work(line), decision.part_number, line.part]
-            row += [line.hours, line.work, self.estimate.currency, decision.decision or "", decision.reason]
+            row: list[object] = [decision.component, lands, decision.repair, self.work(line), decision.part_number]
+            row += [line.part, line.hours, line.work, self.estimate.currency, decision.decision, decision.reason]
             table.writerow([_safe(each) for each in row])
         table.writerow([])
-        table.writerow(["sum", "parts", "labour", "net", "tax", "total", "currency"])
+        table.writerow(["sum", "parts", "labour", "net", "tax", "total", "currency", "complete"])
         for name, each in self.sums:
-            table.writerow([name, each.parts, each.work, each.net, each.tax, each.gross, self.estimate.currency])
+            amounts = (each.parts, each.work, each.net, each.tax, each.gross)
+            table.writerow([name, *map(_safe, amounts), self.estimate.currency, each.complete])
         return target.getvalue().encode("utf-8-sig")
 
 

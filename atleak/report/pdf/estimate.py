@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import itemgetter
 
 from atleak.job.estimate import Line, estimate
 from atleak.report.estimate_words import EstimateWords
@@ -41,16 +42,13 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
         ],
         lines,
     )
+    names_of_sums = ("state", "parts", "labour", "net", "tax", "gross")
     yield table(
         [
-            PrintedColumn(say("columns.state"), lambda row: row[0], width=1),
-            PrintedColumn(say("columns.parts"), lambda row: words.money(row[1].parts), side="r"),
-            PrintedColumn(say("columns.labour"), lambda row: words.money(row[1].work), side="r"),
-            PrintedColumn(say("columns.net"), lambda row: words.money(row[1].net), side="r"),
-            PrintedColumn(say("columns.tax"), lambda row: words.money(row[1].tax), side="r"),
-            PrintedColumn(say("columns.gross"), lambda row: words.money(row[1].gross), side="r"),
+            PrintedColumn(say(f"columns.{name}"), itemgetter(place), side="r" if place else "l", width=not place)
+            for place, name in enumerate(names_of_sums)
         ],
-        words.sums,
+        [words.sum_row(*each) for each in words.sums],
     )
     for sentence in (*words.missing(), *words.ends()):
         yield text(sentence)
