@@ -45,7 +45,7 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
     names_of_sums = ("state", "parts", "labour", "net", "tax", "gross")
     yield table(
         [
-            PrintedColumn(say(f"columns.{name}"), itemgetter(place), side="r" if place else "l", width=not place)
+            PrintedColumn(say(f"columns.{name}"), itemgetter(place), side="r" if place else "l", width=int(not place))
             for place, name in enumerate(names_of_sums)
         ],
         [words.sum_row(*each) for each in words.sums],
