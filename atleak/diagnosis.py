@@ -29,7 +29,7 @@ from atleak.gauges.check import PressureCheck, check_pressures
 from atleak.pressure_table import PressureTable
 from atleak.provisional import Basis, representative_bases
 from atleak.readings import LandClearance, MeasuringTemperature, Readings, clearances
-from atleak.replace_mileage import ReplaceMileage, replace_mileage
+from atleak.replace_mileage import replace_mileage, without_rate
 from atleak.result_messages import messages_of
 from atleak.road_findings import RoadFindings, road_findings
 from atleak.road_test import RoadTest
@@ -47,6 +47,7 @@ from atleak.uncertainty import (
     assess,
 )
 from atleak.verdicts import Band, Verdict, worst
+from atleak.wear_line import Crossing
 
 NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed over a log
 
@@ -64,7 +65,7 @@ class LandDiagnosis:
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
     verdict: Verdict
     rules: tuple[Rule, ...]
-    replace_mileage: ReplaceMileage | None  # None without mileage or measured wear, and where it has been passed
+    replace_mileage: Crossing | None  # None where one visit cannot tell it, and where it has been passed
     uncertainty: LandUncertainty | None  # None where nothing was measured
     messages: tuple[Message, ...]
 
@@ -405,7 +406,8 @@ def diagnose(
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
     mileage
-        mileage of the vehicle [km]; with it the mileage at which each worn land reaches its limit is projected.
+        mileage of the vehicle [km]; with it the mileage at which a worn land reaches its limit is projected, where what
+        it had at 0 km was measured.
     measuring_temperature
         that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
     pump_clearances
@@ -479,6 +481,8 @@ def diagnose(
     if fluid_state_assumed:
         messages.append(fresh_assumed(fluid))
     if uncertainty is not None:
+        rateless = without_rate(uncertainty.lands, mileage)
+        of_sheet += () if rateless is None else (rateless,)
         messages = list(dict.fromkeys([*messages, *of_sheet, *uncertainty.messages]))
     return Diagnosis(
         readings=readings,

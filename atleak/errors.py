@@ -119,6 +119,14 @@ class OutputError(InputError):
     """A file that cannot be written, or that may not be written over."""
 
 
+class BookError(InputError):
+    """A job book that cannot be read or written, or that does not hold what was asked of it."""
+
+
+class ChangedElsewhere(BookError):
+    """A job that somebody else has saved since it was opened here; nothing was written over."""
+
+
 AnyInputError = TypeVar("AnyInputError", bound=InputError)
 
 

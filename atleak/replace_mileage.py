@@ -1,52 +1,73 @@
-"""Foresee the mileage at which a land reaches the limit of wear for replacing, wear growing with mileage."""
+"""Foresee the mileage at which a land reaches the limit of wear for replacing, where one visit tells it.
+
+A straight line needs two points. The second one, at 0 km, is the mounting clearance, where that was measured: on this
+pair when it was new, or on new units of its type. One visit and a mounting clearance that nobody measured tell no rate.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+import numpy as np
 
 from atleak.catalogue.limits import RuleKind
-from atleak.engine.projection import mileage_at_wear
+from atleak.errors import Message
 from atleak.rules import Rule
 from atleak.uncertainty import LandUncertainty
+from atleak.uncertainty.sources import LandSources
 from atleak.verdicts import Verdict
+from atleak.wear_line import Crossing, WearLine, wear_line
 
-FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
+NO_RATE = "no_wear_over_mileage"  # code of the message that one visit gives none
 
 
-@dataclass(frozen=True)
-class ReplaceMileage:
-    """The mileage [km] at which the wear limit for replacing is reached, wear ∝ mileage, with its 95 % interval.
-
-    The vehicle has not come there yet, so the interval begins at its mileage at the earliest.
-    """
-
-    value: float | None  # None where it cannot be told whether the land wears at all
-    low: float  # infinite where the land does not wear
-    high: float  # infinite where the limit may never be reached
-
-    @property
-    def foreseeable(self) -> bool:
-        """Return whether the interval ends within what a vehicle runs."""
-        return self.high <= FARTHEST
+def known_at_start(land: LandSources) -> bool:
+    """Return whether the clearance that a land had at 0 km was measured; of one that was repaired since it was not."""
+    return land.state.land.mounting_measured and land.state.land.fitted is None
 
 
 def replace_mileage(
     rules: Iterable[Rule], mileage: float | None, uncertainty: LandUncertainty | None
-) -> ReplaceMileage | None:
-    """Return the mileage at which a land reaches the wear limit; None where it is unknown, or passed."""
+) -> Crossing | None:
+    """Return the mileage at which a land reaches the wear limit; None where one visit cannot tell it, or it is passed.
+
+    Parameters
+    ----------
+    rules
+        of the land, judged.
+    mileage
+        of the vehicle [km]; None where it is not known.
+    uncertainty
+        of the land; None where it was not measured.
+    """
     rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
-    if rule is None or mileage is None or uncertainty is None or uncertainty.wear_interval is None:
+    if rule is None or uncertainty is None:
         return None
-    limit = rule.steps.limit_of(Verdict.REPLACE) or rule.steps.levels[-1][1]
-
-    def reached_with(wear: float) -> float:
-        reached = mileage_at_wear(mileage, wear, limit)
-        return math.inf if reached is None else reached
-
-    least, most = uncertainty.wear_interval
-    if reached_with(rule.value) <= mileage:
+    line = _line_from_new(uncertainty.sources, mileage)
+    if line is None or mileage is None:
         return None
-    low, high = max(reached_with(most), mileage), reached_with(least)
-    return ReplaceMileage(reached_with(rule.value) if math.isfinite(high) else None, low, high)
+    worn = rule.steps.limit_of(Verdict.REPLACE) or rule.steps.levels[-1][1]
+    state = uncertainty.sources.state
+    limit = (1.0 + worn) * state.land.mounting_high
+    return None if state.radial_clearance >= limit else line.reaches(limit, mileage)
+
+
+def _line_from_new(land: LandSources, mileage: float | None) -> WearLine | None:
+    """Return the line from the mounting clearance at 0 km to the clearance as measured; None where either lacks."""
+    if mileage is None or land.state.status != "measured" or not known_at_start(land):
+        return None
+    of_both = np.diag([land.u_mounting**2, land.standard_uncertainty**2])
+    return wear_line([0.0, mileage], [land.state.land.new_clearance, land.state.radial_clearance], of_both)
+
+
+def without_rate(lands: Iterable[LandUncertainty], mileage: float | None) -> Message | None:
+    """Say how many measured lands have no rate of wear; None where all have one, or no mileage asks for it."""
+    measured = [land.sources for land in lands if land.sources.state.can_be_ok]
+    unknown = sum(not known_at_start(land) for land in measured)
+    if mileage is None or not unknown:
+        return None
+    text = (
+        f"One visit tells no wear over mileage of {unknown} of {len(measured)} measured lands: what they had at 0 km "
+        "was not measured. A second visit tells it, or mounting clearances that are learned from new units."
+    )
+    return Message("info", NO_RATE, text)

@@ -66,6 +66,9 @@ class Land:
     sleeved: bool = False  # whether its bore was sleeved
     contact_length_measured: bool = False  # on this very unit; else as the file states it
     fitted: str | None = None  # id of the repair that this unit was given earlier
+    mounting_measured: bool = (
+        False  # whether the mounting clearance is: of this pair when new, or of others of its type
+    )
 
     @property
     def key(self) -> tuple[str, int]:
@@ -139,7 +142,13 @@ class Land:
             return land
         single = NewOrigin.PAIR if repair.mounting_tolerance is None else NewOrigin.TYPE
         origin = NewOrigin.RANGE if isinstance(new, tuple) else single
-        return replace(land, mounting_clearance=new, mounting_tolerance=repair.mounting_tolerance, new_origin=origin)
+        return replace(
+            land,
+            mounting_clearance=new,
+            mounting_tolerance=repair.mounting_tolerance,
+            new_origin=origin,
+            mounting_measured=repair.evidence is Evidence.MEASURED and origin is not NewOrigin.RANGE,
+        )
 
     @property
     def nominal_sleeve_diameter(self) -> float:

@@ -253,6 +253,8 @@ def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, wh
         position=None if table.position_mm is None else table.position_mm * 1e-3,
         seal=table.seal,
         sleeved=component.bore == "sleeved",
+        mounting_measured=new.origin in (NewOrigin.PAIR, NewOrigin.TYPE)
+        and entry.known_from(table, "mounting_clearance_um") is Evidence.MEASURED,
     )
 
 

@@ -12,7 +12,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from atleak.cli import app, catalogue, controller, diagnose, import_log, report, template, variants
+from atleak.cli import app, catalogue, compare, controller, diagnose, import_log, jobs, report, template, variants
 from atleak.cli.shared import without_colours
 from atleak.errors import AtleakError
 from atleak.system.printable import printable_streams
@@ -62,6 +62,17 @@ def _parser() -> argparse.ArgumentParser:
     without_colours(parser)
     parser.add_argument("--version", action="version", version=f"atleak {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for group in (diagnose, variants, import_log, report, template, controller, catalogue, app):  # as --help lists them
+    for group in (
+        diagnose,
+        jobs,
+        compare,
+        variants,
+        import_log,
+        report,
+        template,
+        controller,
+        catalogue,
+        app,
+    ):  # as --help lists them
         group.add_parser(commands)
     return parser

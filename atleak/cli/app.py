@@ -4,40 +4,74 @@ from __future__ import annotations
 
 import argparse
 import errno
+import http.client
 import os
 import subprocess
 import sys
+import webbrowser
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from atleak.cli.shared import add_command
 from atleak.errors import InputError
 from atleak.system.shipped import shipped
 
+PORT = 8501  # streamlit's own
+_HERE = "127.0.0.1"
+_PATIENCE = 2.0  # [s]
 _PORTS = range(1, 65536)
 
 
 def add_parser(commands: Any) -> None:
     """Add the command."""
     parser = add_command(commands, "app", run, "the dashboard in a browser")
-    parser.add_argument("--port", metavar="N", type=_port)
-    parser.add_argument("--address", metavar="A", default="127.0.0.1")
+    parser.add_argument("--port", metavar="N", type=port_number)
+    parser.add_argument("--address", metavar="A", default=_HERE)
 
 
 def run(options: argparse.Namespace) -> int:
     """Start the server; it runs until somebody ends it."""
+    return _start(options.address, options.port)
+
+
+def open_page(port: int, query: Mapping[str, str]) -> int:
+    """Print the address of a page of the dashboard; show it in a browser, or start the dashboard where it is not up."""
+    address = f"http://{_HERE}:{port}/?{urlencode(query)}"
+    print(address, flush=True)
+    if not _is_up(port):
+        return _start(_HERE, port, "--server.headless", "true")  # or else a browser would open at another page
+    webbrowser.open(address)
+    return 0
+
+
+def _is_up(port: int) -> bool:
+    """Return whether a dashboard answers at a port of this machine."""
+    import urllib.request
+
+    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+    try:
+        with opener.open(f"http://{_HERE}:{port}/_stcore/health", timeout=_PATIENCE) as answer:
+            return bool(answer.status == 200)
+    except (OSError, http.client.HTTPException):
+        return False
+
+
+def _start(address: str, port: int | None, *options: str) -> int:
     if find_spec("streamlit") is None:
         raise InputError("the dashboard needs streamlit", expected="python -m pip install streamlit")
-    _check_free(options.address, options.port)
+    _check_free(address, port)
     app = shipped("app.py")
-    command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", options.address]
-    if options.port is not None:
-        command += ["--server.port", str(options.port)]
+    command = [sys.executable, "-m", "streamlit", "run", str(app), "--server.address", address, *options]
+    if port is not None:
+        command += ["--server.port", str(port)]
     return _serve(command, app.parent)
 
 
-def _port(text: str) -> int:
+def port_number(text: str) -> int:
+    """Read a port."""
     if not text.isdecimal() or int(text) not in _PORTS:
         raise argparse.ArgumentTypeError(f"{text!r} is no port: write a whole number from 1 to {_PORTS[-1]}")
     return int(text)

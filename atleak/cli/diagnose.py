@@ -3,34 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
+from atleak.cli.job_options import add_job_options, as_read, chosen_job, input_files
 from atleak.cli.shared import (
-    add_columns,
     add_command,
-    add_controller,
     add_force,
     add_json,
     add_print,
     check_targets,
-    length_of,
-    number,
-    number_of,
-    pair,
     say_written,
     write,
     write_json,
 )
-from atleak.errors import InputError, unknown
+from atleak.errors import InputError
 from atleak.verdicts import FLAGGED
-from atleak.written_numbers import (
-    ENGINE_SPEED,
-    MEASURING_TEMPERATURE,
-    MILEAGE,
-    PUMP_SIDE_CLEARANCE,
-    PUMP_TIP_CLEARANCE,
-    TEMPERATURE,
-)
 
 if TYPE_CHECKING:
     from atleak.diagnosis import Diagnosis
@@ -39,98 +26,15 @@ if TYPE_CHECKING:
     from atleak.system.marks import Kind
 
 
-_POSITION = "eccentricity"  # an option of the profile that people also look for among the assumptions
-
-
 def add_parser(commands: Any) -> None:
     """Add the command."""
     parser = add_command(commands, "diagnose", run, "a verdict from a measuring sheet, a road test or gauge readings")
-    parser.add_argument(
-        "readings",
-        metavar="READINGS",
-        nargs="?",
-        help="measuring sheet: xlsx, xls, ods or csv; without one the road test is judged by itself",
-    )
-    parser.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
-    parser.add_argument(
-        "--sheet-unit", metavar="UNIT", help="of the diameters, where the sheet does not say: mm, µm, inch"
-    )
-    parser.add_argument(
-        "--where",
-        metavar="HEADING=VALUE",
-        type=pair,
-        action="append",
-        default=[],
-        help="the rows of the sheet to read, where it holds several inspections or vehicles: Inspection=May",
-    )
-    parser.add_argument("--road-test", metavar="LOG", help="road-test log of any logger: text, xlsx or mf4")
-    parser.add_argument(
-        "--pressures",
-        metavar="FILE",
-        help="gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given",
-    )
-    add_columns(parser)
-    add_controller(parser)
-    parser.add_argument("--fluid", metavar="ID|FILE")
-    parser.add_argument(
-        "--fluid-state",
-        metavar="fresh|used",
-        type=_fluid_state,
-        help="of the fluid in the transmission; taken as fresh unless given",
-    )
-    parser.add_argument("--limits", metavar="ID|FILE")
-    parser.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
-    parser.add_argument(
-        "--set",
-        metavar="OPTION=VALUE",
-        type=pair,
-        action="append",
-        default=[],
-        help="one option of the profile",
-    )
-    parser.add_argument("--temperature", metavar="C", type=number_of(TEMPERATURE), help="of the stated condition [°C]")
-    parser.add_argument("--rpm", metavar="N", type=number_of(ENGINE_SPEED), help="engine speed of the stated condition")
-    parser.add_argument("--gear", metavar="N", type=int, help="gear of the stated condition")
-    parser.add_argument(
-        "--measuring-temperature",
-        metavar="C",
-        type=number_of(MEASURING_TEMPERATURE),
-        help="of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given",
-    )
-    for side, asked in (("side", PUMP_SIDE_CLEARANCE), ("tip", PUMP_TIP_CLEARANCE)):
-        parser.add_argument(
-            f"--pump-{side}-clearance",
-            metavar="UM",
-            type=length_of(asked),
-            help=f"{side} clearance of this job's pump [µm, or with its unit: 0.0033in]; as the job record or the "
-            "sheet's head says unless given",
-        )
-    parser.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
-    parser.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
-    parser.add_argument(
-        "--repair",
-        metavar="ID",
-        action="append",
-        default=[],
-        help="plan with this repair of the valve body's file; of other lands the cheapest is planned",
-    )
-    parser.add_argument(
-        "--assume",
-        metavar="NAME=VALUE",
-        type=pair,
-        action="append",
-        default=[],
-        help="one assumed uncertainty; or eccentricity=unknown, an option of the profile",
-    )
-    parser.add_argument("--guard", metavar="K", type=number, help="guard band of every limit in standard uncertainties")
-    parser.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
-    parser.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
+    add_job_options(parser)
     add_json(parser)
     parser.add_argument("--xlsx", metavar="FILE")
     parser.add_argument("--pdf", metavar="FILE")
     add_print(parser)
     parser.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of them unless given")
-    parser.add_argument("--job", metavar="FILE", help="job record (TOML or JSON) for the reports")
     parser.add_argument("--job-file", metavar="FILE.zip", help="the whole job as one file")
     parser.add_argument(
         "--fail-on",
@@ -138,59 +42,19 @@ def add_parser(commands: Any) -> None:
         help="end with status 1 where a land, a total or a pressure is at or past this level",
     )
     add_force(parser)
-    parser.set_defaults(refuse=parser.error)
-
-
-def _profile(text: str) -> str:
-    from atleak.engine.profile import PROFILES
-
-    if text not in PROFILES:
-        raise argparse.ArgumentTypeError(str(unknown("no such profile", text, PROFILES)))
-    return text
-
-
-def _fluid_state(text: str) -> str:
-    from atleak.catalogue.fluid import FluidState
-
-    if text not in get_args(FluidState):
-        raise argparse.ArgumentTypeError(str(unknown("no such state of a fluid", text, get_args(FluidState))))
-    return text
 
 
 def run(options: argparse.Namespace) -> int:
     """Diagnose the job, write the reports that were asked for and show the verdict."""
-    from atleak.job.case import SLOTS
     from atleak.verdicts import Verdict
 
-    if options.readings is None and options.road_test is None and options.pressures is None:
-        problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
-        options.refuse(f"{problem}; expected READINGS, --road-test LOG or --pressures FILE")
     for name in ("xlsx", "pdf", "job_file"):
         if getattr(options, name) == "-":
             problem = "a workbook, PDF or job file cannot be written to standard output"
             raise InputError(problem, value=f"--{name} -", expected="a file name")
-    inputs = (
-        options.readings,
-        options.road_test,
-        options.pressures,
-        options.job,
-        *(getattr(options, name) for name in SLOTS),
-    )
     targets: list[tuple[Kind, str | None]] = [("record", options.json), ("report workbook", options.xlsx)]
-    check_targets(options, inputs, [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
-    job = None
-    if options.job is not None:
-        from atleak.job.file import load_job
-
-        job = load_job(options.job)
-        if options.mileage is None:
-            options.mileage = job.vehicle.mileage_km
-        if options.measuring_temperature is None:
-            options.measuring_temperature = job.measuring_temperature_c
-        for name in ("pump_side_clearance", "pump_tip_clearance"):
-            if getattr(options, name) is None:
-                setattr(options, name, getattr(job, f"{name}_um"))
-    case = _case(options)
+    check_targets(options, input_files(options), [*targets, ("PDF", options.pdf), ("job file", options.job_file)])
+    case, job = chosen_job(options)
     diagnosis = case.diagnose()
     written = _write_reports(diagnosis, job, case, options)
     if options.json != "-":
@@ -200,45 +64,6 @@ def run(options: argparse.Namespace) -> int:
         say_written(written)
     past = options.fail_on and diagnosis.verdict.rank >= Verdict(options.fail_on).rank
     return 1 if past else 0
-
-
-def _case(options: argparse.Namespace) -> Case:
-    """Return the files and choices that the command line names."""
-    from atleak.catalogue.pump import PumpClearances
-    from atleak.job.case import SLOTS, Case, SourceFile
-
-    return Case(
-        readings=None if options.readings is None else SourceFile.at(options.readings),
-        road_test=None if options.road_test is None else SourceFile.at(options.road_test),
-        pressures=None if options.pressures is None else SourceFile.at(options.pressures),
-        **{name: chosen for name in (*SLOTS, "profile") if (chosen := getattr(options, name)) is not None},
-        fluid_state=options.fluid_state,
-        options=_profile_options(options),
-        temperature=options.temperature,
-        engine_speed=None if options.rpm is None else options.rpm / 60.0,
-        gear=options.gear,
-        mileage=options.mileage,
-        measuring_temperature=options.measuring_temperature,
-        pump_clearances=PumpClearances.of_um(options.pump_side_clearance, options.pump_tip_clearance),
-        sheet_name=options.sheet,
-        sheet_unit=options.sheet_unit,
-        sheet_where=tuple(options.where),
-        columns=tuple(options.map),
-        units=tuple(options.unit),
-        constants=tuple(options.constant),
-        assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
-        guard_factor=options.guard,
-        complaint=options.complaint,
-        repairs=tuple(options.repair),
-    )
-
-
-def _profile_options(options: argparse.Namespace) -> tuple[tuple[str, str], ...]:
-    """Return the options of the profile, among them where the spools are assumed to lie."""
-    assumed = [pair for pair in options.assume if pair[0] == _POSITION]
-    if assumed and _POSITION in dict(options.set):
-        raise InputError("the eccentricity is set twice", value=assumed[-1][1], expected="--set or --assume, not both")
-    return (*options.set, *assumed)
 
 
 def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: argparse.Namespace) -> list[str]:
@@ -255,11 +80,9 @@ def _write_reports(diagnosis: Diagnosis, job: Job | None, case: Case, options: a
         content = write_pdf(diagnosis, job, language=options.language, paper=options.paper, sections=sections)
         written += write(options.pdf, content)
     if options.job_file is not None:
-        from atleak.job.case import Reader, with_log_choices
         from atleak.job.file import write_job_file
 
-        case_as_read = case if case.road_test is None else with_log_choices(case, Reader().log(case))
-        content = write_job_file(diagnosis, job, case_as_read)
+        content = write_job_file(diagnosis, job, as_read(case))
         written += write(options.job_file, content)
     if options.json is not None:  # written last: standard output stays empty when another file fails
         from atleak.views.diagnosis_record import diagnosis_record

@@ -22,6 +22,7 @@ from atleak.errors import InputError
 from atleak.written_numbers import MEASURING_TEMPERATURE
 
 if TYPE_CHECKING:
+    from atleak.jobs.new_sheets import NewSheet
     from atleak.learning.learned import Learned
 
 
@@ -31,8 +32,13 @@ def add_learn(group: Any) -> None:
     parser.add_argument(
         "sheets",
         metavar="SHEET",
-        nargs="+",
+        nargs="*",
         help="measuring sheet of one unit; of a used one the readings marked as taken at unworn ends count",
+    )
+    parser.add_argument(
+        "--from-book",
+        action="store_true",
+        help="also the sheets of the job book of units that are new, and of lands that were repaired",
     )
     parser.add_argument("--controller", metavar="ID|FILE", required=True, help="the valve body that they are of")
     parser.add_argument("-o", "--output", metavar="FILE.toml|-", help="its file with the clearances that were learned")
@@ -66,6 +72,7 @@ def run(options: argparse.Namespace) -> int:
     from atleak.catalogue.controller_reading import load_controller
     from atleak.catalogue.instruments import load_instruments
     from atleak.intake.readings.several import read_several
+    from atleak.jobs.new_sheets import shared_instruments
     from atleak.learning.learned import learn
     from atleak.views.learned_rows import learned_record
 
@@ -80,7 +87,12 @@ def run(options: argparse.Namespace) -> int:
     )
     controller = load_controller(options.controller)
     chosen = {"spool": options.spool_instrument, "sleeve": options.sleeve_instrument}
-    instruments = load_instruments(**{part: named for part, named in chosen.items() if named is not None})
+    of_book = _of_book(options, controller.id)
+    instruments = (
+        shared_instruments(of_book)
+        if of_book and not any(chosen.values())
+        else load_instruments(**{part: named for part, named in chosen.items() if named is not None})
+    )
     sheets = read_several(
         ((Path(name).name, name) for name in options.sheets),
         controller,
@@ -89,6 +101,7 @@ def run(options: argparse.Namespace) -> int:
         where=dict(options.where),
         made_for=options.made_for,
     )
+    sheets += [sheet.readings(controller) for sheet in of_book]
     learned = learn(controller, sheets, instruments=instruments, temperature=options.measuring_temperature)
     written = [] if options.output is None else _write(options, learned)
     if options.json is not None:
@@ -97,6 +110,18 @@ def run(options: argparse.Namespace) -> int:
         _show(learned)
     say_written(written)
     return 0
+
+
+def _of_book(options: argparse.Namespace, controller: str) -> tuple[NewSheet, ...]:
+    """Return the sheets of the job book that are asked for; of a valve body that was copied those of the original."""
+    if not options.from_book:
+        if not options.sheets:
+            raise InputError("no measuring sheet is given", expected="one for each unit, or --from-book")
+        return ()
+    from atleak.jobs.book import open_book
+    from atleak.jobs.new_sheets import new_sheets
+
+    return new_sheets(open_book(), options.made_for or controller)
 
 
 def _write(options: argparse.Namespace, learned: Learned) -> list[str]:

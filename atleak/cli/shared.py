@@ -45,6 +45,12 @@ def add_controller(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--controller", metavar="ID|FILE", help="the study's four-speed controller unless given")
 
 
+def add_job_id(parser: argparse.ArgumentParser, count: str | None = None) -> None:
+    """Add the argument that names a job of the book, or several, which `atleak.jobs.named.named_job` finds."""
+    help = "id of a job, its first characters, or the job's number"
+    parser.add_argument("job" if count is None else "jobs", metavar="ID", nargs=count, help=help)
+
+
 def add_force(parser: argparse.ArgumentParser) -> None:
     """Add ``--force``, which `check_targets` asks for."""
     parser.add_argument("--force", action="store_true", help="write over files that atleak did not make, too")

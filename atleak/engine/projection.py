@@ -1,4 +1,4 @@
-"""Project a controller to stated conditions: other temperatures and speeds, other wear, later mileages."""
+"""Project a controller to stated conditions: other temperatures and speeds, other wear."""
 
 from __future__ import annotations
 
@@ -310,11 +310,3 @@ def project_unworn(
 def _with_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
     sleeve = state.spool_diameter + 2.0 * radial_clearance
     return replace(state, radial_clearance=radial_clearance, sleeve_diameter=sleeve)
-
-
-def mileage_at_wear(mileage: float, wear: float, limit: float) -> float | None:
-    """Return the mileage at which wear, growing in proportion to it, reaches a limit; None without wear.
-
-    Proportional wear is an assumption of this project: wear accelerates with contaminated fluid.
-    """
-    return mileage * limit / wear if wear > 0.0 and mileage > 0.0 else None

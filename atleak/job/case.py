@@ -40,7 +40,8 @@ from atleak.intake.road_test import Understood, default_path, recall, understand
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.road_test import RoadTest
-from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
+from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
+from atleak.uncertainty.sources import sources_of_sheet
 
 Loaded = TypeVar("Loaded")
 Pairs = tuple[tuple[str, Any], ...]
@@ -299,6 +300,34 @@ class Case:
             complaint=controller.complaint(self.complaint),
         )
         return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
+
+    def measured(self, loader: Loader | None = None) -> tuple[LandSources, ...]:
+        """Return every land as this job's sheet measured it, with what makes it uncertain; none without a sheet.
+
+        It is what `diagnose` rests on, without its draws: a unit's history asks for nothing more of an earlier visit.
+
+        Raises
+        ------
+        AtleakError
+            saying which part of the job cannot be used.
+        """
+        if self.readings is None:
+            return ()
+        loader = loader or Reader()
+        controller, spool, sleeve = (
+            loader.entry(SLOTS[name], getattr(self, name))
+            for name in ("controller", "spool_instrument", "sleeve_instrument")
+        )
+        readings = loader.readings(self, controller)
+        if not readings.readings:
+            return ()
+        return sources_of_sheet(
+            controller,
+            readings,
+            measuring_temperature=self.measuring_temperature,
+            instruments=Instruments(spool, sleeve).checked,
+            assumptions=DEFAULTS.with_settings(dict(self.assumptions)),
+        )
 
 
 def _road_test(log: Understood) -> RoadTest:

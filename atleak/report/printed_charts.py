@@ -176,6 +176,74 @@ def shares_chart(bars: Sequence[Bar], label: str, say: Wording) -> str:
         return _svg(figure)
 
 
+@dataclass(frozen=True)
+class TwoBars:
+    """One condition in the chart of two visits, shares in percent."""
+
+    label: str
+    shares: tuple[float, float]  # before and after
+    verdicts: tuple[Verdict, Verdict]
+    intervals: tuple[tuple[float, float] | None, tuple[float, float] | None]
+    new: float  # of the same unit new
+    levels: tuple[tuple[Band, float], ...]  # where each band begins
+
+
+def two_visits_chart(rows: Sequence[TwoBars], label: str, say: Wording) -> str:
+    """Draw the share at each condition before, on top, and after, each in the shade of its band.
+
+    A line is the 95 % interval, the upright mark is the unit new, signs show where a band begins.
+    """
+    with _drawing():
+        figure = Figure(figsize=(7.0, 0.45 + 0.5 * len(rows)), layout="constrained")
+        axes = figure.subplots()
+        ends = [
+            end for row in rows for end in (*row.shares, row.new, *(e for span in row.intervals for e in span or ()))
+        ]
+        right = 1.2 * max((end for end in ends if math.isfinite(end)), default=1.0) or 1.0
+        for place, row in zip(range(len(rows))[::-1], rows, strict=True):
+            for offset, share, verdict, span, when in zip(
+                (0.19, -0.19), row.shares, row.verdicts, row.intervals, ("before", "after"), strict=True
+            ):
+                look, at = look_of(verdict), place + offset
+                shown = min(share, right)
+                axes.barh(at, shown, height=0.34, color=look.fill, edgecolor=look.line, lw=0.8, hatch=look.hatch)
+                end = shown
+                if span is not None and math.isfinite(span[0]):
+                    end = max(end, min(span[1], right))
+                    axes.plot([span[0], min(span[1], right)], [at, at], color=PAPER.ink, lw=1.1, marker="|", ms=5)
+                axes.annotate(
+                    f"{say(f'comparison.{when}').lower()} {say.number(share, 1)} %",
+                    (end, at),
+                    xytext=(5, 0),
+                    textcoords="offset points",
+                    va="center",
+                    fontsize=7,
+                )
+            axes.plot([row.new] * 2, [place - 0.4, place + 0.4], color=PAPER.ink, lw=1.6, zorder=4)
+            for band, begins in row.levels:
+                if begins < right:
+                    _sign(axes, band, begins, place - 0.5)
+            axes.annotate(
+                _drawable(shortened(row.label, _LETTERS)),
+                (0.0, place),
+                xytext=(-5, 0),
+                textcoords="offset points",
+                ha="right",
+                va="center",
+                fontsize=7.5,
+                parse_math=False,
+            )
+        axes.set_yticks([])
+        axes.set_ylim(-0.65, len(rows) - 0.55)
+        axes.set_xlim(0.0, right)
+        axes.set_xlabel(_drawable(label), parse_math=False)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value, 4)))
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(axis="x", color=PAPER.rule, lw=0.5)
+        axes.set_axisbelow(True)
+        return _svg(figure)
+
+
 def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
     """Draw the pump's supply over engine speed against what is taken from it at each temperature.
 
@@ -313,9 +381,14 @@ def _marks(axes: Axes, held: HeldPressure, place: float) -> None:
                 axes.plot([pressure * KPA], [place], marker, ms=6, color=PAPER.ink, zorder=5)
     for level, pressure in held.limits if held.circuit else ():
         if pressure > 0.0:
-            look = look_of(level)
-            outline = Outline([(x, -y) for x, y in (*look.shape.points, look.shape.points[0])], closed=True)
-            axes.plot([pressure * KPA], [place], marker=outline, ms=7, mfc=look.fill, mec=look.line, zorder=5)
+            _sign(axes, level, pressure * KPA, place)
+
+
+def _sign(axes: Axes, level: Verdict | Band | str, x: float, y: float) -> None:
+    """Draw the sign of a level."""
+    look = look_of(level)
+    outline = Outline([(x, -y) for x, y in (*look.shape.points, look.shape.points[0])], closed=True)
+    axes.plot([x], [y], marker=outline, ms=7, mfc=look.fill, mec=look.line, zorder=5, clip_on=False)
 
 
 def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], top: float, say: Wording) -> None:

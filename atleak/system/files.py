@@ -7,6 +7,7 @@ import os
 import secrets
 import stat
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from atleak.errors import OutputError, Place
@@ -55,6 +56,35 @@ def replace_file(target: str | Path, content: bytes, *, mode: int | None = None)
         raise OutputError(f"cannot be written: {error.strerror}", place=Place(file=str(target))) from error
 
 
+@contextlib.contextmanager
+def replacing(target: str | Path) -> Iterator[Path]:
+    """Give the path of a new file beside its target, to be written by something else, and put it in the target's place.
+
+    On any failure the earlier file stays, and nothing else of the new one.
+
+    Raises
+    ------
+    OutputError
+        naming the target and why it cannot be written.
+    """
+    place = Path(os.path.realpath(target))  # a link stays a link
+    beside = _new_name(place)
+    try:
+        yield beside
+        with beside.open("rb+") as stream:
+            os.fsync(stream.fileno())
+        _put_in_place(beside, place)
+    except OSError as error:
+        raise OutputError(f"cannot be written: {error.strerror}", place=Place(file=str(target))) from error
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+
+
+def _new_name(target: Path) -> Path:
+    return target.with_name(f".atleak-{secrets.token_hex(8)}.part")
+
+
 def _status(path: Path) -> os.stat_result | None:
     try:
         return path.stat()
@@ -75,7 +105,7 @@ def _replace(target: Path, earlier: os.stat_result | None, content: bytes, mode:
     if earlier is not None and not os.access(target, os.W_OK):
         raise PermissionError(None, "it is write-protected")
     wanted = stat.S_IMODE(earlier.st_mode) if mode is None and earlier is not None else mode
-    beside = target.with_name(f".atleak-{secrets.token_hex(8)}.part")
+    beside = _new_name(target)
     try:
         _write_beside(beside, content, _NEW if wanted is None else wanted)
         if earlier is not None and hasattr(os, "chown"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,12 +13,16 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.clearance import one_sided_moments
 from atleak.equations.gap import ECCENTRIC_GAIN, eccentricity_factor
-from atleak.uncertainty.sources import MOUNTING, LandSources
+from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.sources import MEASURING_TEMPERATURE, MOUNTING, LandSources
 
 #: Part of the wear to one side that the directions of a sheet show at least. Two directions at a right angle never show
 #: less than π/4. One alone, laid across the worn side, shows nothing of it, which no interval can bound: the clearance
 #: is then called a lower bound, and up to twice the wear that shows is reckoned with. Choice of this project.
 LEAST_SEEN = 0.5
+
+
+_SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
 
 
 @dataclass(frozen=True)
@@ -27,6 +32,82 @@ class Bore:
     clearance: Any  # [m] radial, cold
     square: Any = 0.0  # [m²] second central moment over the circumference
     cube: Any = 0.0  # [m³] third
+
+
+def common_errors(stream: np.random.Generator, lands: Sequence[LandSources], draws: int) -> dict[str, np.ndarray]:
+    """Draw the errors that lands share, by their groups, each of shape (draws,) and of unit standard deviation."""
+    names = sorted({group for land in lands for group in land.groups})
+    return {
+        name: rectangular_draws(stream, draws) if name == MEASURING_TEMPERATURE else stream.standard_normal(draws)
+        for name in names
+    }
+
+
+def one_sided_fraction(
+    stream: np.random.Generator, model: LeakageModel, assumptions: Assumptions, draws: int
+) -> np.ndarray:
+    """Draw how much of all wear lies to one side of the bores; the cube of the mean clearance knows no sides."""
+    most = assumptions.one_sided_wear if model.law.counts_form else 0.0
+    return 0.5 * most * stream.integers(3, size=draws)
+
+
+@dataclass(frozen=True)
+class LandDraws:
+    """What is not known of one land, drawn: its bore now, new and unworn, its contact length, where its spool lies."""
+
+    land: LandSources
+    bore: Bore
+    new_bore: Bore
+    unworn_bore: Bore
+    length: Any
+    position: Any
+
+    @property
+    def now(self) -> tuple[LandSources, Bore, Any, Any]:
+        """Return what `Drawn.leakage` asks for, with the bore as it is; so do the two below, as it was."""
+        return self.land, self.bore, self.length, self.position
+
+    @property
+    def new(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.new_bore, self.length, self.position
+
+    @property
+    def unworn(self) -> tuple[LandSources, Bore, Any, Any]:
+        return self.land, self.unworn_bore, self.length, self.position
+
+
+def land_draws(
+    stream: np.random.Generator,
+    land: LandSources,
+    common: dict[str, np.ndarray],
+    fraction: np.ndarray,
+    assumptions: Assumptions,
+    position: Any,
+    readings: np.random.Generator | None = None,
+) -> LandDraws:
+    """Draw all that is not known of one land.
+
+    ``readings`` draws the errors of what was measured, and ``stream`` all that a unit keeps between two visits; one and
+    the same unless given.
+    """
+    readings = readings or stream
+    draws = fraction.size
+    new = new_bore(stream, land, draws)
+    # what was not measured is as new: the same in every trial
+    bore = unworn = new
+    if land.state.measured:
+        measured = measured_clearance(readings, land, common, new.clearance)
+        bore = worn_bore(stream, land, measured, new.clearance, fraction)
+        unworn = unworn_bore(land, measured, new)
+    nominal, by_calliper = land.state.land.contact_length, land.state.land.contact_length_measured
+    length: float | np.ndarray = nominal
+    uncertain = assumptions.of_contact_length(measured=by_calliper)
+    if uncertain:
+        lengths = (readings if by_calliper else stream).standard_normal(draws)
+        lengths *= uncertain
+        lengths += nominal
+        length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
+    return LandDraws(land, bore, new, unworn, length, position)
 
 
 def measured_clearance(

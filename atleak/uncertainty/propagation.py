@@ -33,24 +33,23 @@ from atleak.uncertainty.assumptions import Assumptions
 from atleak.uncertainty.drawn import FACTORS, FLUID_STATE, NORMAL_FACTORS, Condition, Drawn
 from atleak.uncertainty.draws import (
     Bore,
+    LandDraws,
     Positions,
-    measured_clearance,
-    new_bore,
+    common_errors,
+    land_draws,
+    one_sided_fraction,
     rectangular_draws,
-    unworn_bore,
     with_one_side,
-    worn_bore,
 )
 from atleak.uncertainty.pressures import DrawnUnit, PressureSpread, pressure_spread
-from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
-from atleak.uncertainty.spread import Spread, interval_of, spread_of
+from atleak.uncertainty.sources import LandSources
+from atleak.uncertainty.spread import Spread, flow_ratio, interval_of, spread_of
 
 SEED = 7667
 DRAWS = 20_000
 DRAWS_OF_CIRCUITS = 8_000  # of a unit with circuits, whose pressures are solved anew in every one
 
 _SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction of a standard uncertainty
-_SHORTEST = 0.1  # fraction of the nominal contact length; shorter draws are raised to it
 
 ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the budgets
 
@@ -132,24 +131,18 @@ def propagate(
     shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
     deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
     deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
-    names = sorted({group for land in sources for group in land.groups})
-    common = {
-        name: rectangular_draws(shared, draws) if name == MEASURING_TEMPERATURE else shared.standard_normal(draws)
-        for name in names
-    }
-    # of all wear, how much lies to one side of the bores; the cube of the mean clearance knows no sides
-    most = assumptions.one_sided_wear if model.law.counts_form else 0.0
-    fraction = 0.5 * most * shared.integers(3, size=draws)
+    common = common_errors(shared, sources, draws)
+    fraction = one_sided_fraction(shared, model, assumptions, draws)
     positions = Positions(model, draws, seed)
     conditions = [Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
     at_instants = [Condition(model, instant, assumptions).at(deviates) for instant in instants]
     instant_totals = [np.zeros(draws) for _ in instants]
-    lands: list[_LandDraws] = []
+    lands: list[LandDraws] = []
     for number, land in enumerate(sources):
         stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
-        lands.append(_land_draws(stream, land, common, fraction, assumptions, positions.of(land)))
+        lands.append(land_draws(stream, land, common, fraction, assumptions, positions.of(land)))
     for now, total in zip(at_instants, instant_totals, strict=True):
         solved, network, balance = now.with_circuits(each.now for each in lands)
         total += network.beside_lands(balance)
@@ -167,61 +160,10 @@ def propagate(
         [tuple(spreads[number] for spreads, _ in by_condition) for number in range(len(lands))],
         [total for _, total in by_condition],
         [
-            InstantSpread(interval_of(total, coverage), interval_of(_ratio(total, now.capacity), coverage))
+            InstantSpread(interval_of(total, coverage), interval_of(flow_ratio(total, now.capacity), coverage))
             for now, total in zip(at_instants, instant_totals, strict=True)
         ],
     )
-
-
-@dataclass(frozen=True)
-class _LandDraws:
-    """What is not known of one land, drawn: its bore now, new and unworn, its contact length, where its spool lies."""
-
-    land: LandSources
-    bore: Bore
-    new_bore: Bore
-    unworn_bore: Bore
-    length: Any
-    position: Any
-
-    @property
-    def now(self) -> tuple[LandSources, Bore, Any, Any]:
-        return self.land, self.bore, self.length, self.position
-
-    @property
-    def new(self) -> tuple[LandSources, Bore, Any, Any]:
-        return self.land, self.new_bore, self.length, self.position
-
-    @property
-    def unworn(self) -> tuple[LandSources, Bore, Any, Any]:
-        return self.land, self.unworn_bore, self.length, self.position
-
-
-def _land_draws(
-    stream: np.random.Generator,
-    land: LandSources,
-    common: dict[str, np.ndarray],
-    fraction: np.ndarray,
-    assumptions: Assumptions,
-    position: Any,
-) -> _LandDraws:
-    draws = fraction.size
-    new = new_bore(stream, land, draws)
-    # what was not measured is as new: the same in every trial
-    bore = unworn = new
-    if land.state.measured:
-        measured = measured_clearance(stream, land, common, new.clearance)
-        bore = worn_bore(stream, land, measured, new.clearance, fraction)
-        unworn = unworn_bore(land, measured, new)
-    nominal = land.state.land.contact_length
-    length: float | np.ndarray = nominal
-    uncertain = assumptions.of_contact_length(measured=land.state.land.contact_length_measured)
-    if uncertain:
-        lengths = stream.standard_normal(draws)
-        lengths *= uncertain
-        lengths += nominal
-        length = np.maximum(lengths, _SHORTEST * nominal, out=lengths)
-    return _LandDraws(land, bore, new, unworn, length, position)
 
 
 def _at_condition(
@@ -229,7 +171,7 @@ def _at_condition(
     projection: Projection,
     drawn: Drawn,
     probe: Drawn,
-    lands: Sequence[_LandDraws],
+    lands: Sequence[LandDraws],
     assumptions: Assumptions,
     relative_spread: float,
     limits: Limits,
@@ -265,7 +207,7 @@ def _at_condition(
         unworn_total += unworn_flow
         slopes = _probe(probe, land, assumptions, relative_spread)
         by_component[land.key[0]] += float(slopes.counted_probe[-1])
-        shares = _ratio(drawn_flow, now.capacity), _ratio(unworn_flow, now.capacity)
+        shares = flow_ratio(drawn_flow, now.capacity), flow_ratio(unworn_flow, now.capacity)
         spreads.append(
             LandSpread(
                 leakage=slopes.leakage,
@@ -303,20 +245,13 @@ def _at_condition(
     )
 
 
-def _as_measured(draws: _LandDraws) -> tuple[LandSources, Bore, Any, Any]:
+def _as_measured(draws: LandDraws) -> tuple[LandSources, Bore, Any, Any]:
     """Return a land as its readings have it: the budget changes one land at a time, at the same circuit pressures."""
     state = draws.land.state
     return draws.land, Bore(state.radial_clearance, *state.form_moments), state.land.contact_length, None
 
 
 # --- what the draws say
-
-
-def _ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
-    """Return the share of the pump's flow; infinite where the pump delivers nothing."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = flow / capacity
-    return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
 
 
 def _share_spread(share: np.ndarray, unworn: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
@@ -361,7 +296,7 @@ def _probe(probe: Drawn, land: LandSources, assumptions: Assumptions, position: 
     length[-2] -= _SMALL * uncertain
     bore = Bore(clearance, *_one_side_probes(probe.condition.model, land, assumptions))
     flow, drawn_flow = probe.leakage(land, bore, length)
-    share = _ratio(drawn_flow, probe.capacity)
+    share = flow_ratio(drawn_flow, probe.capacity)
 
     def effects(values: np.ndarray) -> dict[str, float]:
         by_factor = {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
@@ -417,10 +352,12 @@ def _total(
     coverage: float,
     pressures: PressureSpread,
 ) -> TotalSpread:
-    share_spread = _share_spread(_ratio(total, now.capacity), _ratio(unworn_total, now.capacity), steps, coverage)
+    share_spread = _share_spread(
+        flow_ratio(total, now.capacity), flow_ratio(unworn_total, now.capacity), steps, coverage
+    )
     # a band counts as reached where a worse one is
     over = (1.0, *np.maximum.accumulate(share_spread.probabilities[::-1])[::-1].tolist(), 0.0)
-    probe_share = _ratio(probe_total, probe.capacity)
+    probe_share = flow_ratio(probe_total, probe.capacity)
     capacity = float(probe.capacity[-1]) if np.ndim(probe.capacity) else float(probe.capacity)
     per_flow = 1.0 / capacity if capacity > 0.0 else math.nan
     effects = {name: _difference(probe_share, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
@@ -436,7 +373,7 @@ def _total(
         minimum_speed_interval=interval_of(speed, coverage),
         band_probabilities=tuple(max(a - b, 0.0) for a, b in pairwise(over)),
         new_leakage_interval=interval_of(new_total, coverage),
-        growth_interval=interval_of(_ratio(total, new_total) - 1.0, coverage),
+        growth_interval=interval_of(flow_ratio(total, new_total) - 1.0, coverage),
         pressures=pressures,
         effects=effects,
     )

@@ -23,7 +23,7 @@ from atleak.equations.uncertainty import (
     pooled_standard_deviation,
     rectangular,
 )
-from atleak.readings import LandClearance, Reading, Readings, independent_repeats
+from atleak.readings import LandClearance, Reading, Readings, clearances, independent_repeats
 from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
@@ -239,6 +239,31 @@ def find_sources(
     return tuple(
         _land_sources(state, groups.get(state.land.key, {}), spreads, instruments, assumptions) for state in states
     ), spreads
+
+
+def sources_of_sheet(
+    controller: Controller,
+    readings: Readings,
+    *,
+    measuring_temperature: float | None = None,
+    instruments: Instruments,
+    assumptions: Assumptions,
+) -> tuple[LandSources, ...]:
+    """Return every land as a measuring sheet has it, with its sources; what the sheet says of its own lands counts.
+
+    Parameters
+    ----------
+    measuring_temperature
+        of gauge and parts [°C]; as the sheet states it unless given, else 20 °C.
+
+    Raises
+    ------
+    ReadingsError
+        a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
+    """
+    own, at = readings.own_lands.applied(controller), readings.measured_at(measuring_temperature)
+    states = clearances(readings, own, temperature=at.value, instruments=instruments)
+    return find_sources(states, readings, own, instruments, assumptions)[0]
 
 
 def mounting_uncertainty(land: Land, assumptions: Assumptions) -> float:

@@ -50,3 +50,10 @@ def interval_of(values: np.ndarray, coverage: float) -> tuple[float, float]:
         low, high = float(ordered[edge]), float(ordered[min(edge + 1, values.size - 1)])
         quantiles.append(low if low == high else low + (place - edge) * (high - low))
     return quantiles[0], quantiles[1]
+
+
+def flow_ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
+    """Return the share of the pump's flow; infinite where the pump delivers nothing."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = flow / capacity
+    return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share

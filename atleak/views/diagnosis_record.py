@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 from atleak.catalogue.limits import Limits, RuleKind, Steps
@@ -39,11 +40,28 @@ def to_json(record: Any) -> str:
 
 def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
-    readings, measured_at, idle = diagnosis.readings, diagnosis.measured_at, diagnosis.hot_idle
-    projection, plan = diagnosis.projection, plan_repairs(diagnosis)
+    idle, plan = diagnosis.hot_idle, plan_repairs(diagnosis)
     return {
         "format": FORMAT,
         "atleak": __version__,
+        **head_record(diagnosis),
+        "lands": [land_record(row) for row in condition_matrix(diagnosis)],
+        "gaps": [_gap(gap) for gap in diagnosis.projection.gaps],
+        "projection": condition_record(diagnosis, diagnosis.projection),
+        "hot_idle": None if idle is None else condition_record(diagnosis, idle),
+        "conditions": [condition_record(diagnosis, each) for each in diagnosis.projections],
+        "repair_plan": [_repair_step(step) for step in plan.steps],
+        "repair_plan_ends": _repair_ends(plan),
+        "road_test": road_record(diagnosis),
+        "pressure_table": gauge_record(diagnosis),
+        "messages": [message_record(message) for message in diagnosis.messages],
+    }
+
+
+def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return what a diagnosis rests on, and the verdict of the unit."""
+    readings, measured_at = diagnosis.readings, diagnosis.measured_at
+    return {
         "profile": {"name": diagnosis.profile.name, **diagnosis.profile.options},
         "controller": {
             "id": diagnosis.controller.id,
@@ -78,16 +96,6 @@ def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "complaint": _complaint(diagnosis),
         "verdict": diagnosis.verdict,
         "unit": _unit(diagnosis),
-        "lands": [_land(row) for row in condition_matrix(diagnosis)],
-        "gaps": [_gap(gap) for gap in projection.gaps],
-        "projection": condition_record(diagnosis, projection),
-        "hot_idle": None if idle is None else condition_record(diagnosis, idle),
-        "conditions": [condition_record(diagnosis, each) for each in diagnosis.projections],
-        "repair_plan": [_repair_step(step) for step in plan.steps],
-        "repair_plan_ends": _repair_ends(plan),
-        "road_test": road_record(diagnosis),
-        "pressure_table": gauge_record(diagnosis),
-        "messages": [message_record(message) for message in diagnosis.messages],
     }
 
 
@@ -187,7 +195,8 @@ def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
-def _land(row: MatrixRow) -> dict[str, Any]:
+def land_record(row: MatrixRow) -> dict[str, Any]:
+    """Return the record of one land at every condition."""
     land = row.land
     state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
     at = land.replace_mileage
@@ -222,7 +231,7 @@ def _land(row: MatrixRow) -> dict[str, Any]:
         "suspect": land.suspect,
         "probability_over_limit": land.probability_over_limit,
         "advice": uncertainty.advice if uncertainty else None,
-        "replace_mileage_km": at.value if at else None,
+        "replace_mileage_km": at.value if at and math.isfinite(at.high) else None,
         "replace_mileage_low_km": finite(at.low) if at else None,
         "replace_mileage_high_km": finite(at.high) if at else None,
         "representative": list(nominal.representative),

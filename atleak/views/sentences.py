@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
@@ -11,6 +13,7 @@ from atleak.rules import LandKey, Rule
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.pump_words import full_stroke
 from atleak.views.repair_words import Named, label_of
+from atleak.wear_line import Crossing
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
@@ -55,17 +58,22 @@ def tighter_than_new(diagnosis: Diagnosis, say: Wording) -> str | None:
 
 
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
-    """Say at which mileage the land reaches the wear limit for replacing, to two digits; None where none is projected.
+    """Say at which mileage the land reaches the wear limit for replacing; None where none is projected."""
+    return None if land.replace_mileage is None else crossing_in_words(land.replace_mileage, say)
 
-    A number that nobody can foresee is not given.
+
+def crossing_in_words(at: Crossing, say: Wording) -> str:
+    """Say at which mileage a limit is reached, to two digits, or before which it is not; no number nobody can foresee.
+
+    ``160 000 km (140 000 to 180 000)``, ``not before 140 000 km``, ``not foreseeable``.
     """
-    at = land.replace_mileage
-    if at is None:
-        return None
-    if at.value is None or not at.foreseeable:
+    if at.foreseeable:
+        value, low, high = (say.number(float(f"{each:.2g}"), 0) for each in (at.value, at.low, at.high))
+        return say("texts.replace_between", value=value, low=low, high=high)
+    if at.not_before is None:
         return say("texts.not_foreseeable")
-    value, low, high = (say.number(float(f"{each:.2g}"), 0) for each in (at.value, at.low, at.high))
-    return say("texts.replace_between", value=value, low=low, high=high)
+    step = 10.0 ** (math.floor(math.log10(at.not_before)) - 1)
+    return say("texts.not_before", mileage=say.number(math.floor(at.not_before / step) * step, 0))
 
 
 def when_new(diagnosis: Diagnosis, projection: Projection) -> str:

@@ -15,7 +15,9 @@ from atleak.job.record import Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import fields, show
-from pages.shared.state import choose, session
+from pages.shared.state import RECORD, choose, job, job_generation, put_job, session
+
+__all__ = ["draw", "job", "key", "put_job"]
 
 _TEXTS = {
     "Workshop": ("workshop", ("name", "address", "phone", "email", "website", "registration")),
@@ -25,17 +27,6 @@ _TEXTS = {
 }
 _LABELS = {"vin": "VIN", "registration": "Registration", "email": "E-mail"}
 _LONG = {"address", "note"}
-
-
-def job() -> Job:
-    """Return the record of the job that is shown."""
-    return st.session_state.setdefault("job", Job())
-
-
-def put_job(record: Job) -> None:
-    """Replace the record by another one, with fresh widgets."""
-    st.session_state["job"] = record
-    st.session_state["job-generation"] = _generation() + 1
 
 
 def draw(controller: Controller) -> Job:
@@ -82,7 +73,7 @@ def draw(controller: Controller) -> Job:
         first_fault = error.errors(include_url=False)[0]
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
-    st.session_state["job"] = changed
+    st.session_state[RECORD] = changed
     measured = {
         "measuring_temperature": changed.measuring_temperature_c,
         "pump_clearances": changed.pump_clearances,
@@ -197,8 +188,4 @@ def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:
 
 def key(name: str) -> str:
     """Return a widget's key: another record gives fresh widgets."""
-    return f"job{_generation()}-{name}"
-
-
-def _generation() -> int:
-    return st.session_state.get("job-generation", 0)
+    return f"job{job_generation()}-{name}"

@@ -16,9 +16,9 @@ from atleak.errors import AtleakError
 from atleak.intake.units import unit
 from atleak.job.case import SLOTS, Slot, SourceFile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
-from pages.shared import fields, show
+from pages.shared import book, fields, show
 from pages.shared.cases import PageCase, catalogue_list, controller_of, diagnosis_of, own_faults, shown_name
-from pages.shared.state import choose, current_diagnosis, new_job, open_job, put_file, session, take_sample
+from pages.shared.state import choose, current_diagnosis, job, new_job, open_job, put_file, session, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
 OWN = "own file (TOML) …"
@@ -65,8 +65,9 @@ VALUES = {
 def draw() -> None:
     """Draw the sidebar, bring the job's results up to date and show refusals at the head of the page."""
     st.session_state["framed"] = True
-    for path in PAGES.glob(f"[0-9]_{st.session_state.pop('wanted', '?')}.py"):
-        st.switch_page(path)
+    for path in PAGES.glob(f"[0-9]*_{st.session_state.pop('wanted', '?')}.py"):
+        st.switch_page(path, query_params=st.query_params.to_dict())
+    book.follow_address()
     st.html(NARROW_MARGINS)
     with st.sidebar:
         places = {slot: _uploader(slot) for slot in FILES}
@@ -75,6 +76,7 @@ def draw() -> None:
         st.button("New, empty job", on_click=new_job, width="stretch", help=cleared)
         st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
         _job_file()
+        _in_book()
         for choice in SLOTS.values():
             if choice.part is None:
                 with st.container():
@@ -102,7 +104,7 @@ def shown() -> tuple[PageCase, Diagnosis]:
     if "framed" not in st.session_state:
         # a fresh server that gets a request for a page's own address first runs that page without app.py
         st.session_state["wanted"] = glob.escape(str(st.context.url or "?").rsplit("/", 1)[-1])
-        st.switch_page("app.py")
+        st.switch_page("app.py", query_params=st.query_params.to_dict())
     case = session().good
     return case, diagnosis_of(case)
 
@@ -127,13 +129,10 @@ def _job_file() -> None:
     key = _key("job-file")
 
     def changed() -> None:
-        from pages.shared.job_form import put_job  # its picture library is slow to import
-
         upload = st.session_state[key]
         session().refused.pop("job", None)
-        record = None if upload is None else open_job(upload.name, upload.getvalue())
-        if record is not None:
-            put_job(record)
+        if upload is not None:
+            open_job(upload.name, upload.getvalue())
 
     with st.expander("Open a job file"):
         st.file_uploader(
@@ -311,8 +310,44 @@ def _value_name(value: str) -> str:
     return VALUES.get(value, value)
 
 
+def _in_book() -> None:
+    """Say under which name the job is kept."""
+    in_book = session().in_book
+    if in_book.id is None:
+        st.caption("Kept in the job book from the first file or entry on.")
+    else:
+        st.caption(f"In the job book: **{show.plain(job().number or in_book.id)}**{' (archived)' * in_book.archived}")
+
+
+def _book_notices() -> None:
+    """Say where the job in the book is another one than that which is shown, or could not be saved."""
+    in_book = session().in_book
+    if in_book.fault is not None:
+        st.error(
+            f"**Not saved.** {show.plain(in_book.fault)}. The job stays in this window, and is saved as soon as it can "
+            "be; page Report gives it as a job file."
+        )
+    if in_book.conflict is not None:
+        unsaved = book.unsaved()
+        mine = " What was changed here since is not saved." if unsaved else ""
+        st.warning(f"**Changed elsewhere.** {show.plain(in_book.conflict)}.{mine}")
+        with st.container(horizontal=True):
+            st.button("Show the newer state", on_click=book.show_theirs, key="book-theirs")
+            if unsaved:
+                st.button("Keep mine as another job", on_click=book.keep_as_another, key="book-another")
+                st.button("Write mine over it", on_click=book.write_over, key="book-over")
+    if in_book.judged_otherwise:
+        several = "".join(f"\n- {show.plain(each)}" for each in in_book.judged_otherwise[: show.SHOWN])
+        more = len(in_book.judged_otherwise) - show.SHOWN
+        st.info(
+            f"**Judged otherwise than when it was stored** by atleak {show.plain(in_book.result_by)}:{several}"
+            + (f"\n- … and {more} more" if more > 0 else "")
+        )
+
+
 def _notices() -> None:
     now = session()
+    _book_notices()
     if now.good.sample:
         st.caption("**Sample job**: representative data. Put your own files in the sidebar (top left on a phone).")
     for slot, (label, _) in FILES.items():

@@ -119,8 +119,10 @@ def _with_place(message: Message) -> str:
     return plain(message.text) + (f" — *{plain(place)}*" if place else "")
 
 
-def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
+def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int], **options: Any) -> Any:
     """Show rows with a ``Verdict`` column as sign, word and colour, a dash where nothing is judged.
+
+    Further ``options`` are those of `st.dataframe`; returned is what it returns, such as the rows that are selected.
 
     Sorting that column puts the worst first.
 
@@ -138,7 +140,7 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int]) -> None:
         name: st.column_config.Column(help=HELP.get(name), width=WIDTHS.get(name)) for name in frame.columns.tolist()
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–")
+    return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
 
 
 def gauges(check: PressureCheck) -> None:

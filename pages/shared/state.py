@@ -13,10 +13,13 @@ from atleak.errors import AtleakError, CatalogueError, PressureTableError, Readi
 from atleak.job.case import SLOTS, SourceFile
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
+from atleak.jobs.judged_anew import JudgedOtherwise
 from pages.shared.cases import FITTED, PageCase, chosen_by_id, diagnosis_of, held, opened_case, sample_case
 
 FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
+JOB = "job"  # the parameter of the address that names a job of the job book
+RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
 REPLACING = 60.0  # [s] within which a new file replaces the one taken away: an uploader does both, one after the other
 
 
@@ -27,6 +30,29 @@ class Refusal:
     name: str
     error: AtleakError
     file: SourceFile | None = None
+
+
+@dataclass
+class InBook:
+    """How the job of a session stands in the job book."""
+
+    id: str | None = None  # None: nothing of it is in the book
+    version: int = 0  # the one that this session saw last
+    state: str | None = None  # of the job as it was saved, or as it was before anybody touched it
+    new: bool = False  # to be saved as it stands, before anything changes
+    conflict: AtleakError | None = None  # somebody else has saved it since
+    fault: AtleakError | None = None  # why it could not be saved
+    unknown: str = ""  # id in the address that could not be opened
+    left: str | None = None  # id in the address, of the job that was shown before this one: not to be opened again
+    page: str = ""  # on which the address was given the id last
+    archived: bool = False
+    result_by: str = ""  # version of atleak that gave the stored result
+    judged_otherwise: tuple[JudgedOtherwise, ...] = ()  # where this version judges otherwise
+
+    @property
+    def news(self) -> tuple[str, str]:
+        """Return what a page must show at once."""
+        return str(self.conflict or ""), str(self.fault or "")
 
 
 @dataclass
@@ -46,6 +72,7 @@ class Session:
     unkept: tuple[str, str] = ("", "")  # SHA-256 of a log whose columns could not be remembered, and why
     start: PageCase = field(default_factory=PageCase)  # the first values of the sidebar's widgets
     generation: int = 0  # part of every widget's key: the sample job gives fresh widgets
+    in_book: InBook = field(default_factory=InBook)
 
 
 def session() -> Session:
@@ -54,6 +81,23 @@ def session() -> Session:
         case = sample_case()
         st.session_state["atleak"] = Session(case, case, {})
     return st.session_state["atleak"]
+
+
+def job() -> Job:
+    """Return the record of the job that is shown."""
+    record: Job = st.session_state.setdefault(RECORD, Job())
+    return record
+
+
+def put_job(record: Job) -> None:
+    """Replace the record by another one, with fresh widgets."""
+    st.session_state[RECORD] = record
+    st.session_state["job-generation"] = job_generation() + 1
+
+
+def job_generation() -> int:
+    """Return the part of the keys of the record's widgets that changes when it is replaced."""
+    return int(st.session_state.get("job-generation", 0))
 
 
 def put_file(slot: str, file: SourceFile | None) -> None:
@@ -96,28 +140,27 @@ def choose(**changes: Any) -> None:
 
 def take_sample() -> None:
     """Return to the sample job, with fresh widgets and an empty job record."""
-    now = session()
-    case = sample_case()
-    st.session_state["atleak"] = Session(case, case, {}, generation=now.generation + 1)
-    _empty_record()
+    show_job(sample_case(), Job(), InBook())
 
 
 def new_job() -> None:
     """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
     case = PageCase(**{name: getattr(now.good, name) for name in KEPT} | chosen_by_id(now.good))
-    st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
-    _empty_record()
+    show_job(case, Job(), InBook())
 
 
-def _empty_record() -> None:
-    for name in ("job", "pictures"):
-        st.session_state.pop(name, None)
-    st.session_state["job-generation"] = st.session_state.get("job-generation", 0) + 1
+def show_job(case: PageCase, record: Job, in_book: InBook) -> None:
+    """Show another job, with fresh widgets."""
+    now = session()
+    st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1, in_book=in_book)
+    st.session_state.pop("pictures", None)
+    st.query_params.pop(JOB, None)
+    put_job(record)
 
 
-def open_job(name: str, content: bytes) -> Job | None:
-    """Open a job file with fresh widgets; return its record, or None where it was refused."""
+def open_job(name: str, content: bytes) -> bool:
+    """Open a job file with fresh widgets; return whether it was taken."""
     now = session()
     try:
         job_file = read_job_file(content, name=name)
@@ -125,9 +168,9 @@ def open_job(name: str, content: bytes) -> Job | None:
         diagnosis_of(case)
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
-        return None
-    st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1)
-    return job_file.job
+        return False
+    show_job(case, job_file.job, InBook(new=True))
+    return True
 
 
 def current_diagnosis() -> Diagnosis:

@@ -59,19 +59,30 @@ def server_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory, server_home: Path) -> Iterator[str]:
     """Address of a dashboard started by ``python -m atleak app`` in a directory of its own."""
-    port, folder = free_port(), tmp_path_factory.mktemp("elsewhere")
-    environment = {**os.environ, "ATLEAK_HOME": str(server_home)}
+    folder = tmp_path_factory.mktemp("elsewhere")
+    process, address = started(folder, server_home)
+    try:
+        yield address
+    finally:
+        end(process)
+
+
+def started(folder: Path, home: Path) -> tuple[subprocess.Popen, str]:
+    """Start a dashboard in a folder, for the user of a home; return its process and its address."""
+    port = free_port()
+    environment = {**os.environ, "ATLEAK_HOME": str(home)}
     environment["STREAMLIT_SERVER_HEADLESS"] = "true"  # no window of its own
     command = [sys.executable, "-m", "atleak", "app", "--port", str(port)]
-    with (folder / "server.log").open("wb") as log:
+    with (folder / "server.log").open("ab") as log:
         process = subprocess.Popen(
             command, cwd=folder, env=environment, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
         )
-        try:
-            _wait(f"http://127.0.0.1:{port}/_stcore/health", process, folder / "server.log")
-            yield f"http://127.0.0.1:{port}"
-        finally:
-            _end(process)
+    try:
+        _wait(f"http://127.0.0.1:{port}/_stcore/health", process, folder / "server.log")
+    except BaseException:
+        end(process)
+        raise
+    return process, f"http://127.0.0.1:{port}"
 
 
 def _wait(address: str, process: subprocess.Popen, log: Path) -> None:
@@ -86,12 +97,12 @@ def _wait(address: str, process: subprocess.Popen, log: Path) -> None:
     raise AssertionError(f"the server did not answer: {log.read_text(encoding='utf-8', errors='replace')[-2000:]}")
 
 
-def _end(process: subprocess.Popen) -> None:
+def end(process: subprocess.Popen, how: signal.Signals = signal.SIGTERM) -> None:
     """End the command and the server it started: its own process group, nothing else."""
     if os.name == "nt":
         subprocess.run(["taskkill", "/T", "/F", "/PID", str(process.pid)], capture_output=True, check=False)
     else:
-        os.killpg(process.pid, signal.SIGTERM)
+        os.killpg(process.pid, how)
     process.wait(timeout=20)
 
 

@@ -111,6 +111,7 @@ def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Pa
     assert page.get_by_test_id("stException").count() == 0
 
 
+@pytest.mark.slow
 def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
@@ -151,7 +152,8 @@ def test_a_log_that_is_none_is_refused(page: Page) -> None:
     expect(message).to_contain_text("photo.csv was not taken")
 
 
-@pytest.mark.parametrize("label", [SHEET, pytest.param(LOG, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("label", [SHEET, LOG])
 def test_a_file_that_ends_its_reader_ends_nothing_else(
     visit: Visit, page: Page, server: str, sample_readings: Path, stray_workbook: bytes, label: str
 ) -> None:

@@ -78,9 +78,6 @@ def _key_numbers(record: dict[str, Any]) -> dict[str, Any]:
             for gap in record["gaps"]
         },
         "repair_plan": {_name(step): step["share_after_percent"] for step in record["repair_plan"]},
-        "replace_mileage_km": {
-            _name(land): land["replace_mileage_km"] for land in record["lands"] if land["verdict"] != "ok"
-        },
         "road_test": {key: road[key] for key in ROAD_KEYS},
         "message_codes": sorted({message["code"] for message in record["messages"]}),
     }

@@ -6,13 +6,14 @@ import importlib.util
 import re
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+from openpyxl.worksheet.merge import MergedCellRange
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
@@ -28,6 +29,14 @@ from atleak.readings import Reading, Readings
 from atleak.road_test import Channel, RoadTest, Segment
 
 Edited = Callable[..., Path]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def borders_as_written() -> Iterator[None]:
+    """Let openpyxl load merged cells without making their borders anew: most of its time on a measuring sheet."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(MergedCellRange, "format", lambda merged: None)
+        yield
 
 
 @pytest.fixture

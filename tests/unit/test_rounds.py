@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 TESTS = {
     "plain": "def test_passes():\n    assert True\n",
     "skipped": "import pytest\n\ndef test_skipped():\n    pytest.skip('no browser')\n",
@@ -39,6 +41,7 @@ def outcomes(root: Path, folder: Path, **environment: str) -> dict[str, str]:
     return {name: outcome.lower() for outcome, name in lines}
 
 
+@pytest.mark.slow  # the other one shows the same but the skips
 def test_a_warning_and_a_misspelt_mark_fail_and_what_is_slow_is_left_out(root: Path, tmp_path: Path) -> None:
     assert outcomes(root, tmp_path) == {
         "plain": "passed", "skipped": "skipped", "skipped_file": "skipped", "warns": "failed", "misspelt": "error",

@@ -102,23 +102,23 @@ class Conditions:
         steps = list(enumerate(plan.steps, start=1))
         if steps:
             yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)
-            yield table(
-                [
-                    PrintedColumn("", lambda step: str(step[0]), side="r"),
-                    PrintedColumn(say("columns.pair"), lambda step: self.names.land_name(step[1].land), width=5),
-                    PrintedColumn(say("columns.verdict"), lambda step: self.names.verdict(step[1].land)),
-                    PrintedColumn(say("columns.helps_at"), lambda step: self._helps(step[1]), width=4),
-                    PrintedColumn(say("columns.before"), lambda step: self._at(step[1].at.before), side="r"),
-                    PrintedColumn(say("columns.after"), lambda step: self._at(step[1].at.after), side="r"),
-                    PrintedColumn(
-                        say("columns.replace_at"), lambda step: replace_at(step[1].land, say) or "–", width=2, side="r"
-                    ),
-                ],
-                steps,
-                empty=False,
-            )
+            columns = [
+                PrintedColumn("", lambda step: str(step[0]), side="r"),
+                PrintedColumn(say("columns.pair"), lambda step: self.names.land_name(step[1].land), width=5),
+                PrintedColumn(say("columns.verdict"), lambda step: self.names.verdict(step[1].land)),
+                PrintedColumn(say("columns.helps_at"), lambda step: self._helps(step[1]), width=4),
+                PrintedColumn(say("columns.before"), lambda step: self._at(step[1].at.before), side="r"),
+                PrintedColumn(say("columns.after"), lambda step: self._at(step[1].at.after), side="r"),
+            ]
+            foreseen = any(step.land.replace_mileage for step in plan.steps)
+            if foreseen:
+                reached = PrintedColumn(
+                    say("columns.replace_at"), lambda step: replace_at(step[1].land, say) or "–", width=2, side="r"
+                )
+                columns.append(reached)
+            yield table(columns, steps, empty=False)
             yield from self._options(plan)
-            if any(step.land.replace_mileage for step in plan.steps):
+            if foreseen:
                 yield text(f"{say('columns.replace_at')}: {say('texts.replace_at')}.", small=True)
             if len(self.diagnosis.projections) > 1:
                 yield from self._totals_after(plan.steps)

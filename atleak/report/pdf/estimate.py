@@ -31,8 +31,8 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
 
     yield table(
         [
-            PrintedColumn(say("columns.pair"), words.pair, width=4),
-            PrintedColumn(say("columns.work"), done, width=5),
+            PrintedColumn(say("columns.pair"), words.pair, width=5),
+            PrintedColumn(say("columns.work"), done, width=4),
             PrintedColumn(say("columns.price"), lambda line: words.money(line.part), side="r"),
             PrintedColumn(say("columns.hours"), words.hours, side="r"),
             PrintedColumn(say("columns.labour"), lambda line: words.money(line.work), side="r"),

@@ -1,4 +1,4 @@
-"""Build the first page: letterhead, owner and vehicle, the verdict and the totals."""
+"""Build the first page: owner and vehicle, the verdict and the totals."""
 
 from __future__ import annotations
 
@@ -29,27 +29,11 @@ from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
 
 class Front:
-    """What stands on the first page; ``pictures`` holds the printable pictures by the job's names."""
+    """What stands on the first page below the letterhead."""
 
-    def __init__(self, names: PrintedNames, pictures: dict[str, str]) -> None:
-        self.names, self.pictures = names, pictures
+    def __init__(self, names: PrintedNames) -> None:
+        self.names = names
         self.diagnosis, self.record, self.job, self.say = names.diagnosis, names.record, names.job, names.say
-
-    def head(self) -> dict[str, Any]:
-        """Return the letterhead."""
-        shop, say = self.job.workshop, self.say
-        lines = [
-            *shop.address.splitlines(),
-            f"{say('facts.phone')} {shop.phone}" if shop.phone else "",
-            shop.email,
-            shop.website,
-            f"{say('facts.register')} {shop.registration}" if shop.registration else "",
-        ]
-        return {
-            "workshop": shop.name,
-            "lines": [line for line in lines if line],
-            "logo": self.pictures.get(shop.logo or ""),
-        }
 
     def facts(self) -> list[list[str]]:
         """Return owner, vehicle and transmission; fields that were not filled in are left out."""

@@ -19,6 +19,17 @@ from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 _MOSTLY = 0.5  # fraction of an uncertainty's variance
 
 
+def condition_name(point: OperatingPoint, say: Wording) -> str:
+    """Return the name of a condition in the reader's language."""
+    if point.name in say.texts["conditions"] and point.name != STATED:
+        name = say(f"conditions.{point.name}")
+        return say("conditions.at", name=name, temperature=say.plain(point.temperature))
+    if point.name == STATED:
+        temperature, speed = say.plain(point.temperature), say.number(point.engine_speed * RPM, 0)
+        return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
+    return point.label.replace(" °C", "\u00a0°C")
+
+
 class PrintedNames:
     """The names and numbers of one diagnosis and its job, in one language."""
 
@@ -28,14 +39,7 @@ class PrintedNames:
 
     def condition(self, point: OperatingPoint) -> str:
         """Return the name of a condition in the reader's language."""
-        say = self.say
-        if point.name in say.texts["conditions"] and point.name != STATED:
-            name = say(f"conditions.{point.name}")
-            return say("conditions.at", name=name, temperature=say.plain(point.temperature))
-        if point.name == STATED:
-            temperature, speed = say.plain(point.temperature), say.number(point.engine_speed * RPM, 0)
-            return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
-        return point.label.replace(" °C", "\u00a0°C")
+        return condition_name(point, self.say)
 
     def section(self, name: str) -> str:
         """Return the name of a section's pressure in the reader's language, or that of a circuit as its file has it."""

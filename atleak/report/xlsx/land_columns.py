@@ -252,6 +252,6 @@ def _as_issued(sheet: LandSheet, *, uncertain: bool) -> Iterable[LandColumn]:
         over = recorded("probability_over_limit", "percent", PERCENT)
         yield LandColumn("probability", "probability over the limit as issued [%]", 14, over)
     if any(land.replace_mileage is not None for land in sheet.lands):
-        yield LandColumn("mileage", "replace at (95 % interval), wear ∝ mileage, as issued", 30, mileage)
+        yield LandColumn("mileage", "replace at (90 % interval), wear ∝ mileage, as issued", 30, mileage)
     yield LandColumn("because", "rule that gave the verdict, as issued", 46, because)
     yield LandColumn("representative", "representative values", 40, representative)

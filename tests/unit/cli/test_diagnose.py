@@ -449,7 +449,8 @@ def test_the_last_of_an_option_set_twice_counts(sample_readings: Path, record_of
 def test_mileage_reaches_the_record(sample_readings: Path, record_of: RecordOf) -> None:
     record = record_of(sample_readings, "--mileage", "106315")
     assert record["mileage_km"] == 106315.0
-    assert any(land["replace_mileage_km"] for land in record["lands"])
+    assert {land["replace_mileage_km"] for land in record["lands"]} == {None}  # one visit, nothing measured at 0 km
+    assert "no_wear_over_mileage" in {message["code"] for message in record["messages"]}
 
 
 def test_own_files_by_path(tmp_path: Path, record_of: RecordOf, small_sheet: SmallSheet) -> None:

@@ -12,6 +12,10 @@ import pytest
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import read_tables
+from atleak.job.case import Case, SourceFile
+from atleak.job.parts import job_parts
+from atleak.job.record import Job
+from atleak.jobs.book import open_book
 
 Run = Callable[..., tuple[int, str, str]]
 NAME = "minimal_example"
@@ -130,3 +134,20 @@ def test_the_output_is_a_toml_file_and_no_file_is_written_over(
     status, _, err = run("controller", "learn", *six, "--controller", NAME, "-o", tmp_path / "mine.toml")
     assert status == 2
     assert "is there already" in err
+
+
+def test_sheets_of_the_job_book_are_learned_from(run: Run, tmp_path: Path, small_sheet: Callable[..., Path]) -> None:
+    book = open_book()
+    for number, sleeve in enumerate((11.032, 11.036, 11.034)):
+        case = Case(readings=SourceFile.at(small_sheet(sleeve)), controller="minimal_example")
+        job = Job(number=str(number), vehicle={"mileage_km": 0.0}, transmission={"serial": f"S{number}"})
+        book.save(job_parts(case.diagnose(), job, case))
+    book.engine.dispose()
+    status, out, _ = run("controller", "learn", "--from-book", "--controller", "minimal_example", "--json", "-")
+    assert status == 0
+    record = json.loads(out)
+    assert [unit["file"] for unit in record["units"]] == ["job 0", "job 1", "job 2"]
+    assert run("controller", "learn", "--controller", "minimal_example")[0] == 2
+    status, _, error = run("controller", "learn", "--from-book", "--controller", "four_speed_2023")
+    assert status == 2
+    assert "no measuring sheet of a new or repaired four_speed_2023" in error

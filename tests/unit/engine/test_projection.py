@@ -15,7 +15,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
-from atleak.engine.projection import Projection, mileage_at_wear, project, repaired, stated_condition, with_wear
+from atleak.engine.projection import Projection, project, repaired, stated_condition, with_wear
 from atleak.errors import DomainError, InputError
 from atleak.readings import Readings, clearances
 
@@ -208,16 +208,3 @@ def test_repairing_a_new_unit_changes_nothing(minimal: Controller, readings_of: 
     for old, new in zip(states, again, strict=True):
         assert new.radial_clearance == old.radial_clearance
         assert new.sleeve_diameter == pytest.approx(old.sleeve_diameter, rel=1e-15, abs=0.0)
-
-
-# --- mileage
-
-
-def test_wear_in_proportion_to_mileage() -> None:
-    assert mileage_at_wear(100_000.0, 0.25, 0.5) == 200_000.0
-    assert mileage_at_wear(100_000.0, 0.5, 0.5) == 100_000.0
-
-
-@pytest.mark.parametrize(("mileage", "wear"), [(100_000.0, 0.0), (100_000.0, -0.1), (0.0, 0.2)])
-def test_without_wear_or_mileage_nothing_is_projected(mileage: float, wear: float) -> None:
-    assert mileage_at_wear(mileage, wear, 0.5) is None

@@ -23,7 +23,8 @@ from atleak.errors import InputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import read_road_test
 from atleak.job.case import Case, SourceFile
-from atleak.job.file import FORMAT, read_job_file, write_job_file
+from atleak.job.file import read_job_file, write_job_file
+from atleak.job.parts import FORMAT
 from atleak.job.record import Job
 from atleak.uncertainty import DEFAULTS
 from atleak.views.diagnosis_record import diagnosis_record

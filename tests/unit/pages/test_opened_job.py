@@ -184,7 +184,7 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
     said = "\n".join(widget.value for widget in app.sidebar.caption).replace("\\", "")
     for text in ("two.xlsx", "drive.csv", "our limits.toml", "guard factor, assumptions, values for the log"):
         assert text in said
-    assert app.session_state["job"].number == "A-17"
+    assert app.session_state["job-record"].number == "A-17"
 
 
 def test_a_job_file_written_again_holds_the_same_choices(app: AppTest, content: bytes) -> None:
@@ -192,7 +192,7 @@ def test_a_job_file_written_again_holds_the_same_choices(app: AppTest, content: 
 
     open_job(app, content)
     good = app.session_state["atleak"].good
-    again = write_job_file(diagnosis_of(good), app.session_state["job"], case_with_columns(good))
+    again = write_job_file(diagnosis_of(good), app.session_state["job-record"], case_with_columns(good))
     assert read_job_file(again).case == read_job_file(content).case
 
 

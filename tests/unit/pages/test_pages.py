@@ -21,7 +21,7 @@ from .conftest import ROOT, choice, flagged, go, number, texts, uploader
 
 PAGES = (
     "1_Diagnosis", "2_Readings", "3_Uncertainty", "4_Road_test", "5_Report", "6_Source_study", "7_Catalogue",
-    "8_Pressures", "9_Transmission",
+    "8_Pressures", "9_Transmission", "10_Job_book", "11_Unit", "12_Compare",
 )  # fmt: skip
 WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"  # of the default limits
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
@@ -47,9 +47,9 @@ def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: st
 
 
 def test_every_page_has_a_number_of_its_own() -> None:
-    stems = sorted(path.stem for path in (ROOT / "pages").glob("[0-9]*.py"))
-    assert stems == sorted(PAGES)
-    assert [int(name.split("_")[0]) for name in stems] == list(range(1, len(stems) + 1))
+    stems = [path.stem for path in (ROOT / "pages").glob("[0-9]*.py")]
+    assert sorted(stems) == sorted(PAGES)
+    assert sorted(int(name.split("_")[0]) for name in stems) == list(range(1, len(stems) + 1))
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -370,11 +370,11 @@ def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, la
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
     number(app, "Mileage [km]").set_value("120000.0").run()
     next(widget for widget in app.text_input if widget.label == "Technician").set_value("T. Old").run()
-    assert app.session_state["job"].technician == "T. Old"
+    assert app.session_state["job-record"].technician == "T. Old"
     press(app, label)
     assert not app.exception
     assert next(widget for widget in app.text_input if widget.label == "Technician").value == ""
-    assert app.session_state["job"].empty
+    assert app.session_state["job-record"].empty
     assert number(app, "Mileage [km]").value == ""
     case = app.session_state["atleak"].good
     assert case.sample == (label != "New, empty job")

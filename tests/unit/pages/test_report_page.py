@@ -40,7 +40,7 @@ def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
     assert not app.exception
     assert field(app, "Job number").value == "A-17"
     assert field(app, "Complaint").value == "late 1-2 shift: 12.715"
-    job: Job = app.session_state["job"]
+    job: Job = app.session_state["job-record"]
     assert job.number == "A-17"
 
 
@@ -54,7 +54,7 @@ def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTes
     assert "assumed 20 °C" in measured()
     field(app, "Measuring temperature [°C]").set_value("35,0").run()
     assert not app.exception
-    assert app.session_state["job"].measuring_temperature_c == 35.0
+    assert app.session_state["job-record"].measuring_temperature_c == 35.0
     assert app.session_state["atleak"].good.measuring_temperature == 35.0
     assert "35 °C, diameters corrected to 20 °C" in measured()
     assert field(app, "Measuring temperature [°C]").value == "35,0"
@@ -62,7 +62,7 @@ def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTes
     assert "assumed 20 °C" in measured()
     field(app, "Pump side clearance [µm]").set_value("85,5").run()
     assert not app.exception
-    assert app.session_state["job"].pump_side_clearance_um == 85.5
+    assert app.session_state["job-record"].pump_side_clearance_um == 85.5
     assert app.session_state["atleak"].good.pump_clearances.um == (85.5, None)
 
 
@@ -75,12 +75,12 @@ def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
         "deleted_rows": [],
     }
     app.run()
-    job: Job = app.session_state["job"]
+    job: Job = app.session_state["job-record"]
     assert job.fault_codes == ("P0730", "P0741")
     assert job.repair_decisions[0].reason == "too dear"
     go(app, "2_Readings")
     go(app, "5_Report")
-    assert app.session_state["job"].repair_decisions == job.repair_decisions
+    assert app.session_state["job-record"].repair_decisions == job.repair_decisions
 
 
 def test_no_column_to_type_into_drops_a_decimal_comma(app: AppTest) -> None:
@@ -108,7 +108,7 @@ def test_a_record_that_cannot_be_used_is_refused_with_its_reason(app: AppTest) -
     uploader = next(widget for widget in app.file_uploader if widget.label == "Job record")
     uploader.set_value(("job.toml", b"numbr = 1", "application/toml")).run()
     assert any("did you mean" in widget.value for widget in app.error)
-    assert app.session_state["job"].empty
+    assert app.session_state["job-record"].empty
 
 
 def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(app: AppTest) -> None:
@@ -124,7 +124,7 @@ def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(
     uploader = next(widget for widget in app.file_uploader if widget.label == "Photos")
     uploader.set_value([("a.png", target.getvalue(), "image/png")]).run()
     field(app, "Caption").set_value("scored").run()
-    assert app.session_state["job"].photos[0].caption == "scored"
+    assert app.session_state["job-record"].photos[0].caption == "scored"
 
 
 def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
@@ -134,11 +134,11 @@ def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     uploader.set_value([("a.png", target.getvalue(), "image/png"), ("b.png", b"no picture", "image/png")]).run()
     assert not app.exception
     assert any("b.png" in widget.value.replace("\\", "") for widget in app.error)
-    job: Job = app.session_state["job"]
+    job: Job = app.session_state["job-record"]
     assert list(job.pictures) == ["photos/a.png"]
     go(app, "2_Readings")
     go(app, "5_Report")
-    assert list(app.session_state["job"].pictures) == ["photos/a.png"]
+    assert list(app.session_state["job-record"].pictures) == ["photos/a.png"]
 
 
 def test_the_example_of_the_documentation_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

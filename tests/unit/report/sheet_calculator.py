@@ -51,8 +51,16 @@ class SheetCalculator:
 
     def __init__(self, content: bytes) -> None:
         self.book = openpyxl.load_workbook(io.BytesIO(content))
-        self.cached = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+        self.content = content
         self.known: dict[tuple[str, str], Any] = {}
+
+    def cached(self) -> dict[tuple[str, str], Any]:
+        """What the file gives for its cells, by (sheet, address), before anything is calculated."""
+        book = openpyxl.load_workbook(io.BytesIO(self.content), read_only=True, data_only=True)
+        rows = ((sheet, row) for sheet in book for row in sheet.iter_rows())
+        return {
+            (sheet.title, cell.coordinate): cell.value for sheet, row in rows for cell in row if cell.value is not None
+        }
 
     def formulas(self) -> list[tuple[str, str]]:
         """(sheet, address) of every cell with a formula."""
@@ -66,8 +74,9 @@ class SheetCalculator:
 
     def wrong(self) -> list[Any]:
         """The formulas that do not give their cached value."""
-        assert self.formulas()
-        found = [(*at, self.value(*at), self.cached[at[0]][at[1]].value) for at in self.formulas()]
+        formulas, cached = self.formulas(), self.cached()
+        assert formulas
+        found = [(*at, self.value(*at), cached.get(at)) for at in formulas]
         return [each for each in found if not same(*each[2:])]
 
     def set(self, sheet: str, address: str, value: Any) -> None:

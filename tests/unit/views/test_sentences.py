@@ -14,57 +14,73 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis import Diagnosis, LandDiagnosis, diagnose
-from atleak.replace_mileage import ReplaceMileage
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.views.sentences import replace_at, tighter_than_new
+from atleak.wear_line import Crossing
 from atleak.wording import wording
 
 INFINITE = float("inf")
+NOW = 106_315.0  # [km]
 
 
-def reaching(sample: Diagnosis, at: ReplaceMileage | None) -> LandDiagnosis:
-    return replace(sample.lands[0], replace_mileage=at)
+def reaching(sample: Diagnosis, at: Crossing | None) -> LandDiagnosis:
+    return reaching_of(sample.lands[0], at)
+
+
+def reaching_of(land: LandDiagnosis, at: Crossing | None) -> LandDiagnosis:
+    return replace(land, replace_mileage=at)
 
 
 @pytest.mark.parametrize(
     ("at", "said"),
     [
-        (ReplaceMileage(157_861.7, 139_204.0, 184_301.0), "160 000 km (140 000 to 180 000)"),
-        (ReplaceMileage(432_853.9, 270_000.0, 1_000_000.0), "430 000 km (270 000 to 1 000 000)"),
-        (ReplaceMileage(1_144_394.0, 400_000.0, 5_000_000.0), "not foreseeable"),
-        (ReplaceMileage(None, 300_000.0, INFINITE), "not foreseeable"),
+        (Crossing(157_861.7, 139_204.0, 184_301.0, NOW), "160 000 km (140 000 to 180 000)"),
+        (Crossing(432_853.9, 270_000.0, 1_000_000.0, NOW), "430 000 km (270 000 to 1 000 000)"),
+        (Crossing(1_144_394.0, 408_000.0, 5_000_000.0, NOW), "not before 400 000 km"),
+        (Crossing(5e6, 3e6, INFINITE, NOW), "not before 1 000 000 km"),
+        (Crossing(800_000.0, NOW, INFINITE, NOW), "not foreseeable"),
         (None, None),
     ],
 )
 def test_a_mileage_is_rounded_with_its_interval_or_not_foreseeable(
-    sample: Diagnosis, at: ReplaceMileage | None, said: str | None
+    sample: Diagnosis, at: Crossing | None, said: str | None
 ) -> None:
     words = replace_at(reaching(sample, at), wording("en"))
     assert (None if words is None else words.replace("\u00a0", " ")) == said
 
 
-@pytest.mark.parametrize(("language", "said"), [("de", "nicht absehbar"), ("pl", "nie do przewidzenia")])
-def test_it_is_said_in_every_language(sample: Diagnosis, language: str, said: str) -> None:
-    assert replace_at(reaching(sample, ReplaceMileage(None, 1.0, INFINITE)), wording(language)) == said
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [("de", ["nicht absehbar", "nicht vor 410"]), ("pl", ["nie do przewidzenia", "nie wcześniej"])],
+)
+def test_it_is_said_in_every_language(sample: Diagnosis, language: str, said: list[str]) -> None:
+    for low, words in zip((NOW, 4.1e5), said, strict=True):
+        at = Crossing(INFINITE, low, INFINITE, NOW)
+        assert replace_at(reaching(sample, at), wording(language)).startswith(words)
 
 
 def test_the_record_keeps_the_numbers_as_they_are(sample: Diagnosis) -> None:
-    at = ReplaceMileage(1_144_394.25, 400_000.5, INFINITE)
+    at = Crossing(1_144_394.25, 400_000.5, 2e6, NOW)
     lands = (reaching(sample, at), *sample.lands[1:])
     row = json.loads(to_json(diagnosis_record(replace(sample, lands=lands))))["lands"][0]
     assert row["replace_mileage_km"] == 1_144_394.25
     assert row["replace_mileage_low_km"] == 400_000.5
-    assert row["replace_mileage_high_km"] is None
+    assert row["replace_mileage_high_km"] == 2e6
+    lands = (reaching(sample, replace(at, high=INFINITE)), *sample.lands[1:])
+    row = json.loads(to_json(diagnosis_record(replace(sample, lands=lands))))["lands"][0]
+    assert (row["replace_mileage_km"], row["replace_mileage_high_km"]) == (None, None)
 
 
 def test_the_workbook_gives_words_and_no_figure_beyond_what_a_vehicle_runs(sample: Diagnosis) -> None:
-    lands = pd.read_excel(io.BytesIO(write_workbook(sample)), sheet_name="Lands", engine="calamine")
+    reached = Crossing(157_861.7, 139_204.0, 184_301.0, NOW), Crossing(800_000.0, NOW, INFINITE, NOW)
+    projected = [reaching_of(land, at) for land, at in zip(sample.lands, reached, strict=False)]
+    unit = replace(sample, lands=(*projected, *sample.lands[2:]))
+    lands = pd.read_excel(io.BytesIO(write_workbook(unit)), sheet_name="Lands", engine="calamine")
     column = next(name for name in lands if name.startswith("replace at"))
     said = {str(value).replace("\u00a0", " ") for value in lands[column].dropna()}
-    assert "not foreseeable" in said
-    assert any(value.endswith(")") and " km (" in value for value in said)
+    assert said == {"not foreseeable", "160 000 km (140 000 to 180 000)"}
 
 
 def test_a_verdict_on_pairs_tighter_than_new_says_so_at_once(

@@ -1,0 +1,66 @@
+"""Put two jobs of one unit side by side, before and after: ``atleak compare``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from atleak.cli.shared import (
+    add_command,
+    add_force,
+    add_json,
+    add_print,
+    check_targets,
+    say_written,
+    write,
+    write_json,
+)
+from atleak.errors import InputError
+
+
+def add_parser(commands: Any) -> None:
+    """Add the command."""
+    add_options(add_command(commands, "compare", run, "two jobs of one unit side by side, before and after"))
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options, which ``atleak jobs compare`` has too."""
+    parser.add_argument("before", metavar="A", help="the earlier job: a job file (zip), or its id in the job book")
+    parser.add_argument("after", metavar="B", help="the later job, likewise")
+    add_json(parser)
+    parser.add_argument("--pdf", metavar="FILE", help="a page for the customer")
+    add_print(parser)
+    add_force(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compare the jobs, write what was asked for and show it."""
+    from atleak.jobs.compared import compare_jobs, compared_record, job_of
+
+    if options.pdf == "-":
+        problem = "a PDF cannot be written to standard output"
+        raise InputError(problem, value="--pdf -", expected="a file name")
+    inputs = [name for name in (options.before, options.after) if Path(name).is_file()]
+    check_targets(options, inputs, [("record", options.json), ("PDF", options.pdf)])
+    compared = compare_jobs(job_of(options.before), job_of(options.after))
+    written = []
+    if options.pdf is not None:
+        from atleak.report.pdf.comparison import write_comparison_pdf
+
+        content = write_comparison_pdf(
+            compared.comparison,
+            compared.before.job,
+            compared.after.job,
+            language=options.language,
+            paper=options.paper,
+        )
+        written += write(options.pdf, content)
+    if options.json is not None:  # written last: standard output stays empty when another file fails
+        written += write_json(options.json, compared_record(compared))
+    if options.json != "-":
+        from atleak.report.comparison_terminal import print_comparison
+
+        print_comparison(compared.comparison)
+        say_written(written)
+    return 0

@@ -1,0 +1,198 @@
+"""Work with the job book: ``atleak jobs add|list|show|open|…``."""
+
+from __future__ import annotations
+
+import argparse
+import datetime as dt
+import sys
+from typing import TYPE_CHECKING, Any
+
+from atleak.cli.app import PORT, open_page, port_number
+from atleak.cli.job_options import add_job_options, as_read, chosen_job
+from atleak.cli.jobs_upkeep import add_upkeep
+from atleak.cli.shared import (
+    add_command,
+    add_force,
+    add_job_id,
+    add_json,
+    check_targets,
+    say_written,
+    without_colours,
+    write_json,
+)
+from atleak.verdicts import Verdict
+from atleak.version import __version__
+
+if TYPE_CHECKING:
+    from atleak.jobs.book import JobRow
+
+_LIMIT = 200  # rows of a list
+
+
+def add_parser(commands: Any) -> None:
+    """Add the commands."""
+    about = "the job book: every job that was worked on"
+    parser = commands.add_parser("jobs", help=about, description=about[0].upper() + about[1:] + ".")
+    without_colours(parser)
+    group = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    add = add_command(group, "add", _add, "diagnose a job and put it into the book; prints its id")
+    add_job_options(add)
+    _add_list(group)
+    show = add_command(group, "show", _show, "a job of the book, diagnosed anew")
+    add_job_id(show)
+    add_json(show)
+    add_force(show)
+    opened = add_command(
+        group, "open", _open, "a job of the book in the dashboard, which is started where it is not up"
+    )
+    add_job_id(opened)
+    opened.add_argument(
+        "--port", metavar="N", type=port_number, default=PORT, help=f"of the dashboard: {PORT} unless given"
+    )
+    archive = add_command(group, "archive", _archive, "take jobs out of lists and statistics; bring-back undoes it")
+    add_job_id(archive, "+")
+    back = add_command(group, "bring-back", _archive, "put archived jobs back")
+    add_job_id(back, "+")
+    add_upkeep(group)
+
+
+def _add_list(group: Any) -> None:
+    parser = add_command(group, "list", _list, "the jobs of the book, the last changed one first")
+    parser.add_argument(
+        "--text",
+        default="",
+        help="what a number, customer, VIN, plate or serial begins with, or a VIN or serial ends with",
+    )
+    for name in ("vin", "plate", "serial", "customer", "number"):
+        parser.add_argument(f"--{name}", default="", help="likewise, of this alone")
+    for name in ("from", "to"):
+        parser.add_argument(f"--{name}", metavar="DATE", type=_date, help=f"{name} this date of the job on: 2026-04-17")
+    parser.add_argument("--verdict", choices=[each.value for each in Verdict], default="")
+    parser.add_argument("--controller", metavar="ID", default="", help="of the valve body")
+    parser.add_argument("--archived", action="store_true", help="the archived jobs in place of the others")
+    parser.add_argument("--limit", metavar="N", type=int, default=_LIMIT, help=f"rows at most: {_LIMIT} unless given")
+    add_json(parser)
+    add_force(parser)
+
+
+def _date(text: str) -> dt.date:
+    from atleak.intake.dates import sure_date
+
+    date = sure_date([text])
+    if date is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is no date that can be read in one way: write it as 2026-04-17")
+    return date
+
+
+# --- what the commands do
+
+
+def _add(options: argparse.Namespace) -> int:
+    from atleak.job.parts import job_parts
+    from atleak.jobs.book import open_book
+
+    case, job = chosen_job(options)
+    parts = job_parts(case.diagnose(), job, as_read(case))
+    print(open_book().save(parts).id)
+    return 0
+
+
+def _list(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.search import Query
+
+    check_targets(options, [], [("record", options.json)])
+    names = ("text", "vin", "plate", "serial", "customer", "number", "to", "verdict", "controller", "archived", "limit")
+    asked = {name: getattr(options, name) for name in names}
+    query = Query(date_from=getattr(options, "from"), date_to=asked.pop("to"), **asked)
+    book = open_book()
+    rows = book.rows(query)
+    if options.json is not None:
+        say_written(write_json(options.json, [_record(row) for row in rows]))
+    if options.json != "-":
+        _print_rows(rows, book.count(query))
+    return 0
+
+
+def _record(row: JobRow) -> dict[str, Any]:
+    return {
+        "id": row.id,
+        "number": row.number,
+        "vin": row.vin,
+        "serial": row.serial,
+        "customer": row.customer,
+        "date": row.date and row.date.isoformat(),
+        "controller": row.controller,
+        "verdict": row.verdict,
+        "mileage_km": row.mileage_km,
+        "plate": row.plate,
+        "unit": row.unit,
+        "visit": row.visit,
+        "changed_at": row.changed_at.isoformat(),
+        "archived_at": row.archived_at and row.archived_at.isoformat(),
+        "sample": row.sample,
+        "atleak": __version__,
+    }
+
+
+def _print_rows(rows: list[JobRow], count: int) -> None:
+    from atleak.report.terminal import print_table
+    from atleak.wording import signed
+
+    if not rows:
+        print("No job of the job book fits.")
+        return
+    shown = [
+        {**_record(row), "verdict": signed(Verdict(row.verdict)), "vehicle": row.vin or row.plate or row.serial}
+        for row in rows
+    ]
+    print_table(["id", "date", "number", "customer", "vehicle", "unit", "verdict"], shown)
+    if count > len(rows):
+        print(f"{len(rows)} of {count} jobs; --limit shows more, --text and the others look one up")
+
+
+def _show(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.judged_anew import judged_otherwise
+    from atleak.jobs.named import named_job
+    from atleak.views.diagnosis_record import diagnosis_record
+
+    check_targets(options, [], [("record", options.json)])
+    book = open_book()
+    stored = book.load(named_job(book, options.job))
+    diagnosis = stored.file.diagnose()
+    record = diagnosis_record(diagnosis)
+    if stored.archived_at is not None:
+        print(f"atleak: this job was archived on {stored.archived_at:%Y-%m-%d}", file=sys.stderr)
+    otherwise = judged_otherwise(stored.file.result, record)
+    if otherwise:
+        print(f"atleak: judged otherwise than by atleak {stored.result_by}, which stored it:", file=sys.stderr)
+        for each in otherwise:
+            print(f"  {each}", file=sys.stderr)
+    if options.json is not None:
+        said = {"job": stored.file.job.record(), "id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
+        say_written(write_json(options.json, {**record, **said}))
+    if options.json != "-":
+        from atleak.report.terminal import print_diagnosis
+
+        print_diagnosis(diagnosis)
+    return 0
+
+
+def _open(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.named import named_job
+
+    book = open_book()
+    return open_page(options.port, {"job": named_job(book, options.job)})
+
+
+def _archive(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.named import named_job
+
+    book, back = open_book(), options.action == "bring-back"
+    for id in [named_job(book, name) for name in options.jobs]:  # one that is not there stops before the first
+        (book.bring_back if back else book.archive)(id)
+        print(f"{'brought back' if back else 'archived'}: {id}")
+    return 0

@@ -1,0 +1,229 @@
+"""Keep the job book: ``atleak jobs export|import|merge|part|duplicates|erase|backup|restore|verify``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from atleak.cli.shared import add_command, add_force, add_job_id, check_targets, say_written
+from atleak.errors import AtleakError, InputError, Place
+
+if TYPE_CHECKING:
+    from atleak.jobs.book import Book
+    from atleak.system.marks import Kind
+
+
+def add_upkeep(group: Any) -> None:
+    """Add the commands."""
+    export = add_command(group, "export", _export, "jobs as job files, with tables for other programs")
+    add_job_id(export, "*")
+    export.add_argument("--all", action="store_true", help="every job of the book, archived ones too")
+    export.add_argument("-o", "--output", metavar="FOLDER", required=True)
+    add_force(export)
+    taken = add_command(group, "import", _import, "take job files into the book; a job that is there is recognised")
+    taken.add_argument("files", metavar="FILE|FOLDER", nargs="+", help="job files, or folders of them")
+    merge = add_command(group, "merge", _merge, "make two units one, as after a slip in typing a VIN; part undoes it")
+    merge.add_argument("unit", metavar="UNIT", type=int, help="number of the unit that stays, as list --json names it")
+    merge.add_argument("other", metavar="UNIT", type=int, help="number of the one that leads to it")
+    part = add_command(group, "part", _part, "undo a merge")
+    part.add_argument("unit", metavar="UNIT", type=int, help="number of the unit that was merged into another one")
+    add_command(group, "duplicates", _duplicates, "which units may be one")
+    erase = add_command(group, "erase", _erase, "remove a customer's personal data from the book for good")
+    add_job_id(erase, "*")
+    erase.add_argument("--customer", metavar="NAME|NUMBER", help="every job of this customer")
+    erase.add_argument("--yes", action="store_true", help="do not ask")
+    backup = add_command(group, "backup", _backup, "a copy of the whole book, also while it is in use")
+    backup.add_argument("file", metavar="FILE")
+    add_force(backup)
+    restore = add_command(group, "restore", _restore, "bring a backup back")
+    restore.add_argument("file", metavar="FILE")
+    restore.add_argument("--force", action="store_true", help="in the place of a book that holds jobs")
+    add_command(group, "verify", _verify, "whether every job opens and its stored result is whole")
+
+
+# --- out and in
+
+
+def _export(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.exchange import export_paths, exported
+    from atleak.system.files import replace_file
+    from atleak.system.home import made
+
+    book = open_book()
+    ids = _ids(book, options)
+    folder = Path(options.output)
+    targets: list[tuple[Kind, str | None]] = [
+        ("job file" if path.suffix == ".zip" else "table", str(folder / path))
+        for path in export_paths(book, ids).values()
+    ]
+    check_targets(options, [], targets)
+    made(folder / "tables")
+    for path, content in exported(book, ids):
+        replace_file(folder / path, content)
+    print(f"written: {len(ids)} job{'s' * (len(ids) != 1)} and their tables in {folder}")
+    return 0
+
+
+def _ids(book: Book, options: argparse.Namespace) -> list[str]:
+    """Return the jobs that an export is asked for."""
+    from atleak.jobs.named import named_job
+    from atleak.jobs.search import Query
+
+    if options.all == bool(options.jobs):
+        raise InputError("it is not said which jobs", expected="their ids, or --all")
+    if not options.all:
+        return list(dict.fromkeys(named_job(book, name) for name in options.jobs))
+    return [row.id for row in book.rows(Query(archived=None, limit=None))]
+
+
+def _import(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.exchange import import_job
+
+    book, failed, empty = open_book(), 0, True
+    for path in _job_files(options.files):
+        empty = False
+        try:
+            taken = import_job(book, path)
+        except AtleakError as error:  # one file that cannot be used does not stop the others
+            print(f"atleak: {error}", file=sys.stderr)
+            failed += 1
+            continue
+        said = "is in the book already" if taken.known else "taken in"
+        print(f"{path.name}: {said}: {taken.id}, {taken.verdict}")
+        if taken.stored_verdict is not None:
+            print(f"atleak: {path.name}: judged otherwise when it was written: {taken.stored_verdict}", file=sys.stderr)
+    if empty:
+        raise InputError("no job file is there", value=", ".join(options.files), expected="job files (zip)")
+    return 2 if failed else 0
+
+
+def _job_files(names: list[str]) -> Iterator[Path]:
+    for path in map(Path, names):
+        if path.is_dir():
+            yield from sorted(path.glob("*.zip"))
+        else:
+            yield path
+
+
+# --- units
+
+
+def _merge(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.merge import merge
+
+    merge(open_book(), options.unit, options.other)
+    print(f"unit {options.other} is part of unit {options.unit} now; `atleak jobs part {options.other}` undoes it")
+    return 0
+
+
+def _part(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.merge import part
+
+    part(open_book(), options.unit)
+    print(f"unit {options.unit} stands by itself again")
+    return 0
+
+
+def _duplicates(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.merge import duplicates
+
+    pairs = duplicates(open_book())
+    for pair in pairs:
+        print(f"atleak jobs merge {pair.one.id} {pair.other.id}   # {pair.why}: {pair.one.told} | {pair.other.told}")
+    if not pairs:
+        print("No two units of the job book look like one.")
+    return 0
+
+
+# --- erasing
+
+
+def _erase(options: argparse.Namespace) -> int:
+    from atleak.jobs.book import open_book
+    from atleak.jobs.erase import WHAT_GOES, erase, jobs_of_customer, same_vehicle
+    from atleak.jobs.named import named_job
+    from atleak.jobs.search import Query
+
+    if (options.customer is None) == (not options.jobs):
+        raise InputError("it is not said which jobs", expected="--customer NAME|NUMBER, or ids of jobs")
+    book = open_book()
+    if options.customer is None:
+        ids = [named_job(book, name) for name in options.jobs]
+    else:
+        ids = [row.id for row in jobs_of_customer(book, options.customer)]
+        if not ids:
+            expected = "the whole name or number, as `atleak jobs list` shows it"
+            place = Place(file=book.name)
+            raise InputError("no job is of this customer", place=place, value=options.customer, expected=expected)
+    rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
+    for row in rows:
+        print(f"{row.id}  {row.told}")
+    print(WHAT_GOES)
+    for row in same_vehicle(book, ids):
+        print(f"Not erased, of the same vehicle or transmission: {row.id}  {row.told}")
+    if not options.yes and not _agreed(len(rows)):
+        return 2
+    for done in erase(book, ids):
+        gone = f"; gone with it, the stored result stays: {', '.join(done.lost)}" if done.lost else ""
+        print(f"erased: {done.id}{gone}")
+        for name in done.left_in:
+            print(f"atleak: {done.id}: left as it is, and it names the customer: {name}", file=sys.stderr)
+    return 0
+
+
+def _agreed(count: int) -> bool:
+    if not sys.stdin.isatty():
+        raise InputError("nothing was erased: nobody can be asked here", expected="--yes")
+    answer = input(f"Erase {count} job{'s' * (count != 1)}? Write yes: ")
+    if answer.strip().lower() == "yes":
+        return True
+    print("nothing was erased")
+    return False
+
+
+# --- safety
+
+
+def _backup(options: argparse.Namespace) -> int:
+    from atleak.jobs.backup import backup
+    from atleak.jobs.book import open_book
+
+    path = Path(options.file)
+    if path.exists() and not options.force:
+        raise InputError("is there already", place=Place(file=str(path)), expected="another name, or --force")
+    count = backup(open_book(), path)
+    say_written([f"{path}, {count} job{'s' * (count != 1)}"])
+    return 0
+
+
+def _restore(options: argparse.Namespace) -> int:
+    from atleak.jobs.backup import restore
+    from atleak.jobs.book import open_book
+
+    count = restore(Path(options.file), open_book(), force=options.force)
+    print(f"restored: {count} job{'s' * (count != 1)}")
+    return 0
+
+
+def _verify(options: argparse.Namespace) -> int:
+    from atleak.jobs.backup import verify
+    from atleak.jobs.book import open_book
+    from atleak.jobs.search import Query
+
+    book = open_book()
+    faults = verify(book)
+    for fault in faults:
+        print(f"atleak: {fault}", file=sys.stderr)
+    if faults:
+        return 2
+    count = book.count(Query(archived=None))
+    print(f"{count} job{'s' * (count != 1)}, every one whole")
+    return 0

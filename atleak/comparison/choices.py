@@ -1,0 +1,106 @@
+"""Tell by which choices two jobs were judged, where these differ, and judge one unit by the choices of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.pump import NO_CLEARANCES
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.uncertainty import DEFAULTS, GUARD_FACTOR
+
+ChoiceName = Literal["fluid", "limits", "profile", "condition", "assumptions"]
+
+
+@dataclass(frozen=True)
+class DifferingChoice:
+    """One choice in which two jobs differ, in English words."""
+
+    name: ChoiceName
+    before: str
+    after: str
+
+
+def differing_choices(before: Diagnosis, after: Diagnosis) -> tuple[DifferingChoice, ...]:
+    """Return the choices that change a result of the same readings, and in which two jobs differ.
+
+    Instruments, measuring temperature, pump clearances and lengths that were measured are no such choices: they belong
+    to what was measured.
+    """
+    return tuple(_differing(before, after))
+
+
+def _differing(before: Diagnosis, after: Diagnosis) -> Iterator[DifferingChoice]:
+    if _fluid(before) != _fluid(after):
+        yield DifferingChoice("fluid", *_told_apart(f"{_in_state(before)}", f"{_in_state(after)}"))
+    if before.limits.origin.sha256 != after.limits.origin.sha256:
+        yield DifferingChoice("limits", *_told_apart(before.limits.name, after.limits.name))
+    if before.profile.options != after.profile.options:
+        yield DifferingChoice("profile", *_told_apart(before.profile.label, after.profile.label))
+    if not same_condition(before.projection.condition, after.projection.condition):
+        yield DifferingChoice(
+            "condition", *_told_apart(before.projection.condition.label, after.projection.condition.label)
+        )
+    if before.uncertainty is not None and after.uncertainty is not None:
+        assumed = [
+            {**each.assumptions.settings, "guard band": each.guard_factor}
+            for each in (before.uncertainty, after.uncertainty)
+        ]
+        names = [name for name, value in assumed[0].items() if value != assumed[1][name]]
+        if names:
+            said = [", ".join(f"{name.replace('_', ' ')} {each[name]:g}" for name in names) for each in assumed]
+            yield DifferingChoice("assumptions", said[0], said[1])
+
+
+def _fluid(diagnosis: Diagnosis) -> tuple[str, str, bool]:
+    return diagnosis.fluid.origin.sha256, diagnosis.fluid.state, diagnosis.fluid.estimated
+
+
+def _in_state(diagnosis: Diagnosis) -> str:
+    return f"{diagnosis.fluid.name}, {diagnosis.fluid.state}"
+
+
+def _told_apart(before: str, after: str) -> tuple[str, str]:
+    """Return both names; what differs in its file alone says so."""
+    return (before, after) if before != after else (before, f"another file of the name {after}")
+
+
+def same_condition(before: OperatingPoint, after: OperatingPoint) -> bool:
+    """Tell whether two operating points are one and the same; how they are called and who states them aside."""
+    return replace(before, label="", source="") == replace(after, label="", source="")
+
+
+def judged_as(after: Diagnosis, before: Diagnosis) -> Diagnosis:
+    """Return the same unit, as measured, judged by the choices of another job of it.
+
+    Parameters
+    ----------
+    after
+        the diagnosis whose readings, log, gauges and valve body count.
+    before
+        the diagnosis whose fluid, limits, profile, stated condition and assumptions count.
+    """
+    measured, chosen = after.uncertainty, before.uncertainty or after.uncertainty
+    same_file = before.controller.sha256 == after.controller.sha256
+    # the controller holds this job's pump and lands already: the pump of the sheet's head must not count twice
+    readings = None if after.readings is None else replace(after.readings, pump=NO_CLEARANCES)
+    again = diagnose(
+        after.controller,
+        before.fluid,
+        before.limits,
+        fluid_state=None if before.fluid_state_assumed else before.fluid.state,
+        readings=readings,
+        road_test=after.log.road_test if after.log is not None else None,
+        pressures=after.pressures.table if after.pressures is not None else None,
+        profile=before.profile,
+        condition=(before if same_file else after).projection.condition,
+        mileage=after.mileage,
+        measuring_temperature=after.measured_at.value if after.measured_at is not None else None,
+        instruments=measured.instruments if measured is not None else None,
+        assumptions=chosen.assumptions if chosen is not None else DEFAULTS,
+        guard_factor=chosen.guard_factor if chosen is not None else GUARD_FACTOR,
+        complaint=after.complaint,
+    )
+    return replace(again, repairs=after.repairs)

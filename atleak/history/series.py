@@ -1,0 +1,146 @@
+"""Find which points of one land lie on one line: a repair, or another odometer, begins its series anew."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from atleak.catalogue.controller import Land, NewOrigin
+from atleak.history.shared_errors import Factors, covariance, factors_of
+from atleak.history.visits import Visits
+from atleak.rules import LandKey
+from atleak.uncertainty import LandSources
+from atleak.wear_line import WearLine, wear_line
+
+SURELY_NARROWER = 3.0  # standard uncertainties of the difference of two visits: choice of this project
+
+
+class Restart(StrEnum):
+    """Why a series begins at a later visit than the first."""
+
+    REPAIRED = "repaired"  # by the record of the visit before
+    FITTED = "fitted"  # by the sheet, which names a repair that the visit before did not have
+    NARROWER = "narrower"  # than at the visit before, by more than measuring can be off
+    ODOMETER = "odometer"  # the mileage falls
+
+
+@dataclass(frozen=True)
+class Point:
+    """A clearance of a land at one mileage, with the errors that it shares with others."""
+
+    visit: int | None  # its number among those of the unit; None: the mounting clearance
+    mileage: float  # [km]
+    clearance: float  # [m]
+    factors: Factors
+    own_variance: float  # [m²]
+
+    @property
+    def standard_uncertainty(self) -> float:
+        """Return the standard uncertainty of the clearance [m]."""
+        return math.sqrt(self.own_variance + math.fsum(factor**2 for factor in self.factors.values()))
+
+
+@dataclass(frozen=True)
+class Series:
+    """The points of one land: those that count, in the order of the visits, and those of an earlier series."""
+
+    key: LandKey
+    land: LandSources | None  # as last measured, if that counts; None where it was repaired since
+    counted: tuple[Point, ...]
+    earlier: tuple[Point, ...]
+    restart: Restart | None  # why those do not count
+    since: int | None  # number of the visit from which on points count; None: from the first
+
+    @property
+    def measured(self) -> tuple[Point, ...]:
+        """Return the points that count and were measured at a visit."""
+        return tuple(point for point in self.counted if point.visit is not None)
+
+    @property
+    def line(self) -> WearLine | None:
+        """Return the straight line through the points that count; None through fewer than two mileages."""
+        if not self.measured:
+            return None
+        of_all = covariance([(point.factors, point.own_variance) for point in self.counted])
+        return wear_line([point.mileage for point in self.counted], [point.clearance for point in self.counted], of_all)
+
+
+def series_of(key: LandKey, visits: Visits) -> Series:
+    """Return the series of one land over the visits of a unit.
+
+    What counts begins after the last repair, fall of the mileage, or visit at which the land measured narrower than at
+    the one before by more than measuring can be off. What the land had at the very beginning counts where it was
+    measured: at 0 km, or, of a new part, at the mileage of the repair.
+    """
+    building = _Building()
+    for number, visit in enumerate(visits.visits):
+        if number in visits.turned_back:
+            building.restart(Restart.ODOMETER, number)
+        land = visit.measured(key)
+        if land is not None:
+            building.add(land, number, visit.mileage)
+        if key in visit.repaired:
+            building.restart(Restart.REPAIRED, number, visit.mileage)
+    counted = tuple(building.points)
+    first = _when_new(building)
+    return Series(
+        key,
+        building.last,
+        counted if first is None else (first, *counted),
+        tuple(building.earlier),
+        building.why,
+        building.since,
+    )
+
+
+class _Building:
+    """A series as far as the visits so far make it."""
+
+    def __init__(self) -> None:
+        self.points: list[Point] = []
+        self.earlier: list[Point] = []
+        self.last: LandSources | None = None
+        self.number: int | None = None  # of the visit at which it was measured last
+        self.start: float | None = 0.0  # [km] at which the pair was new; None where that is not known
+        self.why: Restart | None = None
+        self.since: int | None = None
+
+    def restart(self, why: Restart, number: int, start: float | None = None) -> None:
+        self.earlier += self.points
+        self.points, self.last, self.number = [], None, None
+        self.start, self.why, self.since = start, why, number
+
+    def add(self, land: LandSources, number: int, mileage: float | None) -> None:
+        if self.last is not None and self.number is not None:
+            if land.state.land.fitted != self.last.state.land.fitted:
+                self.restart(Restart.FITTED, number)
+            elif self._narrower(self.last, self.number, land, number):
+                self.restart(Restart.NARROWER, number)
+        self.last, self.number = land, number
+        if mileage is not None:
+            clearance = land.state.radial_clearance
+            self.points.append(Point(number, mileage, clearance, factors_of(land, number), land.own_variance))
+
+    @staticmethod
+    def _narrower(before: LandSources, first: int, after: LandSources, second: int) -> bool:
+        points = [(factors_of(before, first), before.own_variance), (factors_of(after, second), after.own_variance)]
+        of_both = covariance(points)
+        u = math.sqrt(max(float(of_both[0, 0] + of_both[1, 1] - 2.0 * of_both[0, 1]), 0.0))
+        return after.state.radial_clearance - before.state.radial_clearance < -SURELY_NARROWER * u - 1e-12
+
+
+def _when_new(building: _Building) -> Point | None:
+    """Return the mounting clearance as a point, where it was measured and it is known when the pair was new."""
+    if building.last is None or building.start is None:
+        return None
+    land = building.last.state.land
+    if not _known_when_new(land, repaired=building.why is Restart.REPAIRED):
+        return None
+    return Point(None, building.start, land.new_clearance, {}, building.last.u_mounting**2)
+
+
+def _known_when_new(land: Land, *, repaired: bool) -> bool:
+    """Return whether what a pair had when new was measured: a new part has what its type has, not what the old had."""
+    of_this_pair = (land.fitted is not None or land.new_origin is NewOrigin.TYPE) if repaired else land.fitted is None
+    return land.mounting_measured and of_this_pair

@@ -1,0 +1,39 @@
+"""Say which errors of measuring the clearances of a unit have in common, over its lands and over its visits.
+
+Every clearance is uncertain by some errors that others share, each with the factor by which it acts on this one, and by
+what it has alone. What all readings of an instrument share (its zero, its ring, its scale) is taken to be the same at
+every visit at which that instrument measured: it moves a line and leaves its rate alone. The temperature of measuring
+is shared by the lands of one visit. All else is anew at every visit, the calibration at one place of the scale too: a
+part never lies in the same place twice. This is a choice of this project, which widens a rate rather than narrows it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from atleak.uncertainty.sources import MEASURING_TEMPERATURE, LandSources
+
+Factors = Mapping[Hashable, float]  # [m] by which one standard deviation of each shared error acts on a clearance
+
+
+def factors_of(land: LandSources, visit: int) -> Factors:
+    """Return the errors that a clearance shares with others; ``visit`` is its number among those of the unit."""
+    factors: dict[Hashable, float] = defaultdict(float)
+    for source in land.sources:
+        if source.group == MEASURING_TEMPERATURE:
+            factors[MEASURING_TEMPERATURE, visit] += source.standard_uncertainty
+        elif source.group is not None and source.part is not None:
+            factors[source.group, land.instruments.of(source.part).id] += source.standard_uncertainty
+    return dict(factors)
+
+
+def covariance(points: Sequence[tuple[Factors, float]]) -> NDArray[np.float64]:
+    """Return the covariance of clearances [m²], each with its shared errors and the variance that it has alone."""
+    names = {name for factors, _ in points for name in factors}
+    shared = np.array([[factors.get(name, 0.0) for name in names] for factors, _ in points])
+    alone = np.diag([variance for _, variance in points])
+    return alone + shared @ shared.T if names else alone

@@ -1,0 +1,176 @@
+"""Foresee what the whole unit leaks at later mileages: every land at its own line, through the engine."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from atleak.catalogue.controller import OperatingPoint
+from atleak.catalogue.limits import Level, reaches
+from atleak.diagnosis import Diagnosis
+from atleak.engine.leakage import LeakageModel
+from atleak.errors import Message
+from atleak.history.land_wear import LandWear, WearHistory
+from atleak.rules import LandKey
+from atleak.wear_line import COVERAGE, FARTHEST, Crossing
+
+AHEAD = 200_000.0  # [km] over which totals are foreseen: choice of this project
+_STEPS = 12  # of that way
+_DRAWS = 1000
+_SEED = 7667
+
+Draws = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TotalLimit:
+    """A limit of the total share, and the mileage at which it is reached."""
+
+    level: Level
+    share: float  # a fraction
+    past: bool  # at the last visit
+    at: Crossing | None  # None where it is past
+
+
+@dataclass(frozen=True)
+class TotalOverMileage:
+    """The total share at one condition over mileage: median and interval by what measuring leaves open."""
+
+    condition: OperatingPoint
+    mileages: tuple[float, ...]  # [km] from the last visit on
+    low: tuple[float, ...]  # a fraction, as the others
+    median: tuple[float, ...]
+    high: tuple[float, ...]
+    limits: tuple[TotalLimit, ...]
+
+
+@dataclass(frozen=True)
+class TotalsOverMileage:
+    """The totals at every condition that is judged; none where no land tells a rate of wear."""
+
+    totals: tuple[TotalOverMileage, ...]
+    growing: int  # lands that follow their own line
+    lands: int  # of the valve body: the others stay as they are
+    messages: tuple[Message, ...]
+
+
+def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOverMileage:
+    """Foresee the total share at every condition.
+
+    Parameters
+    ----------
+    history
+        of the unit.
+    diagnosis
+        of its last visit: its fluid, pressures, pump and limits are taken as they are.
+
+    Notes
+    -----
+    The lines of all lands are drawn together, with the errors of measuring that lands and visits share. A land without
+    a rate stays as it was measured, one that was repaired since or was never measured is as a new one. A drawn rate may
+    be below zero: what measuring leaves open goes both ways, and one-sided draws would add up to wear that nobody saw.
+    """
+    present, growing = history.present, len(history.with_rate)
+    lands = len(diagnosis.controller.lands)
+    if present is None or not growing or not diagnosis.judged:
+        return TotalsOverMileage((), growing, lands, ())
+    mileages = np.linspace(present, min(present + AHEAD, max(FARTHEST, present + 1.0)), _STEPS + 1)
+    model = _worn(diagnosis.model, drawn_clearances(history, mileages))
+    totals = tuple(_total(diagnosis, model, place, mileages) for place in range(len(diagnosis.projections)))
+    return TotalsOverMileage(totals, growing, lands, tuple(_messages(growing, lands)))
+
+
+def drawn_clearances(
+    history: WearHistory, mileages: Sequence[float] | Draws, draws: int = _DRAWS, seed: int = _SEED
+) -> dict[LandKey, Draws]:
+    """Draw the clearance of every land that was measured at some mileages [m], each of shape (draws, mileages).
+
+    Clearances of one draw err together, as far as they share what errs. None is below zero.
+    """
+    at = np.asarray(mileages, float)
+    stream = np.random.Generator(np.random.PCG64(seed))
+    shared: dict[Hashable, Draws] = defaultdict(lambda: stream.standard_normal(draws))
+    drawn = {}
+    for land in history.lands:
+        clearances = _drawn(land, at, draws, stream, shared)
+        if clearances is not None:
+            drawn[land.key] = np.maximum(clearances, 0.0)
+    return drawn
+
+
+def _drawn(
+    land: LandWear, at: Draws, draws: int, stream: np.random.Generator, shared: Mapping[Hashable, Draws]
+) -> Draws | None:
+    errors = []
+    for point in land.series.counted:
+        error = np.sqrt(point.own_variance) * stream.standard_normal(draws)
+        for name, factor in point.factors.items():
+            error += factor * shared[name]
+        errors.append(error)
+    if land.line is not None:
+        line = land.line
+        moved = line.scatter * (line.weights @ np.array(errors))  # of clearance and rate, shape (2, draws)
+        way = at - line.origin
+        return (line.clearance - moved[0])[:, None] + (line.rate - moved[1])[:, None] * way
+    if land.series.measured:
+        return np.repeat((land.series.counted[-1].clearance - errors[-1])[:, None], at.size, axis=1)
+    return None
+
+
+def _worn(model: LeakageModel, drawn: Mapping[LandKey, Draws]) -> LeakageModel:
+    """Return the model with arrays of clearances, all draws and mileages in one row."""
+    states = []
+    for state in model.clearances:
+        clearances = drawn.get(state.land.key)
+        cold = state.land.new_clearance if clearances is None else clearances.ravel()
+        states.append(replace(state, radial_clearance=cold))  # type: ignore[type-var]
+    return replace(model, clearances=tuple(states))
+
+
+def _total(diagnosis: Diagnosis, model: LeakageModel, place: int, mileages: Draws) -> TotalOverMileage:
+    now = diagnosis.projections[place]
+    network = model.network(now.condition)
+    sections = model.controller.section_pressures(now.condition.main_pressure, now.condition.converter_pressure)
+    leakage = network.drawn_from_pump(network.balance(sections))
+    flows = np.broadcast_to(leakage, (_DRAWS * mileages.size,)).reshape(_DRAWS, mileages.size)
+    share = flows / now.pump_capacity if now.pump_capacity > 0.0 else np.full(flows.shape, np.inf)
+    low, median, high = np.quantile(share, _PARTS, axis=0)
+    rule = diagnosis.total_rule(now)
+    limits = []
+    for level, limit in rule.steps.levels:
+        past = reaches(rule.value, limit)
+        limits.append(TotalLimit(level, limit, past, None if past else _reached(share, limit, mileages)))
+    parts = (tuple(each.tolist()) for each in (low, median, high))
+    return TotalOverMileage(now.condition, tuple(mileages.tolist()), *parts, tuple(limits))
+
+
+_PARTS = (0.5 - 0.5 * COVERAGE, 0.5, 0.5 + 0.5 * COVERAGE)
+
+
+def _reached(share: Draws, limit: float, mileages: Draws) -> Crossing:
+    """Return at which mileage the draws reach a limit; what is not reached over the way ahead is not foreseen."""
+    over = share >= limit
+    first = np.argmax(over, axis=1)
+    rows = np.arange(len(share))
+    before = np.maximum(first - 1, 0)
+    below, above = share[rows, before], share[rows, first]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where(first > 0, (limit - below) / (above - below), 0.0)
+    reached = mileages[before] + part * (mileages[first] - mileages[before])
+    reached = np.sort(np.where(over.any(axis=1), reached, np.inf))
+    low, median, high = (float(reached[round(part * (reached.size - 1))]) for part in _PARTS)
+    return Crossing(median, min(low, float(mileages[-1])), high, float(mileages[0]))
+
+
+def _messages(growing: int, lands: int) -> list[Message]:
+    if growing == lands:
+        return []
+    text = (
+        f"{lands - growing} of {lands} lands have no rate of wear and stay as they are in the totals over mileage: "
+        "what they will wear comes on top."
+    )
+    return [Message("info", "lands_without_rate", text)]

@@ -1,0 +1,142 @@
+"""Hold what one visit tells of a unit's wear, and say which visits can stand in one series."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from atleak.diagnosis import Diagnosis
+from atleak.errors import Message
+from atleak.rules import LandKey
+from atleak.uncertainty import LandSources
+from atleak.wording import wording
+
+
+@dataclass(frozen=True)
+class Visit:
+    """One stay of a unit in the workshop: its mileage, and its lands as they were measured."""
+
+    date: dt.date
+    mileage: float | None  # [km]
+    controller: str  # id of the valve body
+    lands: tuple[LandSources, ...]  # none where nothing was measured
+    repaired: frozenset[LandKey] = frozenset()  # by the record, after they were measured
+    name: str = ""  # number of the job, as the workshop knows it
+
+    @classmethod
+    def of(
+        cls,
+        diagnosis: Diagnosis,
+        date: dt.date,
+        *,
+        mileage: float | None = None,
+        repaired: Iterable[LandKey] = (),
+        name: str = "",
+    ) -> Visit:
+        """Return the visit at which a unit was so diagnosed.
+
+        Parameters
+        ----------
+        mileage
+            of the vehicle [km]; as the diagnosis has it unless given.
+        repaired
+            the lands that were repaired at this visit, after they were measured.
+        name
+            of the job, for people.
+        """
+        lands = diagnosis.uncertainty.lands if diagnosis.uncertainty is not None else ()
+        return cls(
+            date,
+            diagnosis.mileage if mileage is None else mileage,
+            diagnosis.controller.id,
+            tuple(land.sources for land in lands),
+            frozenset(repaired),
+            name,
+        )
+
+    @property
+    def label(self) -> str:
+        """Name the visit: ``2026-05-04 (job 1042)``."""
+        return f"{self.date.isoformat()} (job {self.name})" if self.name else self.date.isoformat()
+
+    def measured(self, key: LandKey) -> LandSources | None:
+        """Return a land of which both parts were measured and whose clearance counts; None where they were not."""
+        land = self._lands.get(key)
+        return land if land is not None and land.state.can_be_ok else None
+
+    @cached_property
+    def _lands(self) -> dict[LandKey, LandSources]:
+        return {land.key: land for land in self.lands}
+
+
+@dataclass(frozen=True)
+class Visits:
+    """The visits of one unit in the order of their dates, and what is to be known about them."""
+
+    visits: tuple[Visit, ...]  # of one valve body
+    turned_back: frozenset[int]  # of the visits: those at which the mileage is less than at the one before
+    messages: tuple[Message, ...]
+
+    @property
+    def present(self) -> float | None:
+        """Return the latest mileage [km]; None where no visit states one."""
+        return next((visit.mileage for visit in reversed(self.visits) if visit.mileage is not None), None)
+
+
+def in_order(visits: Sequence[Visit]) -> Visits:
+    """Return the visits of one unit in the order of their dates; of one day in the order in which they are given.
+
+    Visits of another valve body than that of the last one are left out. A mileage that falls begins a new series: it
+    cannot be told whether the odometer was changed or a digit is wrong.
+    """
+    ordered = sorted(visits, key=lambda visit: visit.date)
+    kept = [visit for visit in ordered if visit.controller == ordered[-1].controller]
+    messages = [_of_another_valve_body(visit, kept[-1]) for visit in ordered if visit.controller != kept[-1].controller]
+    messages += [_without_mileage(visit) for visit in kept if visit.mileage is None]
+    turned_back = set()
+    stated = [(place, visit) for place, visit in enumerate(kept) if visit.mileage is not None]
+    for (_, before), (place, after) in pairwise(stated):
+        assert before.mileage is not None
+        assert after.mileage is not None
+        if after.mileage < before.mileage:
+            turned_back.add(place)
+            messages.append(_falling(before, after))
+        elif after.mileage == before.mileage:
+            messages.append(_equal(before, after))
+    return Visits(tuple(kept), frozenset(turned_back), tuple(messages))
+
+
+def _of_another_valve_body(visit: Visit, last: Visit) -> Message:
+    text = (
+        f"The visit of {visit.label} is left out: its valve body is {visit.controller}, that of the last visit "
+        f"{last.controller}."
+    )
+    return Message("warning", "visit_of_another_valve_body", text)
+
+
+def _without_mileage(visit: Visit) -> Message:
+    text = f"The visit of {visit.label} states no mileage: its clearances count in no rate of wear."
+    return Message("warning", "visit_without_mileage", text)
+
+
+def _falling(before: Visit, after: Visit) -> Message:
+    text = (
+        f"The mileage falls from {_km(before)} on {before.label} to {_km(after)} on {after.label}: "
+        "another odometer, or a slip. No visit before that counts in any rate of wear."
+    )
+    return Message("warning", "mileage_falls", text)
+
+
+def _equal(before: Visit, after: Visit) -> Message:
+    text = (
+        f"{before.label} and {after.label} state the same mileage, {_km(after)}: together they tell a "
+        "clearance better, and no wear between them."
+    )
+    return Message("info", "mileage_unchanged", text)
+
+
+def _km(visit: Visit) -> str:
+    return f"{wording('en').number(visit.mileage, 0)} km"

@@ -1,0 +1,215 @@
+"""Keep a job book safe: back it up as one file, bring that file back, and check that every job is whole.
+
+A backup is a SQLite file whatever database the book is on, so that it can be restored to either.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+
+from atleak.errors import BookError, Place
+from atleak.jobs.book import Book
+from atleak.jobs.opening import in_words, opened_engine, writing
+from atleak.jobs.tables import about, jobs, metadata, units
+from atleak.jobs.verify import Fault, verify
+from atleak.system.files import replacing
+
+__all__ = ["Fault", "backup", "restore", "verify"]
+
+_COPIED = [table for table in metadata.sorted_tables if table is not about]  # what refers to others behind them
+_ROWS = 2000  # at a time
+_ROWS_WITH_FILES = 20
+
+
+def backup(book: Book, path: str | Path) -> int:
+    """Write all of a book as one file, as it is at one moment; others may go on saving meanwhile.
+
+    Parameters
+    ----------
+    path
+        of the file; an earlier one is replaced by the whole new one, or stays as it is.
+
+    Returns
+    -------
+    int
+        how many jobs the backup holds.
+
+    Raises
+    ------
+    BookError
+        a book that cannot be read, or a file that cannot be written.
+    OutputError
+        a folder that may not be written.
+    """
+    target = Path(path)
+    _refuse_the_book_itself(book, target)
+    with in_words(str(target), f"no backup of {book.name} can be made"), replacing(target) as beside:
+        if book.engine.dialect.name == "sqlite":
+            connection = book.engine.raw_connection()
+            try:
+                _copy_file(connection.driver_connection, beside)
+            finally:
+                connection.close()
+        else:
+            _copy_out(book, beside)
+        with contextlib.closing(sqlite3.connect(beside)) as copy:
+            copy.execute("PRAGMA journal_mode = DELETE")  # one file, with none beside it
+            _check(copy, target)
+            return int(copy.execute("SELECT count(*) FROM jobs").fetchone()[0])
+
+
+def restore(path: str | Path, book: Book, *, force: bool = False) -> int:
+    """Fill a book with all that a backup holds, or leave it as it is.
+
+    Parameters
+    ----------
+    path
+        of the backup.
+    book
+        on either database.
+    force
+        whether a book that holds jobs loses them, and a backup with damaged jobs is taken as it is.
+
+    Returns
+    -------
+    int
+        how many jobs the book holds now.
+
+    Raises
+    ------
+    BookError
+        no backup, a damaged one, or one of a newer atleak; a book that is not empty.
+    """
+    source = Path(path)
+    _refuse_the_book_itself(book, source)
+    with _opened(source) as held:
+        if not force and (faults := verify(held)):
+            others = [BookError(str(fault)) for fault in faults]
+            raise BookError(
+                "jobs of the backup are damaged, and nothing was restored",
+                place=Place(file=str(source)),
+                expected="another backup, or --force to take this one with what is left of them",
+                others=others,
+            )
+        with held.reading() as rows, book.writing() as connection:
+            _keep_others_out(connection)
+            there = _count(connection)
+            if there and not force:
+                raise BookError(
+                    f"the job book holds {there} job{'s' * (there != 1)}, and nothing was restored",
+                    place=Place(file=book.name),
+                    expected="an empty book, or --force to put the backup in its place",
+                )
+            for table in reversed(_COPIED):
+                connection.execute(table.delete())
+            _copy_rows(rows, connection)
+            _count_on(connection)
+            return _count(connection)
+
+
+def _refuse_the_book_itself(book: Book, path: Path) -> None:
+    of_book = book.engine.url.database if book.engine.dialect.name == "sqlite" else None
+    with contextlib.suppress(OSError):
+        if of_book is not None and path.samefile(of_book):
+            raise BookError("is the job book itself", place=Place(file=str(path)), expected="another file")
+
+
+def _count(connection: sa.Connection) -> int:
+    return connection.execute(sa.select(sa.func.count()).select_from(jobs)).scalar_one()
+
+
+# --- files
+
+
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[Book]:
+    """Open a copy of a backup as a book, which brings one of an earlier version up to date."""
+    place = Place(file=str(path))
+    if not path.is_file():
+        raise BookError("is not there", place=place, expected="a file that `atleak jobs backup` has written")
+    with (
+        tempfile.TemporaryDirectory(prefix="atleak-restore-", ignore_cleanup_errors=True) as folder,
+        in_words(str(path), "the backup cannot be restored"),
+    ):
+        copy = Path(folder) / "book.sqlite"
+        with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as connection:
+            _check(connection, path)
+            _copy_file(connection, copy)
+        try:
+            engine = opened_engine(sa.URL.create("sqlite", database=str(copy)))
+        except BookError as error:
+            error.rename_file(lambda _: str(path))
+            raise
+        try:
+            yield Book(engine, str(path))
+        finally:
+            engine.dispose()
+
+
+def _copy_file(source: Any, path: Path) -> None:
+    """Copy what a connection of SQLite sees into a new file."""
+    with contextlib.closing(sqlite3.connect(path)) as target:
+        source.backup(target)
+
+
+def _check(connection: sqlite3.Connection, path: Path) -> None:
+    """Refuse a file that is no job book, or one whose pages are damaged."""
+    place = Place(file=str(path))
+    held = {name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    if not {"alembic_version", "jobs"} <= held:
+        problem, expected = "is no backup of a job book", "a file that `atleak jobs backup` has written"
+        raise BookError(problem, place=place, expected=expected)
+    said = [text for (text,) in connection.execute("PRAGMA integrity_check(3)")]
+    if said != ["ok"]:
+        raise BookError(f"the file is damaged: {said[0]}", place=place, expected="another backup")
+
+
+# --- rows
+
+
+def _copy_out(book: Book, path: Path) -> None:
+    """Write all rows of a book, as they are at one moment, into a new file."""
+    engine = opened_engine(sa.URL.create("sqlite", database=str(path)))
+    try:
+        with book.engine.connect() as source:
+            source = source.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
+            with source.begin(), writing(engine) as target:
+                _copy_rows(source, target)
+    finally:
+        engine.dispose()
+
+
+def _copy_rows(source: sa.Connection, target: sa.Connection) -> None:
+    for table in _COPIED:
+        bulky = any(isinstance(column.type, sa.LargeBinary) for column in table.c)
+        wanted = sa.select(table).execution_options(yield_per=_ROWS_WITH_FILES if bulky else _ROWS)
+        if table is units:
+            wanted = wanted.order_by(units.c.merged_into.is_not(None))  # a unit before those that lead to it
+        for rows in source.execute(wanted).mappings().partitions():
+            target.execute(table.insert(), [dict(row) for row in rows])
+
+
+def _keep_others_out(connection: sa.Connection) -> None:
+    """Let nobody else write until the transaction ends; SQLite has one writer anyway."""
+    if connection.dialect.name == "postgresql":
+        names = ", ".join(table.name for table in _COPIED)
+        connection.exec_driver_sql(f"LOCK TABLE {names} IN SHARE ROW EXCLUSIVE MODE")
+
+
+def _count_on(connection: sa.Connection) -> None:
+    """Let PostgreSQL number new rows behind those that came with their numbers; SQLite does so by itself."""
+    if connection.dialect.name != "postgresql":
+        return
+    for table in _COPIED:
+        for column in table.primary_key:
+            if isinstance(column.type, sa.Integer):
+                sequence = sa.func.pg_get_serial_sequence(table.name, column.name)
+                last = sa.select(sa.func.max(column)).scalar_subquery()
+                connection.execute(sa.select(sa.func.setval(sequence, sa.func.coalesce(last, 1), last.is_not(None))))

@@ -1,0 +1,432 @@
+"""The job book: save a job whole or not at all, find it again, and notice when two people change the same one."""
+
+from __future__ import annotations
+
+import datetime as dt
+import hashlib
+import json
+import secrets
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import exc
+
+from atleak.errors import BookError, ChangedElsewhere, Place
+from atleak.job.parts import JobFile, JobParts
+from atleak.jobs.log_table import log_table
+from atleak.jobs.opening import database_url, in_words, opened_engine, shown, writing
+from atleak.jobs.rows import put_once, replace_rows
+from atleak.jobs.search import Query, found_by, search_words_of
+from atleak.jobs.tables import (
+    decisions,
+    files,
+    job_files,
+    jobs,
+    lands,
+    log_tables,
+    results,
+    search_words,
+)
+from atleak.jobs.units import left_behind, unit_of, visit_for, without_jobs_away
+from atleak.version import __version__
+
+PICTURE = "picture"  # the slot of a picture
+_TRIES = 3  # at a save that another one crossed
+_LAND_COLUMNS = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What was saved: under which id, and as which version of it."""
+
+    id: str
+    version: int
+
+
+@dataclass(frozen=True)
+class JobRow:
+    """A job as the book lists it."""
+
+    id: str
+    number: str
+    vin: str
+    plate: str
+    serial: str
+    customer: str
+    date: dt.date | None
+    controller: str
+    verdict: str
+    mileage_km: float | None
+    unit: int
+    visit: int
+    changed_at: dt.datetime
+    archived_at: dt.datetime | None
+    sample: bool
+
+    @property
+    def told(self) -> str:
+        """Return whose job it is, in words."""
+        parts = (self.number, self.customer, self.date, self.plate, self.vin, self.serial)
+        return ", ".join(str(part) for part in parts if part) or f"job {self.id}, which names nobody"
+
+
+@dataclass(frozen=True)
+class HeldJob:
+    """What the book keeps of a job: the content of ``job.json``, files by slot, pictures by name, the last result."""
+
+    choices: bytes
+    sources: Mapping[str, bytes]
+    pictures: Mapping[str, bytes]
+    result: dict[str, Any]
+    result_by: str
+
+
+@dataclass(frozen=True)
+class StoredJob:
+    """A job as the book holds it."""
+
+    id: str
+    version: int
+    file: JobFile  # record, case and the result as it was stored
+    made_at: dt.datetime
+    changed_at: dt.datetime
+    archived_at: dt.datetime | None
+    unit: int
+    sample: bool
+    result_by: str  # version of atleak that gave the result
+
+
+def open_book(url: str | None = None) -> Book:
+    """Open the job book, and make it where there is none yet.
+
+    Parameters
+    ----------
+    url
+        a SQLAlchemy URL of SQLite or PostgreSQL; unless given, that of ``ATLEAK_DATABASE_URL``, else a file in the
+        user's folder.
+
+    Raises
+    ------
+    BookError
+        a database that cannot be opened or written, or that a newer atleak has made.
+    """
+    where = database_url(url)
+    return Book(opened_engine(where), shown(where))
+
+
+class Book:
+    """An open job book. It can be shared between threads."""
+
+    def __init__(self, engine: sa.Engine, name: str) -> None:
+        self.engine, self.name = engine, name
+
+    @contextmanager
+    def reading(self) -> Iterator[sa.Connection]:
+        """Open a transaction that sees the book as it is at one moment.
+
+        Raises
+        ------
+        BookError
+            where the database cannot be used.
+        """
+        with in_words(self.name), self.engine.begin() as connection:
+            yield connection
+
+    @contextmanager
+    def writing(self) -> Iterator[sa.Connection]:
+        """Open a transaction that writes all or nothing.
+
+        Raises
+        ------
+        BookError
+            where the database cannot be used.
+        """
+        with in_words(self.name), writing(self.engine) as connection:
+            yield connection
+
+    def save(
+        self, parts: JobParts, *, id: str | None = None, version: int | None = None, sample: bool = False
+    ) -> Saved:
+        """Save a job whole: when this returns, the job is safe; when it raises, the book is as it was.
+
+        Parameters
+        ----------
+        parts
+            the job with its result.
+        id
+            of a job of the book; None makes a new one.
+        version
+            of that job, as it was last seen here.
+        sample
+            whether the job was made of the shipped sample.
+
+        Raises
+        ------
+        ChangedElsewhere
+            the book holds another version of the job.
+        BookError
+            the job is not in the book, or the database cannot be used.
+        """
+        for left in reversed(range(_TRIES)):
+            try:
+                with self.writing() as connection:
+                    return self.save_in(connection, parts, id, version, sample)
+            except BookError as error:
+                crossed = isinstance(error.__cause__, exc.IntegrityError)  # a file that another save has just dropped
+                if not crossed or not left:
+                    raise
+        raise AssertionError("the last try raises")
+
+    def save_in(
+        self, connection: sa.Connection, parts: JobParts, id: str | None, version: int | None, sample: bool
+    ) -> Saved:
+        """Save a job as part of a transaction that writes more; `save` says the rest."""
+        now = dt.datetime.now(dt.UTC)
+        earlier = None if id is None else self._row(connection, id, lock=True)
+        if earlier is not None and earlier.version != version:
+            who = f" by {earlier.technician}" if earlier.technician else ""
+            at = f"{earlier.changed_at:%Y-%m-%d %H:%M} UTC"
+            raise ChangedElsewhere(f"this job was saved elsewhere{who} at {at}, after it was opened here")
+        saved = Saved(id or secrets.token_hex(8), 1 if earlier is None else earlier.version + 1)
+        contents = {source.sha256: source.content for source in parts.sources.values()}
+        pictures = {name: hashlib.sha256(content).hexdigest() for name, content in parts.pictures.items()}
+        contents |= {pictures[name]: content for name, content in parts.pictures.items()}
+        _keep_files(connection, contents)
+        record, before = parts.job, None if earlier is None else left_behind(connection, earlier.visit)
+        values: dict[str, Any] = {
+            "version": saved.version,
+            "visit": visit_for(connection, saved.id, parts, None if before is None else before[0]),
+            "sample": sample,
+            "changed_at": now,
+            "choices": packed(parts.choices.model_dump_json(exclude_defaults=True).encode()),
+            "number": record.number[:80],
+            "date": record.date,
+            "technician": record.technician,
+            "customer": record.customer.name,
+            "vin": record.vehicle.vin[:80],
+            "plate": record.vehicle.registration[:80],
+            "serial": record.transmission.serial[:80],
+            "mileage_km": parts.diagnosis.mileage if record.vehicle.mileage_km is None else record.vehicle.mileage_km,
+            "controller": parts.diagnosis.controller.id,
+            "verdict": str(parts.diagnosis.verdict),
+        }
+        if before is None:
+            connection.execute(jobs.insert().values(id=saved.id, made_at=now, **values))
+        else:
+            connection.execute(jobs.update().where(jobs.c.id == saved.id).values(**values))
+            without_jobs_away(connection, *before)
+        held = [(slot, source.name, source.sha256) for slot, source in parts.sources.items()]
+        held += [(PICTURE, name, sha256) for name, sha256 in pictures.items()]
+        _keep_list(connection, saved.id, held)
+        words = [{"field": field, "word": word} for field, word in sorted(search_words_of(record))]
+        replace_rows(connection, search_words, saved.id, words)
+        made = [_decision(each.model_dump()) for each in record.repair_decisions]
+        replace_rows(connection, decisions, saved.id, made)
+        _keep_result(connection, saved.id, parts, now)
+        return saved
+
+    def load(self, id: str) -> StoredJob:
+        """Return a job of the book.
+
+        Raises
+        ------
+        BookError
+            an id that the book does not have; a job that was damaged in the database.
+        """
+        with self.reading() as connection:
+            row = self._row(connection, id)
+            held = self._held(connection, row)
+            unit = unit_of(connection, row.visit)
+        job_file = JobFile.of(held.choices, held.sources, held.pictures, held.result, name=_called(row))
+        return StoredJob(
+            id, row.version, job_file, row.made_at, row.changed_at, row.archived_at, unit, row.sample, held.result_by
+        )
+
+    def held(self, id: str) -> HeldJob:
+        """Return what the book keeps of a job, as it was saved.
+
+        Raises
+        ------
+        BookError
+            as `load`.
+        """
+        with self.reading() as connection:
+            return self._held(connection, self._row(connection, id))
+
+    def _held(self, connection: sa.Connection, row: Any) -> HeldJob:
+        kept = connection.execute(
+            sa.select(job_files.c.slot, job_files.c.name, files.c.sha256, files.c.content)
+            .join(files, files.c.sha256 == job_files.c.sha256)
+            .where(job_files.c.job == row.id)
+        ).all()
+        result = connection.execute(
+            sa.select(results.c.record, results.c.atleak)
+            .where(results.c.job == row.id)
+            .order_by(results.c.made_at.desc(), results.c.id.desc())
+            .limit(1)
+        ).one()
+        called = _called(row)
+        contents = {(each.slot, each.name): self._whole(each, called) for each in kept}
+        return HeldJob(
+            self.unpacked(row.choices, called),
+            {slot: content for (slot, _), content in contents.items() if slot != PICTURE},
+            {name: content for (slot, name), content in contents.items() if slot == PICTURE},
+            json.loads(self.unpacked(result.record, called)),
+            result.atleak,
+        )
+
+    def version(self, id: str) -> int:
+        """Return the version of a job, without loading it.
+
+        Raises
+        ------
+        BookError
+            an id that the book does not have.
+        """
+        with self.reading() as connection:
+            row = self._row(connection, id)
+        return int(row.version)
+
+    def rows(self, query: Query | None = None) -> list[JobRow]:
+        """Return the jobs that a query asks for, the last changed one first."""
+        with self.reading() as connection:
+            found = connection.execute(found_by(connection, query or Query())).mappings().all()
+        return [JobRow(**row) for row in found]
+
+    def count(self, query: Query | None = None) -> int:
+        """Return how many jobs a query asks for, whatever its limit."""
+        with self.reading() as connection:
+            every = found_by(connection, query or Query()).limit(None).offset(None).order_by(None).subquery()
+            return int(connection.execute(sa.select(sa.func.count()).select_from(every)).scalar_one())
+
+    def archive(self, id: str) -> None:
+        """Take a job out of lists and statistics; `bring_back` undoes it.
+
+        Raises
+        ------
+        BookError
+            an id that the book does not have.
+        """
+        self._set_archived(id, dt.datetime.now(dt.UTC))
+
+    def bring_back(self, id: str) -> None:
+        """Put an archived job back.
+
+        Raises
+        ------
+        BookError
+            an id that the book does not have.
+        """
+        self._set_archived(id, None)
+
+    def _set_archived(self, id: str, moment: dt.datetime | None) -> None:
+        with self.writing() as connection:
+            self._row(connection, id)
+            connection.execute(jobs.update().where(jobs.c.id == id).values(archived_at=moment))
+
+    def _row(self, connection: sa.Connection, id: str, *, lock: bool = False) -> Any:
+        wanted = sa.select(jobs).where(jobs.c.id == id)
+        row = connection.execute(wanted.with_for_update() if lock else wanted).one_or_none()
+        if row is None:
+            raise BookError("the job book has no such job", place=Place(file=self.name), value=id)
+        return row
+
+    def _whole(self, row: Any, called: str) -> bytes:
+        content = self.unpacked(row.content, called)
+        if hashlib.sha256(content).hexdigest() != row.sha256:
+            raise BookError(f"{row.name} of {called} was damaged in the database", place=Place(file=self.name))
+        return content
+
+    def unpacked(self, content: bytes, called: str) -> bytes:
+        """Return content as it came.
+
+        Raises
+        ------
+        BookError
+            naming what was damaged in the database.
+        """
+        try:
+            return zlib.decompress(content)
+        except zlib.error as error:
+            raise BookError(f"{called} was damaged in the database", place=Place(file=self.name)) from error
+
+
+def packed(content: bytes) -> bytes:
+    """Return content as the book keeps it: compressed."""
+    return zlib.compress(content)
+
+
+def _called(row: Any) -> str:
+    return f"job {row.number or row.id}"
+
+
+def _keep_files(connection: sa.Connection, contents: Mapping[str, bytes]) -> None:
+    """Put files into the book that it does not hold yet."""
+    held = set(connection.execute(sa.select(files.c.sha256).where(files.c.sha256.in_(contents))).scalars())
+    for sha256, content in contents.items():
+        if sha256 not in held:
+            values = {"sha256": sha256, "size": len(content), "content": packed(content)}
+            put_once(connection, files, values)
+
+
+def _keep_list(connection: sa.Connection, id: str, held: list[tuple[str, str, str]]) -> None:
+    """Write down which files a job has; contents that no job has any more go."""
+    columns = job_files.c.slot, job_files.c.name, job_files.c.sha256
+    earlier = {tuple(row) for row in connection.execute(sa.select(*columns).where(job_files.c.job == id))}
+    if earlier == set(held):
+        return
+    replace_rows(
+        connection, job_files, id, [{"slot": slot, "name": name, "sha256": sha256} for slot, name, sha256 in held]
+    )
+    dropped = {sha256 for _, _, sha256 in earlier} - {sha256 for _, _, sha256 in held}
+    drop_files(connection, dropped)
+
+
+def drop_files(connection: sa.Connection, sha256s: set[str]) -> None:
+    """Delete contents that no job has any more, of those given."""
+    used = sa.select(job_files.c.sha256).where(job_files.c.sha256 == files.c.sha256)
+    if sha256s:
+        connection.execute(files.delete().where(files.c.sha256.in_(sha256s), ~sa.exists(used)))
+
+
+def _decision(row: Mapping[str, Any]) -> dict[str, Any]:
+    values = {column.name: row[column.name] for column in decisions.c if column.name in row}
+    return {**values, "decision": row["decision"] or ""}
+
+
+def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
+    """Write down what this version of atleak says, unless it said so before of the same files and choices."""
+    mine = (results.c.job == id) & (results.c.atleak == __version__)
+    newest = sa.select(results.c.atleak, results.c.key).where(results.c.job == id)
+    newest = newest.order_by(results.c.made_at.desc(), results.c.id.desc()).limit(1)
+    if connection.execute(newest).one_or_none() == (__version__, parts.case.key):
+        return
+    record = parts.result
+    connection.execute(results.delete().where(mine))
+    connection.execute(
+        results.insert().values(
+            job=id,
+            atleak=__version__,
+            made_at=now,
+            key=parts.case.key,
+            profile=parts.diagnosis.profile.name,
+            controller_sha256=record["controller"]["sha256"],
+            fluid_sha256=record["fluid"]["sha256"],
+            readings_sha256=record["readings"]["sha256"],
+            road_test_sha256=parts.sources["road_test"].sha256 if "road_test" in parts.sources else None,
+            verdict=str(record["verdict"]),
+            record=packed(json.dumps(record, ensure_ascii=False).encode()),
+        )
+    )
+    rows = [
+        {name: land[name] for name in _LAND_COLUMNS} | {"measured": land["measured"] == "measured"}
+        for land in record["lands"]
+    ]
+    replace_rows(connection, lands, id, rows)
+    log = parts.diagnosis.log.road_test if parts.diagnosis.log else None
+    rows = [] if log is None else [{"sha256": log.sha256, "rows": log.rows, "parquet": log_table(log)}]
+    replace_rows(connection, log_tables, id, rows)

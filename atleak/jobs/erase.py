@@ -1,0 +1,181 @@
+"""Erase a customer's personal data from the job book for good; what was measured, and the verdicts on it, stay."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from atleak.errors import BookError, Place
+from atleak.job.parts import JobParts
+from atleak.jobs.book import Book, JobRow, packed
+from atleak.jobs.merge import key_stated
+from atleak.jobs.opening import in_words
+from atleak.jobs.rows import replace_rows
+from atleak.jobs.search import Query
+from atleak.jobs.tables import jobs, key_of, lands, metadata, results, units, visits
+from atleak.jobs.units import rows_of_unit, unit_of
+from atleak.jobs.without_person import result_without_person, without_person
+
+WHAT_GOES = (
+    "These jobs lose their customer, VIN, plate, serial, number, complaint, notes, photos, file names and every other "
+    "text for good. Readings, channels of the log, mileage, date and verdicts stay. Backups and exports made earlier "
+    "still hold it all."
+)
+_PATIENCE = 5_000  # [ms] with others who read the book while its files are written anew
+
+
+@dataclass(frozen=True)
+class Erased:
+    """What became of one job."""
+
+    id: str
+    lost: tuple[str, ...]  # files that could not be kept without the person
+    left_in: tuple[str, ...]  # catalogue files of the job in which something of the person stands
+
+
+def jobs_of_customer(book: Book, customer: str) -> list[JobRow]:
+    """Return the jobs, archived ones too, of the customer with this very name or number.
+
+    Case, spaces and signs do not count; the beginning of a name is not enough.
+    """
+    wanted = key_of(customer)
+    if not wanted:
+        return []
+    near = book.rows(Query(customer=customer, archived=None, limit=None))
+    return [row for row in near if wanted in (key_of(row.customer), key_of(_customer_number(book, row)))]
+
+
+def _customer_number(book: Book, row: JobRow) -> str:
+    return book.load(row.id).file.job.customer.number
+
+
+def same_vehicle(book: Book, ids: Collection[str]) -> list[JobRow]:
+    """Return further jobs, archived ones too, that name a VIN, plate or serial which one of these jobs names."""
+    every = book.rows(Query(archived=None, limit=None))
+    told = {key for row in every if row.id in ids for key in _told_by(row)}
+    return [row for row in every if row.id not in ids and told & _told_by(row)]
+
+
+def _told_by(row: JobRow) -> set[tuple[str, str]]:
+    texts = {"vin": row.vin, "plate": row.plate, "serial": row.serial}
+    return {(name, key_of(text)) for name, text in texts.items() if key_of(text)}
+
+
+def erase(book: Book, ids: Sequence[str]) -> list[Erased]:
+    """Take the person out of jobs, all of them or none; nothing of it is left in the database's files afterwards.
+
+    Record, files, file names, photos and every stored result are replaced by what is left without the person; see
+    `atleak.jobs.without_person`. Jobs of one transmission stay jobs of one transmission, which no longer has a name.
+    Copies elsewhere, backups and exports, are not reached.
+
+    Raises
+    ------
+    BookError
+        an id that the book does not have; a database that another program is reading, so that its files cannot be
+        swept: the jobs are erased then, and erasing again sweeps.
+    AtleakError
+        a job whose valve body, fluid or limits this version cannot use.
+    """
+    bare = {id: (stored, without_person(stored.file)) for id in dict.fromkeys(ids) for stored in [book.load(id)]}
+    with book.writing() as connection:
+        families: dict[int, list[str]] = {}
+        for id, (stored, left) in bare.items():
+            families.setdefault(stored.unit, []).append(id)
+            _erase(book, connection, id, stored.version, left.parts, sample=stored.sample)
+        for unit, together in families.items():
+            _unname(connection, unit)
+            _keep_together(connection, together)
+    sweep(book)
+    return [Erased(id, left.lost, left.left_in) for id, (_, left) in bare.items()]
+
+
+def _erase(book: Book, connection: sa.Connection, id: str, version: int, parts: JobParts, *, sample: bool) -> None:
+    """Save a job without the person in the place of the one with him; results and lands stay as they were stored."""
+    before = connection.execute(sa.select(jobs).where(jobs.c.id == id)).one()
+    stored = connection.execute(sa.select(results).where(results.c.job == id).order_by(results.c.made_at)).all()
+    judged = [dict(row._mapping) for row in connection.execute(sa.select(lands).where(lands.c.job == id))]
+    book.save_in(connection, parts, id, version, sample)
+    kept = [_result(book, row, parts, last=row is stored[-1]) for row in stored]
+    replace_rows(connection, results, id, kept)
+    replace_rows(
+        connection, lands, id, [{name: row[name] for name in row if name not in ("id", "job")} for row in judged]
+    )
+    unchanged = {name: getattr(before, name) for name in ("changed_at", "verdict", "mileage_km")}
+    connection.execute(jobs.update().where(jobs.c.id == id).values(**unchanged))
+
+
+def _result(book: Book, row: Any, parts: JobParts, *, last: bool) -> dict[str, Any]:
+    record = result_without_person(json.loads(book.unpacked(row.record, "a result")), parts)
+    values = {name: value for name, value in row._mapping.items() if name not in ("id", "job")}
+    hashes = {
+        slot: parts.sources[slot].sha256 if last and slot in parts.sources else None
+        for slot in ("readings", "road_test")
+    }
+    return {
+        **values,
+        **{f"{slot}_sha256": sha256 for slot, sha256 in hashes.items()},
+        "key": parts.case.key if last else "",
+        "record": packed(json.dumps(record, ensure_ascii=False).encode()),
+    }
+
+
+# --- units that nothing names any more
+
+
+def _unname(connection: sa.Connection, unit: int) -> None:
+    """Take the keys of a unit away that told it by what no job states any more."""
+    rows = connection.execute(sa.select(units).where(units.c.id.in_(rows_of_unit(unit)))).all()
+    left = connection.execute(
+        sa.select(jobs.c.id, jobs.c.serial, jobs.c.vin, jobs.c.plate)
+        .join(visits, visits.c.id == jobs.c.visit)
+        .where(visits.c.unit.in_([row.id for row in rows]))
+    ).all()
+    if not left:
+        connection.execute(units.delete().where(units.c.merged_into == unit))
+        connection.execute(units.delete().where(units.c.id == unit))
+        return
+    stated = {key_stated(row.id, serial=row.serial, vin=row.vin, plate=row.plate) for row in left}
+    for row in rows:
+        if row.key not in stated:
+            connection.execute(units.update().where(units.c.id == row.id).values(key=f"erased:{row.id}", serial=""))
+
+
+def _keep_together(connection: sa.Connection, ids: Sequence[str]) -> None:
+    """Let jobs that were of one unit be of one still."""
+    found = [connection.execute(sa.select(jobs.c.visit).where(jobs.c.id == id)).scalar_one() for id in ids]
+    first, *others = dict.fromkeys(unit_of(connection, visit) for visit in found)
+    if others:
+        connection.execute(units.update().where(units.c.id.in_(others)).values(merged_into=first))
+
+
+# --- the database's own files
+
+
+def sweep(book: Book) -> None:
+    """Write the database's files anew, so that nothing that was deleted is left in them.
+
+    Raises
+    ------
+    BookError
+        where another program reads the book meanwhile.
+    """
+    with in_words(book.name), book.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+        if connection.dialect.name == "postgresql":
+            for table in metadata.sorted_tables:
+                connection.exec_driver_sql(f"VACUUM (FULL, ANALYZE) {table.name}")
+            return
+        usual = connection.exec_driver_sql("PRAGMA busy_timeout").scalar()
+        connection.exec_driver_sql(f"PRAGMA busy_timeout = {_PATIENCE}")
+        connection.exec_driver_sql("VACUUM")
+        busy = connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)").one()[0]
+        connection.exec_driver_sql(f"PRAGMA busy_timeout = {usual}")
+    if busy:
+        raise BookError(
+            "the data are erased, but another program has the job book open: its journal may still hold them",
+            place=Place(file=book.name),
+            expected="the same command again, with every other atleak closed",
+        )

@@ -1,0 +1,148 @@
+"""Find the measuring sheets of the book that show new pairs: of new units, and of what was repaired at a visit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby, pairwise
+from typing import Any
+
+import sqlalchemy as sa
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.instruments import Instruments
+from atleak.errors import BookError, InputError, Place
+from atleak.job.case import SLOTS, Case, Reader
+from atleak.jobs.book import Book
+from atleak.jobs.tables import decisions, jobs, lands, visits
+from atleak.jobs.units import final_unit
+from atleak.readings import Readings
+from atleak.uncertainty.sources import PARTS
+
+NEW_UNTIL = 1000.0  # [km] up to which a unit, or what was repaired, is new: choice of this project
+
+_INSTRUMENTS = tuple(f"{part}_instrument" for part in PARTS)
+
+Pair = tuple[str, int | None]  # component and land; None: all of its lands
+
+
+@dataclass(frozen=True)
+class NewSheet:
+    """A sheet of which all lands are new ones, or those that were repaired before it was measured."""
+
+    job: str  # id
+    name: str  # of the job and its file, each another one
+    case: Case
+    repaired: frozenset[Pair] | None  # None: the unit was new, and all of its lands count
+
+    def readings(self, controller: Controller) -> Readings:
+        """Return the readings that are of new pairs of a valve body.
+
+        Raises
+        ------
+        AtleakError
+            a sheet that cannot be read any more.
+        """
+        reader = Reader()
+        sheet = reader.readings(self.case, reader.entry(SLOTS["controller"], self.case.controller))
+        if self.repaired is not None:
+            kept = (each for each in sheet.readings if self._was_repaired(controller, each.component, each.plane))
+            sheet = replace(sheet, readings=tuple(kept), unworn=())
+        measured_at = self.case.measuring_temperature
+        return replace(sheet, file=self.name, temperature=sheet.temperature if measured_at is None else measured_at)
+
+    def _was_repaired(self, controller: Controller, component: str, plane: str) -> bool:
+        land = controller.land_of_plane(component, plane)
+        return land is not None and bool({land.key, (component, None)} & (self.repaired or frozenset()))
+
+
+def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
+    """Return the sheets of new pairs of a valve body; of one unit one sheet.
+
+    A unit is new up to `NEW_UNTIL`. What a job's record calls done is new where the unit's next sheet was measured no
+    later than that after it. Archived jobs and the shipped sample do not count.
+
+    Parameters
+    ----------
+    controller
+        id of the valve body.
+
+    Raises
+    ------
+    BookError
+        the book holds no such sheet, or cannot be used.
+    """
+    with book.reading() as connection:
+        every = connection.execute(_measured(controller)).all()
+        done = connection.execute(_done(controller)).all()
+    by_job = {
+        job: frozenset((row.component, row.land) for row in rows) for job, rows in groupby(done, lambda row: row.job)
+    }
+    chosen = [found for _, rows in groupby(every, lambda row: row.unit) for found in _of_unit(list(rows), by_job)]
+    if not chosen:
+        expected = f"a job at up to {NEW_UNTIL:g} km, or one measured after a repair that an earlier job calls done"
+        problem = f"the job book has no measuring sheet of a new or repaired {controller}"
+        raise BookError(problem, place=Place(file=book.name), expected=expected)
+    sheets = []
+    for job, repaired in chosen:
+        file = book.load(job).file
+        name = f"job {file.job.number or job}"
+        taken = any(sheet.name == name for sheet in sheets)
+        sheets.append(NewSheet(job, f"{name} ({job})" if taken else name, file.case, repaired))
+    return tuple(sheets)
+
+
+def shared_instruments(sheets: Sequence[NewSheet]) -> Instruments:
+    """Return the instruments with which all sheets were measured.
+
+    Raises
+    ------
+    InputError
+        sheets that were measured with different ones.
+    """
+    reader = Reader()
+    found = [
+        Instruments(*(reader.entry(SLOTS[name], getattr(sheet.case, name)) for name in _INSTRUMENTS))
+        for sheet in sheets
+    ]
+    for sheet, gauges in zip(sheets, found, strict=True):
+        if any(gauges.of(part).id != found[0].of(part).id for part in PARTS):
+            problem = f"{sheet.name} was measured with other instruments than {sheets[0].name}"
+            raise InputError(problem, expected="--spool-instrument and --sleeve-instrument, to count for all of them")
+    return found[0]
+
+
+def _measured(controller: str) -> sa.Select[Any]:
+    """Select the measured jobs of a valve body, those of one unit together, the earliest first."""
+    day = sa.func.coalesce(jobs.c.date, sa.func.date(jobs.c.made_at))
+    unit = final_unit().label("unit")
+    return (
+        sa.select(unit, jobs.c.id, jobs.c.mileage_km)
+        .join(visits, visits.c.id == jobs.c.visit)
+        .where(jobs.c.controller == controller, jobs.c.archived_at.is_(None), ~jobs.c.sample)
+        .where(sa.exists().where(lands.c.job == jobs.c.id, lands.c.measured))
+        .order_by(unit, day, jobs.c.made_at, jobs.c.id)
+    )
+
+
+def _done(controller: str) -> sa.Select[Any]:
+    """Select the repairs that were done on a valve body, those of one job together."""
+    return (
+        sa.select(decisions.c.job, decisions.c.component, decisions.c.land)
+        .join(jobs, jobs.c.id == decisions.c.job)
+        .where(jobs.c.controller == controller, decisions.c.decision == "done")
+        .order_by(decisions.c.job)
+    )
+
+
+def _of_unit(rows: Sequence[Any], done: dict[str, frozenset[Pair]]) -> Iterator[tuple[str, frozenset[Pair] | None]]:
+    """Yield the one sheet of a unit that shows the most new pairs: all of them, or what was repaired last."""
+    new = [row for row in rows if row.mileage_km is not None and row.mileage_km <= NEW_UNTIL and row.id not in done]
+    if new:
+        yield new[-1].id, None
+        return
+    for before, after in reversed(list(pairwise(rows))):
+        known = before.mileage_km is not None and after.mileage_km is not None
+        if known and before.id in done and 0.0 <= after.mileage_km - before.mileage_km <= NEW_UNTIL:
+            yield after.id, done[before.id]
+            return

@@ -1,0 +1,172 @@
+"""Open a job book: find its database, make or migrate its tables under one lock, and say in words what goes wrong."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import exc
+
+from atleak.errors import BookError, Place
+from atleak.jobs.tables import REVISION, about, metadata
+from atleak.system.home import home, made
+from atleak.version import __version__
+
+DATABASE_URL = "ATLEAK_DATABASE_URL"
+"""The variable of the environment that names another database than the file in the user's folder."""
+
+FILE = "book.sqlite"
+_WAITING = 30.0  # [s] for another writer
+_LOCK = 0x61746C65616B  # of PostgreSQL, for all who make or migrate this book: any number that nothing else takes
+_MIGRATIONS = Path(__file__).with_name("migrations")
+_WRITING = {"atleak_writes": True}
+_FAULTS = (  # what a database says, and what that means
+    ("disk is full", "the disk is full"),
+    ("no space left", "the disk is full"),
+    ("disk i/o error", "the disk cannot be written: it is full or gone"),
+    ("readonly database", "it may not be written"),
+    ("unable to open database", "its folder may not be written, or is not there"),
+    ("database is locked", "another program has held it for too long"),
+    ("not a database", "the file is no job book"),
+    ("malformed", "the file is damaged: move it away, and `atleak jobs restore` brings a backup back"),
+    ("connection refused", "the database server does not answer"),
+    ("could not translate host", "the database server is not known"),
+    ("password authentication failed", "the database server refuses the password"),
+    ("no module named", "the driver of that database is not installed"),
+)
+
+
+def database_url(url: str | None = None) -> sa.URL:
+    """Return where the job book is: a URL, else ``ATLEAK_DATABASE_URL``, else a file in the user's folder.
+
+    Raises
+    ------
+    BookError
+        for a URL of neither SQLite nor PostgreSQL; for a folder that cannot be made.
+    """
+    url = url or os.environ.get(DATABASE_URL)
+    if not url:
+        return sa.URL.create("sqlite", database=str(made(home()) / FILE))
+    expected = "sqlite:///C:/folder/book.sqlite or postgresql://user:password@server/name"
+    try:
+        parsed = sa.make_url(url)
+    except exc.ArgumentError as error:
+        raise BookError("names no database", place=Place(file=DATABASE_URL), expected=expected) from error
+    kind = parsed.get_backend_name()
+    if kind == "sqlite" and parsed.database not in (None, "", ":memory:"):
+        return parsed
+    if kind == "postgresql":
+        return parsed.set(drivername="postgresql+psycopg")
+    raise BookError("a database that cannot hold the job book", place=Place(file=DATABASE_URL), expected=expected)
+
+
+def opened_engine(url: sa.URL) -> sa.Engine:
+    """Return the engine of a database whose tables are there and are today's.
+
+    Raises
+    ------
+    BookError
+        a database that cannot be opened or written, or that a newer atleak has made.
+    """
+    name = shown(url)
+    with in_words(name):
+        try:
+            engine = sa.create_engine(url, **_options(url))
+        except ImportError as error:
+            problem = "cannot be opened: the driver of PostgreSQL is not installed"
+            raise BookError(problem, place=Place(file=name), expected="pip install psycopg[binary]") from error
+        if url.get_backend_name() == "sqlite":
+            sa.event.listen(engine, "connect", _prepare_sqlite)
+            sa.event.listen(engine, "begin", _begin_sqlite)
+        with engine.connect() as connection:
+            current = _revision(connection)
+        if current != REVISION:
+            with writing(engine) as connection:
+                if url.get_backend_name() == "postgresql":
+                    connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
+                _bring_up(connection, name)
+    return engine
+
+
+@contextlib.contextmanager
+def writing(engine: sa.Engine) -> Iterator[sa.Connection]:
+    """Open a transaction that writes: on SQLite the one writer's from its start, so that it never fails half-way."""
+    with engine.connect().execution_options(**_WRITING) as connection, connection.begin():
+        yield connection
+
+
+@contextlib.contextmanager
+def in_words(name: str, problem: str = "the job book cannot be used") -> Iterator[None]:
+    """Turn what a database reports into a `BookError` that says what it means."""
+    try:
+        yield
+    except (exc.DBAPIError, exc.NoSuchModuleError, exc.TimeoutError, sqlite3.Error) as error:
+        said = str(getattr(error, "orig", None) or error).strip()
+        meaning = next((words for sign, words in _FAULTS if sign in said.lower()), said.splitlines()[0][:200])
+        raise BookError(f"{problem}: {meaning}", place=Place(file=name)) from error
+
+
+def shown(url: sa.URL) -> str:
+    """Return a database's name for people: the file's path, or the URL without its password."""
+    if url.get_backend_name() == "sqlite":
+        return str(url.database)
+    return url.set(drivername="postgresql", password=None).render_as_string()
+
+
+def _options(url: sa.URL) -> dict[str, Any]:
+    if url.get_backend_name() == "sqlite":
+        return {"connect_args": {"timeout": _WAITING, "check_same_thread": False, "isolation_level": None}}
+    return {"pool_pre_ping": True, "connect_args": {"connect_timeout": 10}}
+
+
+def _prepare_sqlite(connection: Any, _record: Any) -> None:
+    for setting in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON", "secure_delete = ON"):
+        connection.execute(f"PRAGMA {setting}")
+
+
+def _begin_sqlite(connection: sa.Connection) -> None:
+    options = connection.get_execution_options()
+    if options.get("isolation_level") == "AUTOCOMMIT":
+        return  # what rewrites the whole file cannot be part of a transaction
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if _WRITING.items() <= options.items() else "BEGIN")
+
+
+def _revision(connection: sa.Connection) -> str | None:
+    """Return the revision of the tables; None in a database without any."""
+    if not sa.inspect(connection).has_table("alembic_version"):
+        return None
+    return connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar()
+
+
+def _bring_up(connection: sa.Connection, name: str) -> None:
+    """Make the tables of a new book, or bring those of an earlier version to today's."""
+    current = _revision(connection)
+    if current == REVISION:
+        return  # another process was first
+    from alembic import command
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+    config = Config()
+    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    if current is None:
+        if sa.inspect(connection).get_table_names():
+            raise BookError(
+                "the database holds other tables, and no job book", place=Place(file=name), expected="an empty one"
+            )
+        metadata.create_all(connection)
+        command.stamp(config, "head")
+    elif current not in {each.revision for each in ScriptDirectory.from_config(config).walk_revisions()}:
+        by = connection.execute(sa.select(about.c.atleak)).scalar()
+        problem = f"this job book was made by atleak {by}, which is newer than this one ({__version__})"
+        raise BookError(problem, place=Place(file=name), expected="atleak to be updated; nothing was changed")
+    else:
+        command.upgrade(config, "head")
+    connection.execute(about.delete())
+    connection.execute(about.insert().values(atleak=__version__))

@@ -1,0 +1,96 @@
+"""Look jobs up in the book by what a workshop knows of them."""
+
+from __future__ import annotations
+
+import datetime as dt
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from atleak.job.record import Job
+from atleak.jobs.tables import jobs, key_of, search_words, visits
+from atleak.jobs.units import final_unit, rows_of_unit
+
+_KNOWN_BY_THEIR_END = ("vin", "serial")
+_ENDS = range(4, 9)  # characters of that end
+_EVERY = chr(0x10FFFF)  # sorts behind every letter
+
+
+@dataclass(frozen=True)
+class Query:
+    """What to look for; everything that is given must fit."""
+
+    text: str = ""  # beginnings of words of number, customer, VIN, plate or serial, or the end of a VIN or serial
+    vin: str = ""
+    plate: str = ""
+    serial: str = ""
+    customer: str = ""
+    number: str = ""
+    date_from: dt.date | None = None
+    date_to: dt.date | None = None
+    verdict: str = ""
+    controller: str = ""
+    unit: int | None = None
+    archived: bool | None = False  # those that were archived instead of the others; None: all of them
+    limit: int | None = 200
+    offset: int = 0
+
+
+def search_words_of(record: Job) -> set[tuple[str, str]]:
+    """Return the words by which a job is found, each with the field it stands in."""
+    vehicle, customer = record.vehicle, record.customer
+    texts = {
+        "number": (record.number,),
+        "customer": (customer.name, customer.number),
+        "vin": (vehicle.vin,),
+        "plate": (vehicle.registration,),
+        "serial": (record.transmission.serial,),
+    }
+    words = {
+        (field, key_of(word)) for field, several in texts.items() for text in several for word in (text, *text.split())
+    }
+    for field, whole in [*words]:
+        if field in _KNOWN_BY_THEIR_END:
+            words |= {(field, whole[-count:]) for count in _ENDS if count < len(whole)}
+    return {(field, word) for field, word in words if word}
+
+
+def found_by(connection: sa.Connection, query: Query) -> sa.Select[Any]:
+    """Return the statement that selects the columns of a `JobRow`."""
+    columns = [
+        jobs.c[name]
+        for name in (
+            *("id", "number", "vin", "plate", "serial", "customer", "date", "controller", "verdict", "mileage_km"),
+            *("visit", "changed_at", "archived_at", "sample"),
+        )
+    ]
+    statement = sa.select(*columns, final_unit().label("unit")).join(visits, visits.c.id == jobs.c.visit)
+    if query.archived is not None:
+        is_archived = jobs.c.archived_at.is_not(None)
+        statement = statement.where(is_archived if query.archived else ~is_archived)
+    asked = [("", word) for word in query.text.split()]
+    asked += [(field, getattr(query, field)) for field in ("vin", "plate", "serial", "customer", "number")]
+    for field, word in asked:
+        if start := key_of(word):
+            having = sa.select(search_words.c.job).where(
+                search_words.c.word >= start, search_words.c.word < start + _EVERY
+            )
+            having = having.where(search_words.c.field == field) if field else having
+            statement = statement.where(jobs.c.id.in_(having))
+    if query.date_from is not None:
+        statement = statement.where(jobs.c.date >= query.date_from)
+    if query.date_to is not None:
+        statement = statement.where(jobs.c.date <= query.date_to)
+    if query.verdict:
+        statement = statement.where(jobs.c.verdict == query.verdict)
+    if query.controller:
+        statement = statement.where(jobs.c.controller == query.controller)
+    if query.unit is not None:
+        statement = statement.where(visits.c.unit.in_(rows_of_unit(query.unit)))
+    return statement.order_by(jobs.c.changed_at.desc(), jobs.c.id.desc()).limit(query.limit).offset(query.offset)
+
+
+def controllers_held(connection: sa.Connection) -> list[str]:
+    """Return the ids of the valve bodies of which the book holds jobs."""
+    return list(connection.execute(sa.select(jobs.c.controller).distinct().order_by(jobs.c.controller)).scalars())

@@ -1,0 +1,216 @@
+"""Declare the tables of the job book, on SQLite and PostgreSQL alike."""
+
+from __future__ import annotations
+
+import datetime as dt
+from typing import Any
+
+from sqlalchemy import (
+    Boolean,
+    Column,
+    Date,
+    DateTime,
+    Dialect,
+    Float,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    Text,
+    TypeDecorator,
+)
+
+
+class Moment(TypeDecorator[dt.datetime]):
+    """A moment in UTC: SQLite hands back datetimes without a zone, PostgreSQL with one."""
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: dt.datetime | None, dialect: Dialect) -> dt.datetime | None:
+        return None if value is None else value.astimezone(dt.UTC)
+
+    def process_result_value(self, value: Any | None, dialect: Dialect) -> dt.datetime | None:
+        return None if value is None else value.replace(tzinfo=dt.UTC) if value.tzinfo is None else value
+
+
+REVISION = "0001"
+"""The revision of these tables: the newest of the folder ``migrations``."""
+
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+
+
+def _id(name: str = "id") -> Column[int]:
+    return Column(name, Integer, primary_key=True)
+
+
+def key_of(text: str) -> str:
+    """Return the letters and digits of what people write with blanks and dashes as they like, in upper case."""
+    return "".join(letter for letter in text.upper() if letter.isalnum())[:80]
+
+
+def _job() -> Column[str]:
+    return Column("job", ForeignKey("jobs.id", ondelete="CASCADE"), nullable=False)
+
+
+about = Table(
+    "about",
+    metadata,
+    Column("atleak", String(40), nullable=False),  # version that made these tables as they are
+)
+
+vehicles = Table(
+    "vehicles",
+    metadata,
+    _id(),
+    Column("key", String(80), nullable=False, unique=True),  # how jobs tell it: by VIN, else by plate
+    Column("vin", String(80), nullable=False),
+    Column("plate", String(80), nullable=False),
+)
+
+units = Table(
+    "units",
+    metadata,
+    _id(),
+    Column("key", String(80), nullable=False, unique=True),  # by serial, else VIN, else plate, else the one job
+    Column("serial", String(80), nullable=False),
+    Column("merged_into", ForeignKey("units.id"), index=True),  # another row of the same unit, never itself merged
+)
+
+visits = Table(
+    "visits",
+    metadata,
+    _id(),
+    Column("unit", ForeignKey("units.id"), nullable=False, index=True),
+    Column("vehicle", ForeignKey("vehicles.id"), index=True),
+    Column("number", String(80), nullable=False),  # the workshop's number of the job; a visit can hold several jobs
+    Column("date", Date),
+    Column("mileage_km", Float),
+)
+
+jobs = Table(
+    "jobs",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("version", Integer, nullable=False),  # counts the saves: who saves says which one it saw
+    Column("visit", ForeignKey("visits.id"), nullable=False, index=True),
+    Column("sample", Boolean, nullable=False),  # made of the shipped sample: no unit of the workshop's
+    Column("made_at", Moment, nullable=False),
+    Column("changed_at", Moment, nullable=False),
+    Column("archived_at", Moment),
+    Column("choices", LargeBinary, nullable=False),  # content of job.json, compressed
+    # what the record and the result say, to look a job up by
+    Column("number", String(80), nullable=False),
+    Column("date", Date),
+    Column("technician", Text, nullable=False),
+    Column("customer", Text, nullable=False),
+    Column("vin", String(80), nullable=False),
+    Column("plate", String(80), nullable=False),
+    Column("serial", String(80), nullable=False),
+    Column("mileage_km", Float),
+    Column("controller", String(200), nullable=False),  # id
+    Column("verdict", String(40), nullable=False),
+    Index(None, "changed_at", "id"),
+    Index(None, "verdict", "changed_at"),
+    Index(None, "controller", "changed_at"),
+    Index(None, "date"),
+)
+
+search_words = Table(
+    "search_words",
+    metadata,
+    _job(),
+    Column("field", String(20), nullable=False),  # number, customer, vin, plate or serial
+    # a word of it, and how VIN and serial end: letters and digits, upper case
+    Column("word", String(80).with_variant(String(80, collation="C"), "postgresql"), nullable=False),
+    Index(None, "word", "job"),
+    Index(None, "job"),
+)
+
+files = Table(
+    "files",
+    metadata,
+    Column("sha256", String(64), primary_key=True),  # of the content as it came
+    Column("size", Integer, nullable=False),  # [bytes] as it came
+    Column("content", LargeBinary, nullable=False),  # compressed
+)
+
+job_files = Table(
+    "job_files",
+    metadata,
+    _id(),
+    _job(),
+    Column("slot", String(40), nullable=False),  # of the case, or "picture"
+    Column("name", Text, nullable=False),
+    Column("sha256", ForeignKey("files.sha256"), nullable=False, index=True),
+    Index(None, "job"),
+)
+
+log_tables = Table(
+    "log_tables",
+    metadata,
+    Column("job", ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True),
+    Column("sha256", String(64), nullable=False),  # of the log
+    Column("rows", Integer, nullable=False),
+    Column("parquet", LargeBinary, nullable=False),  # the log's channels in SI, as they were understood
+)
+
+results = Table(
+    "results",
+    metadata,
+    _id(),
+    _job(),
+    Column("atleak", String(40), nullable=False),  # version that gave it
+    Column("made_at", Moment, nullable=False),
+    Column("key", String(64), nullable=False),  # of files and choices, as `Case.key`
+    Column("profile", String(80), nullable=False),
+    Column("controller_sha256", String(64), nullable=False),
+    Column("fluid_sha256", String(64), nullable=False),
+    Column("readings_sha256", String(64)),
+    Column("road_test_sha256", String(64)),
+    Column("verdict", String(40), nullable=False),
+    Column("record", LargeBinary, nullable=False),  # as `diagnose --json`, compressed
+    Index("uq_results_job_atleak", "job", "atleak", unique=True),
+)
+
+lands = Table(
+    "lands",
+    metadata,
+    _id(),
+    _job(),
+    Column("component", String(80), nullable=False),
+    Column("land", Integer, nullable=False),
+    Column("measured", Boolean, nullable=False),
+    Column("spool_diameter_mm", Float),
+    Column("sleeve_diameter_mm", Float),
+    Column("radial_clearance_um", Float),
+    Column("uncertainty_um", Float),
+    Column("mounting_clearance_um", Float),
+    Column("wear_percent", Float),
+    Column("verdict", String(40), nullable=False),
+    Index(None, "job"),
+)
+
+decisions = Table(
+    "decisions",
+    metadata,
+    _id(),
+    _job(),
+    Column("component", String(80), nullable=False),
+    Column("land", Integer),
+    Column("work", Text, nullable=False),
+    Column("decision", String(40), nullable=False),
+    Column("reason", Text, nullable=False),
+    Column("date", Date),
+    Index(None, "job"),
+)

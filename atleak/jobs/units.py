@@ -1,0 +1,119 @@
+"""Tell which unit a job is about, and keep what belongs to one visit together.
+
+A unit is told by the transmission's serial number, else by the VIN, else by the plate; a job that states none of them
+is a unit of its own. Units that turn out to be one are merged: the row of one leads to the row of the other.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sqlalchemy as sa
+
+from atleak.job.parts import JobParts
+from atleak.job.record import Job
+from atleak.jobs.rows import put_once
+from atleak.jobs.tables import jobs, key_of, units, vehicles, visits
+
+
+def unit_key(job_id: str, record: Job) -> str:
+    """Return the key by which a job's unit is told."""
+    vehicle = record.vehicle
+    told_by = {"serial": record.transmission.serial, "vin": vehicle.vin, "plate": vehicle.registration}
+    return next((f"{kind}:{key_of(text)}"[:80] for kind, text in told_by.items() if key_of(text)), f"job:{job_id}")
+
+
+def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: int | None) -> int:
+    """Return the visit that a job belongs to, made or brought up to date.
+
+    Jobs of one unit under one number of the workshop are one visit; a job without a number is a visit of its own.
+
+    Parameters
+    ----------
+    before
+        the visit that the job belonged to so far.
+    """
+    record = parts.job
+    mileage = record.vehicle.mileage_km
+    values = {
+        "unit": _unit(connection, unit_key(job_id, record), record),
+        "vehicle": _vehicle(connection, record),
+        "number": record.number[:80],
+        "date": record.date,
+        "mileage_km": parts.diagnosis.mileage if mileage is None else mileage,
+    }
+    same = sa.select(visits.c.id).where(visits.c.unit == values["unit"], visits.c.number == values["number"])
+    known = connection.execute(same.order_by(visits.c.id).limit(1)).scalar() if values["number"] else None
+    if known is None and before is not None:
+        others = sa.select(sa.func.count()).where(jobs.c.visit == before, jobs.c.id != job_id)
+        known = before if not connection.execute(others).scalar() else None
+    if known is None:
+        made = connection.execute(visits.insert().values(**values)).inserted_primary_key
+        assert made is not None
+        return int(made[0])
+    connection.execute(visits.update().where(visits.c.id == known).values(**values))
+    return int(known)
+
+
+def _unit(connection: sa.Connection, key: str, record: Job) -> int:
+    """Return the row of a unit, made where there is none; that of a merged one is the one it leads to."""
+    wanted = sa.select(sa.func.coalesce(units.c.merged_into, units.c.id)).where(units.c.key == key)
+    row = connection.execute(wanted).scalar()
+    if row is None:
+        put_once(connection, units, {"key": key, "serial": record.transmission.serial[:80]})
+        row = connection.execute(wanted).scalar_one()
+    return int(row)
+
+
+def _vehicle(connection: sa.Connection, record: Job) -> int | None:
+    vin, plate = record.vehicle.vin[:80], record.vehicle.registration[:80]
+    key = f"vin:{key_of(vin)}" if key_of(vin) else f"plate:{key_of(plate)}" if key_of(plate) else ""
+    if not key:
+        return None
+    wanted = sa.select(vehicles.c.id).where(vehicles.c.key == key[:80])
+    row = connection.execute(wanted).scalar()
+    if row is None:
+        put_once(connection, vehicles, {"key": key[:80], "vin": vin, "plate": plate})
+        row = connection.execute(wanted).scalar_one()
+    else:
+        connection.execute(vehicles.update().where(vehicles.c.id == row).values(vin=vin, plate=plate))
+    return int(row)
+
+
+def left_behind(connection: sa.Connection, visit: int) -> tuple[int, int, int | None]:
+    """Return a visit with its unit and vehicle, as a job that may be about to leave them has them."""
+    row = connection.execute(sa.select(visits.c.id, visits.c.unit, visits.c.vehicle).where(visits.c.id == visit)).one()
+    return row.id, row.unit, row.vehicle
+
+
+def without_jobs_away(connection: sa.Connection, visit: int, unit: int, vehicle: int | None) -> None:
+    """Delete a visit, unit and vehicle that no job has any more, as corrected typing leaves them."""
+    connection.execute(visits.delete().where(visits.c.id == visit, ~sa.exists().where(jobs.c.visit == visit)))
+    other = units.alias()
+    connection.execute(
+        units.delete().where(
+            units.c.id == unit,
+            units.c.merged_into.is_(None),
+            ~sa.exists().where(visits.c.unit == unit),
+            ~sa.exists().where(other.c.merged_into == unit),
+        )
+    )
+    connection.execute(
+        vehicles.delete().where(vehicles.c.id == vehicle, ~sa.exists().where(visits.c.vehicle == vehicle))
+    )
+
+
+def final_unit() -> sa.ColumnElement[int]:
+    """Return the unit of a visit as a column, merged ones as the one they lead to; beside the table of visits."""
+    merged = sa.select(units.c.merged_into).where(units.c.id == visits.c.unit).scalar_subquery()
+    return sa.func.coalesce(merged, visits.c.unit)
+
+
+def rows_of_unit(unit: int) -> sa.Select[Any]:
+    """Return the statement that selects the rows of a unit: its own, and those that were merged into it."""
+    return sa.select(units.c.id).where((units.c.id == unit) | (units.c.merged_into == unit))
+
+
+def unit_of(connection: sa.Connection, visit: int) -> int:
+    """Return the unit of a visit, the one it leads to where it was merged."""
+    return int(connection.execute(sa.select(final_unit()).where(visits.c.id == visit)).scalar_one())

@@ -1,0 +1,121 @@
+"""Check that every job of a book opens and that its stored result is whole."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import exc
+
+from atleak.errors import AtleakError
+from atleak.jobs.book import Book, StoredJob
+from atleak.jobs.tables import jobs, lands, log_tables, results
+
+_COMPARED = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong with a job, or with the book's file as a whole."""
+
+    problem: str
+    id: str | None = None  # of the job
+    number: str = ""  # which the workshop gave it
+
+    def __str__(self) -> str:
+        if self.id is None:
+            return self.problem
+        return f"job {self.number} ({self.id}): {self.problem}" if self.number else f"job {self.id}: {self.problem}"
+
+
+def verify(book: Book) -> tuple[Fault, ...]:
+    """Return what is wrong with a book: nothing where every job opens and its stored result is whole.
+
+    Archived jobs are checked too. A job is opened with every file of it against its SHA-256, and its result compared
+    with the lands, the hashes and the log that the tables hold of it.
+
+    Raises
+    ------
+    BookError
+        a database that cannot be read at all.
+    """
+    faults = [Fault(f"the file is damaged: {problem}") for problem in _damage(book)]
+    with book.reading() as connection:
+        every = connection.execute(sa.select(jobs.c.id, jobs.c.number).order_by(jobs.c.id)).all()
+    for id, number in every:
+        faults += [Fault(problem, id, number) for problem in problems_of(book, id)]
+    return tuple(faults)
+
+
+def _damage(book: Book) -> Iterator[str]:
+    """Say what SQLite finds wrong with the file's pages and references; a server looks after its own."""
+    if book.engine.dialect.name != "sqlite":
+        return
+    with book.reading() as connection:
+        said = list(connection.exec_driver_sql("PRAGMA integrity_check(10)").scalars())
+        yield from said if said != ["ok"] else []
+        for table, row, other, _ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
+            yield f"row {row} of {table} refers to no row of {other}"
+
+
+def problems_of(book: Book, id: str) -> Iterator[str]:
+    """Say what is wrong with one job, as `verify` does of every one."""
+    try:
+        stored = book.load(id)
+        yield from _result_problems(book, stored)
+    except exc.NoResultFound:
+        yield "its stored result or its visit is missing"
+    except (AtleakError, ValueError, KeyError, TypeError) as error:
+        if _is_there(book, id):  # and was not erased meanwhile
+            yield str(error) if isinstance(error, AtleakError) else f"its stored result cannot be read: {error}"
+
+
+def _is_there(book: Book, id: str) -> bool:
+    with book.reading() as connection:
+        return connection.execute(sa.select(jobs.c.id).where(jobs.c.id == id)).scalar() is not None
+
+
+def _result_problems(book: Book, stored: StoredJob) -> Iterator[str]:
+    record, case = stored.file.result, stored.file.case
+    with book.reading() as connection:
+        of_job = results.c.job == stored.id
+        newest = sa.select(results).where(of_job).order_by(results.c.made_at.desc(), results.c.id.desc()).limit(1)
+        result = connection.execute(newest).one()
+        columns = [lands.c[name] for name in _COMPARED]
+        kept = connection.execute(sa.select(*columns).where(lands.c.job == stored.id)).mappings().all()
+        log = connection.execute(sa.select(log_tables).where(log_tables.c.job == stored.id)).one_or_none()
+    if record["verdict"] != result.verdict:
+        yield f"its stored result says {record['verdict']}, its row {result.verdict}"
+    if _by_land(kept) != _by_land(record["lands"]):
+        yield "the lands of its stored result are not those of its rows"
+    held = {name: None if source is None else source.sha256 for name, source in vars(case).items() if name in _OWN}
+    for name, sha256 in (("readings", result.readings_sha256), ("road_test", result.road_test_sha256)):
+        if sha256 is not None and sha256 != held[name]:
+            yield f"its stored result rests on another {_OWN[name]} than the one it holds"
+    if log is not None:
+        yield from _log_problems(log, held["road_test"])
+
+
+_OWN = {"readings": "measuring sheet", "road_test": "log"}
+
+
+def _by_land(rows: Any) -> dict[tuple[str, int], tuple[Any, ...]]:
+    return {(row["component"], row["land"]): tuple(row[name] for name in _COMPARED) for row in rows}
+
+
+def _log_problems(log: Any, sha256: str | None) -> Iterator[str]:
+    import pyarrow.lib
+    import pyarrow.parquet
+
+    if log.sha256 != sha256:
+        yield "its table of channels is of another log than the one it holds"
+    try:
+        rows = pyarrow.parquet.read_table(io.BytesIO(log.parquet)).num_rows
+    except (pyarrow.lib.ArrowException, OSError):
+        yield "its table of channels is damaged"
+    else:
+        if rows != log.rows:
+            yield f"its table of channels has {rows} rows in place of {log.rows}"

@@ -1,0 +1,154 @@
+"""Set pages with typst: as PDF/A-2a and PDF/UA-1 where the bundled fonts allow, else as a plain PDF that says so."""
+
+from __future__ import annotations
+
+import datetime as dt
+import json
+import shutil
+import unicodedata
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import typst
+
+from atleak.job.record import Job, clean_text
+from atleak.look import LOOKS, PAPER
+from atleak.paper import Paper
+from atleak.report.pdf.blocks import joined
+from atleak.report.pdf.boxes import BOX_FONT, box_font
+from atleak.report.printed_charts import FONTS, glyphs
+from atleak.system.marks import KEYWORD
+from atleak.verdicts import VERDICTS, Verdict
+from atleak.version import __version__
+from atleak.wording import Wording
+
+STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
+_TEMPLATES = Path(__file__).parent.parent / "templates"
+_UNDATED = dt.date(2000, 1, 1)  # PDF/A requires a date; today's date would make two files of one job differ
+_MISSING_NAMED = 8
+
+
+def common_data(
+    title: str, subject: str, job: Job, paper: Paper, say: Wording, pictures: dict[str, str]
+) -> dict[str, Any]:
+    """Return what ``common.typ`` places on every kind of page: the file's properties, letterhead, colours and signs."""
+    return {
+        "lang": say.language,
+        "paper": paper.typst,
+        "title": title,
+        "author": job.workshop.name or "atleak",
+        "description": subject,
+        "keywords": KEYWORD,
+        "running": joined((job.workshop.name, job.number, job.vehicle.registration or job.vehicle.vin), " · "),
+        "made": f"atleak {__version__}",
+        "page": say("title.page", page="{page}", pages="{pages}"),
+        "note": None,
+        "more-fonts": [],
+        "head": _letterhead(job, pictures, say),
+        "inks": {"ink": PAPER.ink, "soft": PAPER.soft, "rule": PAPER.rule},
+        "looks": {verdict: _look(verdict) for verdict in VERDICTS},
+    }
+
+
+def _letterhead(job: Job, pictures: dict[str, str], say: Wording) -> dict[str, Any]:
+    shop = job.workshop
+    lines = [
+        *shop.address.splitlines(),
+        f"{say('facts.phone')} {shop.phone}" if shop.phone else "",
+        shop.email,
+        shop.website,
+        f"{say('facts.register')} {shop.registration}" if shop.registration else "",
+    ]
+    return {
+        "workshop": shop.name,
+        "lines": [line for line in lines if line],
+        "logo": pictures.get(shop.logo or ""),
+    }
+
+
+def _look(verdict: Verdict) -> dict[str, Any]:
+    """Return what the template needs to draw a verdict: colours, corners of its sign, whether its word is bold."""
+    look = LOOKS[verdict]
+    return {
+        "line": look.line,
+        "tint": look.tint,
+        "on-tint": look.on_tint,
+        "corners": [list(point) for point in look.shape.points],
+        "filled": look.shape.filled,
+        "ground": verdict.flagged,
+        "bold": verdict.calls_for_repair,
+    }
+
+
+@cache
+def bundled_fonts() -> typst.Fonts:
+    """Return the fonts of the package and no others."""
+    return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS)])
+
+
+def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording) -> bytes:
+    """Return the bytes of a PDF.
+
+    Parameters
+    ----------
+    template
+        name of one of the package's templates, without its ending.
+    folder
+        an empty one but for the pictures that the data name; it is written into.
+    data
+        what the template places.
+    date
+        of the file; a fixed one where none is given.
+    """
+    for path in _TEMPLATES.glob("*.typ"):
+        shutil.copy(path, folder)
+    data = _cleaned(data)
+    moment = dt.datetime.combine(date or _UNDATED, dt.time(), dt.UTC)
+
+    def run(fonts: typst.Fonts, standards: Sequence[typst.PDFStandard], **changes: Any) -> bytes:
+        compiler = typst.Compiler(folder / f"{template}.typ", root=folder, font_paths=fonts)
+        inputs = {"data": json.dumps({**data, **changes}, ensure_ascii=False)}
+        pdf = compiler.compile(format="pdf", sys_inputs=inputs, pdf_standards=list(standards), timestamp=moment)
+        assert isinstance(pdf, bytes)  # typst returns bytes for one document that it writes to no file
+        return pdf
+
+    try:
+        return run(bundled_fonts(), STANDARDS)
+    except typst.TypstError as error:
+        missing = _missing_characters(data)
+        if not missing:
+            reason = str(error.message).splitlines()[0]
+            return run(bundled_fonts(), (), note=say("title.plain_other", reason=reason))
+        (folder / "boxes.ttf").write_bytes(box_font(missing, json.dumps(data, ensure_ascii=False)))
+        fonts = typst.Fonts(
+            include_system_fonts=False, include_embedded_fonts=False, font_paths=[str(FONTS), str(folder)]
+        )
+        return run(fonts, (), note=_note(missing, say), **{"more-fonts": [BOX_FONT]})
+
+
+def _note(missing: list[str], say: Wording) -> str:
+    """Return why the file is a plain PDF, with the characters that no font has."""
+    named = ", ".join(f"U+{ord(sign):04X} {sign}" for sign in missing[:_MISSING_NAMED])
+    return say("title.plain", characters=f"{named}, …" if len(missing) > _MISSING_NAMED else named)
+
+
+def _missing_characters(data: Any) -> list[str]:
+    """Return the characters of the report that none of the bundled fonts has, in their order in the text."""
+    seen = dict.fromkeys(json.dumps(data, ensure_ascii=False))
+    return [sign for sign in seen if ord(sign) not in glyphs() and not _invisible(sign)]
+
+
+def _invisible(sign: str) -> bool:
+    """Tell whether nothing is drawn for a character: joiners, signs of direction, variation selectors."""
+    return unicodedata.category(sign) in ("Cc", "Cf") or "VARIATION SELECTOR" in unicodedata.name(sign, "")
+
+
+def _cleaned(data: Any) -> Any:
+    """Return the data without the characters that a PDF cannot hold."""
+    if isinstance(data, str):
+        return clean_text(data)
+    if isinstance(data, dict):
+        return {key: _cleaned(value) for key, value in data.items()}
+    return [_cleaned(value) for value in data] if isinstance(data, list) else data

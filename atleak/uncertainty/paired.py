@@ -1,0 +1,154 @@
+"""Draw one unit at two visits together: by how much its total, reserve and pressures changed, and how sure that is.
+
+What both visits state alike, fluid, temperatures, pressures, pump and lengths of lands, is drawn once for both: it is
+one number on both sides of the difference. So is what a bore keeps: what its pair was when new, how much of its wear
+lies to one side, and to which. What was measured is drawn for each visit by itself, common errors of the instruments
+included: no sheet says whether a gauge was set with the same ring, or a part is still the same one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import Projection
+from atleak.uncertainty.assumptions import Assumptions
+from atleak.uncertainty.drawn import FLUID_STATE, NORMAL_FACTORS, Condition
+from atleak.uncertainty.draws import (
+    LandDraws,
+    Positions,
+    common_errors,
+    land_draws,
+    one_sided_fraction,
+    rectangular_draws,
+)
+from atleak.uncertainty.pressures import DrawnUnit, demand_shape
+from atleak.uncertainty.results import Interval
+from atleak.uncertainty.sources import LandSources
+from atleak.uncertainty.spread import flow_ratio, interval_of
+
+_UNIT, _VISITS = 1, (4, 5)  # streams of what the unit keeps, and of what each visit measured
+
+
+@dataclass(frozen=True)
+class Visit:
+    """One visit of a unit: its model, the sources of every land's uncertainty, and the conditions of interest."""
+
+    model: LeakageModel
+    lands: Sequence[LandSources]
+    projections: Sequence[Projection]
+
+
+@dataclass(frozen=True)
+class ChangeSpread:
+    """The intervals of what changed at one condition: after minus before."""
+
+    leakage: Interval  # [m³/s]
+    share: Interval
+    reserve: Interval
+    main_pressure: Interval  # [Pa] that holds
+    circuits: Mapping[str, Interval]  # [Pa] by id, of those that both visits hold
+
+
+@dataclass(frozen=True)
+class _Held:
+    """What one visit comes to at one condition, arrays of shape (draws,)."""
+
+    leakage: np.ndarray
+    share: np.ndarray
+    reserve: np.ndarray
+    main_pressure: np.ndarray
+    circuits: Mapping[str, np.ndarray]
+
+
+def changes(
+    before: Visit, after: Visit, assumptions: Assumptions, *, coverage: float, draws: int, seed: int
+) -> tuple[ChangeSpread, ...]:
+    """Return the intervals of what changed between two visits, at each pair of their conditions.
+
+    Parameters
+    ----------
+    before, after
+        the two visits; their projections belong together one by one, at the same stated conditions.
+    assumptions
+        all that is uncertain besides the readings, the same for both.
+    coverage
+        probability of every interval; as much is left out below as above.
+    draws, seed
+        number of draws and seed: the same input gives the same digits.
+
+    Notes
+    -----
+    A land that neither visit measured is the same unknown one at both. A spool that was taken out may lie elsewhere in
+    its bore than before.
+    """
+    shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
+    deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
+    deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
+    fraction = one_sided_fraction(shared, before.model, assumptions, draws)
+    drawn = [
+        list(_lands(visit, stream, fraction, assumptions, seed))
+        for visit, stream in zip((before, after), _VISITS, strict=True)
+    ]
+    found = []
+    for pair in zip(before.projections, after.projections, strict=True):
+        first, second = (
+            _held(visit.model, projection, lands, assumptions, deviates)
+            for visit, projection, lands in zip((before, after), pair, drawn, strict=True)
+        )
+        found.append(
+            ChangeSpread(
+                *(
+                    interval_of(getattr(second, name) - getattr(first, name), coverage)
+                    for name in ("leakage", "share", "reserve", "main_pressure")
+                ),
+                {
+                    name: interval_of(second.circuits[name] - first.circuits[name], coverage)
+                    for name in first.circuits
+                    if name in second.circuits
+                },
+            )
+        )
+    return tuple(found)
+
+
+def _lands(visit: Visit, number: int, fraction: np.ndarray, assumptions: Assumptions, seed: int) -> Iterator[LandDraws]:
+    def stream(*name: int | str) -> np.random.Generator:
+        words = [part if isinstance(part, int) else int.from_bytes(part.encode()) for part in name]
+        return np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, *words))))
+
+    common = common_errors(stream(number), visit.lands, fraction.size)
+    positions = Positions(visit.model, fraction.size, seed + number)
+    for land in visit.lands:
+        kept, readings = stream(_UNIT, *land.key), stream(number, *land.key)
+        yield land_draws(kept, land, common, fraction, assumptions, positions.of(land), readings)
+
+
+def _held(
+    model: LeakageModel,
+    projection: Projection,
+    lands: Sequence[LandDraws],
+    assumptions: Assumptions,
+    deviates: dict[str, np.ndarray],
+) -> _Held:
+    point, drawn = projection.condition, Condition(model, projection, assumptions).at(deviates)
+    solved, network, balance = drawn.with_circuits(each.now for each in lands)
+    total = np.zeros(deviates[FLUID_STATE].size) + network.beside_lands(balance)
+    for each in lands:
+        total += solved.leakage(*each.now)[1]
+    unit = DrawnUnit(network, balance, total, drawn.pressures, drawn.pump, drawn.viscosity)
+    main, pressures = unit.held(point, demand_shape(model, point))
+    return _Held(
+        leakage=total,
+        share=flow_ratio(total, solved.capacity),
+        reserve=unit.reserve(point),
+        main_pressure=main,
+        circuits={
+            state.circuit.id: np.broadcast_to(np.asarray(pressures[state.circuit.id], float), total.shape)
+            for state in projection.circuits
+            if not state.vented
+        },
+    )

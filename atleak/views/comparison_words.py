@@ -1,0 +1,91 @@
+"""Say in a reader's language what a comparison comes to: the verdicts, what changed, the total where it was worst."""
+
+from __future__ import annotations
+
+from atleak.comparison import Change, Comparison, ConditionComparison, EventPair, LandComparison
+from atleak.comparison.choices import ChoiceName
+from atleak.views.repair_words import Named, label_of
+from atleak.wording import Wording, isolated
+from atleak.workshop_units import UM
+
+
+def verdicts_sentence(comparison: Comparison, say: Wording) -> str:
+    """Say the verdict of the unit at both visits, with their signs."""
+    before, after = (say.signed(each.verdict) for each in (comparison.before, comparison.after))
+    return say("comparison.verdicts", before=before, after=after)
+
+
+def changed_sentence(comparison: Comparison, say: Wording) -> str:
+    """Say how many lands changed by more than the measurements can be off."""
+    compared = len(comparison.compared)
+    if not compared:
+        return say("comparison.none_compared")
+    return say("comparison.changed", changed=len(comparison.changed), compared=compared)
+
+
+def total_sentence(comparison: Comparison, say: Wording, named: Named = label_of) -> str | None:
+    """Say what the total was and is where it was worst before; None where no condition was judged at both visits.
+
+    Where choices differ this is the unit after by the choices of the job before, and its own total stands beside it.
+    """
+    leading = comparison.leading
+    if leading is None or leading.before is None or leading.share is None:
+        return None
+    own = leading.after if comparison.differing else None
+    return say(
+        "comparison.total" if own is None else "comparison.total_alike",
+        condition=named(leading.before.condition),
+        before=say.percent(leading.share.before),
+        after=say.percent(leading.share.after),
+        own="" if own is None else say.percent(own.share),
+        new=say.percent(comparison.before.new_at(leading.before).share),
+        how=how_sure(leading.share, say),
+    )
+
+
+def how_sure(change: Change | None, say: Wording) -> str:
+    """Say whether a change is more than the measurements can be off."""
+    known = None if change is None else change.significant
+    return say(f"comparison.{'unknown' if known is None else 'beyond' if known else 'within'}")
+
+
+def differing_sentence(comparison: Comparison, say: Wording) -> str | None:
+    """Say in which choices the two jobs differ, and that the difference is not the repair's alone."""
+    if not comparison.differing:
+        return None
+    names: list[ChoiceName] = [each.name for each in comparison.differing]
+    return say("comparison.differing", choices=", ".join(say(f"choices.{name}") for name in names))
+
+
+def land_name(comparison: Comparison, land: LandComparison) -> str:
+    """Name a land: ``25/1 main pressure valve``."""
+    component, number = land.key
+    of_both = {**comparison.before.controller.components, **comparison.after.controller.components}
+    return f"{component}/{number} {isolated(of_both[component])}"
+
+
+def with_uncertainty(change: Change | None, say: Wording) -> str:
+    """Return a change of a clearance [µm] with its sign and half of its 95 % interval: ``−23.5 ± 3.2``."""
+    if change is None or change.interval is None:
+        return "–"
+    half = 0.5 * (change.interval[1] - change.interval[0]) * UM
+    return f"{signed_number(change.value * UM, 1, say)} ± {say.number(half, 1)}"
+
+
+def signed_number(value: float, digits: int, say: Wording) -> str:
+    """Return a number with its sign, also where it is positive; no sign where it rounds to zero."""
+    text = say.number(value, digits)
+    return f"+{text}" if value > 0.0 and float(f"{value:.{digits}f}") != 0.0 else text
+
+
+def event_name(pair: EventPair, say: Wording) -> str:
+    """Name a matched event: ``shift 1 → 2``; of several alike with its place among them."""
+    event = pair.event
+    gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
+    return f"{say(f'events.{event.kind}')}{gears}" + (f" ({pair.order})" if pair.order > 1 else "")
+
+
+def on_both_sides(comparison: Comparison) -> list[ConditionComparison]:
+    """Return the operating points at which both jobs can be compared, the worst of the job before first."""
+    both = [each for each in comparison.conditions if each.before is not None and each.alike is not None]
+    return sorted(both, key=lambda each: each is not comparison.leading)

@@ -1,0 +1,33 @@
+"""Show one unit over its visits: what was found and left undone, how it wears, and how it stands among its kind."""
+
+import streamlit as st
+
+from atleak.errors import BookError
+from pages.shared import panel, show, unit
+from pages.shared.book import book
+
+panel.shown()
+st.title("Unit")
+try:
+    jobs = book()
+    chosen = unit.choose(jobs)
+    if chosen is None:
+        st.stop()
+    visited = unit.visits(jobs, chosen)
+    st.subheader("Visits")
+    unit.draw_visits(visited)
+    unit.draw_left_undone(visited)
+    seen = unit.seen(visited)
+    if seen is None:
+        st.info("No sheet of this unit can be read: nothing tells how it wears.")
+        st.stop()
+    st.subheader("Clearance over mileage")
+    unit.draw_clearance(seen)
+    st.subheader("Wear")
+    unit.draw_wear(seen)
+    st.subheader("Total over mileage")
+    unit.draw_totals(seen)
+    st.subheader("Among its kind")
+    unit.draw_kind(jobs, chosen, seen)
+except BookError as error:
+    st.error(show.plain(error))

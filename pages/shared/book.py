@@ -1,0 +1,160 @@
+"""Keep the job of this session in the job book, and bring a job of the book back into the session."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import replace
+from typing import Any
+
+import streamlit as st
+
+from atleak.errors import AtleakError, ChangedElsewhere
+from atleak.job.parts import job_parts
+from atleak.job.record import Job
+from atleak.jobs.book import Book, open_book
+from atleak.jobs.judged_anew import judged_otherwise
+from atleak.jobs.opening import DATABASE_URL
+from atleak.system.home import home
+from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
+from pages.shared.state import JOB, InBook, Refusal, Session, job, session, show_job
+
+
+def book() -> Book:
+    """Return the job book.
+
+    Raises
+    ------
+    BookError
+        where it cannot be opened.
+    """
+    opened: Book = _book(os.environ.get(DATABASE_URL) or str(home()))
+    return opened
+
+
+@st.cache_resource(max_entries=4, show_spinner=False)
+def _book(where: str) -> Any:
+    return open_book()
+
+
+def job_id() -> str | None:
+    """Return the id under which the job of this session is in the book; None while nothing of it is."""
+    return session().in_book.id
+
+
+def follow_address() -> None:
+    """Open the job that the address names, where that is another one: after a reload, in a second tab, going back."""
+    wanted = st.query_params.get(JOB)
+    in_book = session().in_book
+    if wanted is None:
+        in_book.left = None
+    elif wanted == in_book.left:
+        del st.query_params[JOB]
+    elif wanted not in (in_book.id, in_book.unknown):
+        open_from_book(wanted)
+
+
+def open_from_book(id: str) -> bool:
+    """Open a job of the book in this session, with fresh widgets; return whether that was possible."""
+    now = session()
+    try:
+        stored = book().load(id)
+        case = replace(opened_case(stored.file.case), sample=stored.sample)
+        diagnosis_of(case)
+    except AtleakError as error:
+        now.refused["job"] = Refusal(f"job {id} of the job book", error)
+        now.in_book.unknown = id
+        return False
+    in_book = InBook(id, stored.version, archived=stored.archived_at is not None, result_by=stored.result_by)
+    show_job(case, stored.file.job, in_book)
+    parts = job_parts(diagnosis_of(case), stored.file.job, case_with_columns(case))
+    in_book.judged_otherwise = judged_otherwise(stored.file.result, parts.result)
+    return True
+
+
+def keep(page: str) -> bool:
+    """Save the job where it has changed since it was saved; return whether there is news that the page must show.
+
+    Parameters
+    ----------
+    page
+        the page that was drawn: the browser drops what names the job from the address where another page is chosen.
+    """
+    now = session()
+    in_book, state = now.in_book, _state(now)
+    before = in_book.news
+    if in_book.state is None and not in_book.new:
+        in_book.state = state  # as it was opened, its widgets drawn
+    if in_book.id is not None and (st.query_params.get(JOB), in_book.page) != (in_book.id, page):
+        st.query_params[JOB] = in_book.id
+    in_book.page = page
+    try:
+        if state == in_book.state:
+            _look_for_others(in_book)
+        elif in_book.conflict is None:
+            _save(now, in_book.id, in_book.version)
+        in_book.fault = None
+    except ChangedElsewhere as error:
+        in_book.conflict = error
+    except AtleakError as error:
+        in_book.fault = error
+    return in_book.news != before
+
+
+def _look_for_others(in_book: InBook) -> None:
+    """Notice that a job which is only looked at here was changed elsewhere."""
+    if in_book.id is not None and in_book.conflict is None and book().version(in_book.id) != in_book.version:
+        in_book.conflict = ChangedElsewhere("this job was changed elsewhere; what you see is as it was before")
+
+
+def _save(now: Session, id: str | None, version: int | None) -> None:
+    in_book, record, state = now.in_book, job(), _state(now)
+    parts = job_parts(diagnosis_of(now.good), record, case_with_columns(now.good))
+    saved = book().save(parts, id=id, version=version, sample=now.good.sample)
+    in_book.id, in_book.version, in_book.state = saved.id, saved.version, state
+    in_book.new, in_book.conflict = False, None
+    st.query_params[JOB] = saved.id
+
+
+def write_over() -> None:
+    """Save this session's job over what somebody else saved meanwhile; for a callback."""
+    now = session()
+    in_book = now.in_book
+    in_book.conflict = None
+    if in_book.id is not None:
+        _save_or_say(now, in_book.id, book().version(in_book.id))
+
+
+def keep_as_another() -> None:
+    """Save this session's job as one of its own, beside what somebody else saved meanwhile; for a callback."""
+    now = session()
+    now.in_book.conflict = None
+    _save_or_say(now, None, None)
+
+
+def show_theirs() -> None:
+    """Open what somebody else saved meanwhile; for a callback."""
+    if (id := job_id()) is not None:
+        open_from_book(id)
+
+
+def _save_or_say(now: Session, id: str | None, version: int | None) -> None:
+    try:
+        _save(now, id, version)
+    except ChangedElsewhere as error:
+        now.in_book.conflict = error
+    except AtleakError as error:
+        now.in_book.fault = error
+
+
+def unsaved() -> bool:
+    """Tell whether this session holds something that the book does not."""
+    now = session()
+    return now.in_book.state is not None and now.in_book.state != _state(now)
+
+
+def _state(now: Session) -> str:
+    """Return what tells two states of the job apart: files and choices, record, the bytes of the pictures."""
+    record: Job = job()
+    pictures = {name: hashlib.sha256(content).hexdigest() for name, content in record.pictures.items()}
+    return repr((now.good.key, record.model_dump_json(exclude_defaults=True), sorted(pictures.items())))

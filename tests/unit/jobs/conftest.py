@@ -1,0 +1,121 @@
+"""The job book on both of its databases: a test that asks for `book` runs on SQLite and on a real PostgreSQL server."""
+
+from __future__ import annotations
+
+import functools
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from atleak.diagnosis import Diagnosis
+from atleak.job.case import Case, SourceFile
+from atleak.job.parts import JobParts, job_parts
+from atleak.job.record import Job
+from atleak.jobs.book import Book, open_book
+from atleak.jobs.tables import about, metadata
+
+
+@pytest.fixture(scope="session")
+def postgresql(benchmark_of: Callable[[str], ModuleType]) -> Iterator[Any]:
+    """A PostgreSQL server for the tests of this process, started by the first test that asks."""
+    module = benchmark_of("postgresql")
+    try:
+        module.programs()
+    except module.NoServer as error:
+        pytest.skip(f"{error}; the same tests run on SQLite")
+    with module.running() as server:
+        yield server
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database(request: pytest.FixtureRequest) -> str:
+    """The kind of database that a test runs on: each test of a book runs on both."""
+    return request.param
+
+
+@pytest.fixture
+def new_address(database: str, request: pytest.FixtureRequest, tmp_path: Path) -> Callable[[], str]:
+    """Makes databases in which there is nothing yet, and gives their addresses."""
+
+    def make() -> str:
+        if database == "sqlite":
+            return f"sqlite:///{tmp_path / f'new_{len(list(tmp_path.iterdir()))}.sqlite'}"
+        server = request.getfixturevalue("postgresql")
+        return server.address(server.new_database())
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An empty book as a file to be copied, which is quicker than making it anew for every test."""
+    path = tmp_path_factory.mktemp("template") / "book.sqlite"
+    open_book(f"sqlite:///{path}").engine.dispose()
+    return path
+
+
+@pytest.fixture(scope="session")
+def emptied() -> list[str]:
+    """Addresses of books on PostgreSQL that earlier tests have left empty: quicker than new databases of 7 MB each."""
+    return []
+
+
+@pytest.fixture
+def new_book_on(request: pytest.FixtureRequest, tmp_path: Path, emptied: list[str]) -> Iterator[Callable[[str], Book]]:
+    """Opens books without a job, each in a database of its own, of the kind that is asked for."""
+    opened: list[Book] = []
+
+    def make(kind: str) -> Book:
+        if kind == "sqlite":
+            path = tmp_path / f"book_{len(opened)}.sqlite"
+            shutil.copyfile(request.getfixturevalue("sqlite_template"), path)
+            address = f"sqlite:///{path}"
+        elif not (address := emptied.pop() if emptied else ""):
+            server = request.getfixturevalue("postgresql")
+            address = server.address(server.new_database())
+        opened.append(open_book(address))
+        return opened[-1]
+
+    yield make
+    for book in opened:
+        if book.engine.dialect.name == "postgresql":
+            with book.writing() as connection:
+                for table in reversed([table for table in metadata.sorted_tables if table is not about]):
+                    connection.execute(table.delete())
+            emptied.append(book.engine.url.render_as_string())
+        book.engine.dispose()
+
+
+@pytest.fixture
+def new_book(database: str, new_book_on: Callable[[str], Book]) -> Callable[[], Book]:
+    """Opens books without a job, on the database of the test."""
+    return lambda: new_book_on(database)
+
+
+@pytest.fixture
+def book(new_book: Callable[[], Book]) -> Book:
+    """A book without a job."""
+    return new_book()
+
+
+@pytest.fixture(scope="session")
+def small_job() -> Callable[..., JobParts]:
+    """Makes a job of one land of the minimal example; the keywords are those of its record."""
+
+    @functools.cache
+    def diagnosed(sleeve: float) -> tuple[Case, Diagnosis]:
+        rows = ["component,part,plane,direction,diameter [mm]"]
+        for direction in (0, 90):
+            rows += [f"tcc_regulator,spool,1,{direction},11.000", f"tcc_regulator,sleeve,1,{direction},{sleeve:.3f}"]
+        case = Case(readings=SourceFile("small.csv", "\n".join(rows).encode()), controller="minimal_example")
+        return case, case.diagnose()
+
+    def make(sleeve: float = 11.04, **record: Any) -> JobParts:
+        case, diagnosis = diagnosed(sleeve)
+        return job_parts(diagnosis, Job(**record), case)
+
+    return make

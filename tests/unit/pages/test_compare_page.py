@@ -1,0 +1,69 @@
+"""The page that puts two jobs side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.job.case import Case, SourceFile
+from atleak.job.parts import job_parts
+from atleak.job.record import Job
+from atleak.jobs.book import open_book
+
+from .conftest import texts
+
+SHEET = "component;part;plane;direction;diameter [mm]\n" + "".join(
+    f"{component};{part};1;{direction};{{{name}}}\n"
+    for component, part, name in (
+        ("tcc_regulator", "spool", "spool"), ("tcc_regulator", "sleeve", "sleeve"),
+        ("accumulator", "piston", "piston"), ("accumulator", "sleeve", "bore"),
+    )
+    for direction in (0, 90)
+)  # fmt: skip
+
+
+@pytest.fixture
+def kept() -> Callable[..., str]:
+    """Keeps a job of the minimal example in the job book; its id."""
+
+    def keep(sleeve: float, date: str, log: Path) -> str:
+        sizes = {"spool": 11.0, "sleeve": sleeve, "piston": 17.999, "bore": 18.07}
+        case = Case(
+            readings=SourceFile(f"{date}.csv", SHEET.format(**sizes).encode()),
+            road_test=SourceFile(log.name, log.read_bytes()),
+            controller="minimal_example",
+        )
+        record = Job(number=f"of {date}", date=date, transmission={"serial": "MADE-UP-1"})
+        return open_book().save(job_parts(case.diagnose(), record, replace(case, remember=False))).id
+
+    return keep
+
+
+@pytest.mark.page("12_Compare")
+def test_two_visits_of_a_unit_stand_side_by_side(app: AppTest, kept: Callable[..., str], sample_log: Path) -> None:
+    assert not app.exception
+    assert "Choose a job for either side" in texts(app)
+    before, after = kept(11.09, "2026-03-02", sample_log), kept(11.04, "2026-03-09", sample_log)
+    app.query_params["before"], app.query_params["after"] = before, after
+    app.run()
+    assert not app.exception
+    assert "1 of 2 lands that were measured at both visits changed" in texts(app)
+    shown = app.dataframe[0].value
+    regulator = shown[shown["Pair"].str.startswith("tcc_regulator/1")].iloc[0]
+    assert (regulator["Before [µm]"], regulator["After [µm]"], regulator["Changed"]) == (45.0, 20.0, "yes")
+    assert "-25.0 ± " in regulator["Change [µm]"].replace("−", "-")
+    event = next(widget for widget in app.selectbox if widget.label == "Event")
+    assert "shift 1 → 2" in event.options
+    assert "Dashed: before; full: after" in texts(app)
+
+
+@pytest.mark.page("12_Compare")
+def test_two_valve_bodies_are_refused_in_words(app: AppTest, kept: Callable[..., str], sample_log: Path) -> None:
+    app.query_params["before"] = kept(11.09, "2026-03-02", sample_log)
+    app.run()
+    assert not app.exception
+    assert "two different valve bodies" in texts(app)

@@ -1,0 +1,100 @@
+"""The dashboard's job is kept in the job book as it is typed, and comes back from there."""
+
+from __future__ import annotations
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.job.case import Case
+from atleak.job.parts import job_parts
+from atleak.job.record import Job
+from atleak.jobs.book import Book, open_book
+from tests.unit.pages.conftest import go, number, texts
+
+pytestmark = pytest.mark.page("5_Report")
+
+
+@pytest.fixture
+def book(app: AppTest) -> Book:
+    """The book of the dashboard under test, in the folder that the fixture `app` has set."""
+    return open_book()
+
+
+def field(app: AppTest, label: str):
+    return next(widget for widget in app.main.text_input if widget.label == label)
+
+
+def reloaded(app: AppTest, page: str = "5_Report") -> AppTest:
+    """The same address in a browser that knows nothing of the first."""
+    other = AppTest.from_file(app._script_path, default_timeout=240)
+    other.query_params["job"] = app.query_params["job"]
+    return go(other, page)
+
+
+def test_nothing_is_kept_of_a_sample_that_is_only_looked_at(app: AppTest, book: Book) -> None:
+    assert "job" not in app.query_params
+    assert not book.rows()
+
+
+def test_a_job_is_kept_from_its_first_digit_on_and_its_address_brings_it_back(app: AppTest, book: Book) -> None:
+    field(app, "Job number").set_value("2026-0417").run()
+    number(app, "Mileage [km]").set_value("212345,5").run()
+    (row,) = book.rows()
+    assert (row.number, row.mileage_km, row.sample) == ("2026-0417", 212345.5, True)
+    assert app.query_params["job"] == row.id
+    again = reloaded(app)
+    assert not again.exception
+    assert field(again, "Job number").value == "2026-0417"
+    assert number(again, "Mileage [km]").value == "212345.5"
+    assert "In the job book: **2026-0417**" in texts(again)
+    assert book.version(row.id) == 2, "opening a job saves nothing"
+
+
+def test_the_second_of_two_browsers_is_told_and_chooses(app: AppTest, book: Book) -> None:
+    field(app, "Technician").set_value("first").run()
+    other = reloaded(app)
+    field(other, "Technician").set_value("second").run()
+    field(app, "Make").set_value("BMW").run()
+    assert "Changed elsewhere." in texts(app)
+    assert "by second at" in texts(app)
+    (row,) = book.rows()
+    assert book.load(row.id).file.job.vehicle.make == ""
+    app.button(key="book-another").click().run()
+    assert "Changed elsewhere." not in texts(app)
+    kept = {row.id: book.load(row.id).file.job for row in book.rows()}
+    assert sorted((job.technician, job.vehicle.make) for job in kept.values()) == [("first", "BMW"), ("second", "")]
+
+
+def test_an_address_of_no_job_is_refused_in_words(app: AppTest, book: Book) -> None:
+    app.query_params["job"] = "feed"
+    app.run()
+    assert not app.exception
+    assert "job feed of the job book" in texts(app)
+    assert "has no such job" in texts(app)
+
+
+def test_a_book_that_cannot_be_used_costs_no_work(app: AppTest, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ATLEAK_DATABASE_URL", "postgresql://shop:secret@127.0.0.1:1/book")
+    field(app, "Job number").set_value("17").run()
+    assert not app.exception
+    assert "Not saved." in texts(app)
+    assert "does not answer" in texts(app)
+    assert field(app, "Job number").value == "17"
+    monkeypatch.delenv("ATLEAK_DATABASE_URL")
+    app.run()
+    assert "In the job book: **17**" in texts(app.run())
+    assert [row.number for row in open_book().rows()] == ["17"]
+
+
+def test_a_job_that_is_judged_otherwise_today_says_so(
+    app: AppTest, book: Book, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = Case(controller="minimal_example")
+    parts = job_parts(case.diagnose(), Job(), case)
+    parts.__dict__["result"] = {**parts.result, "verdict": "ok"}  # as an earlier version might have said
+    monkeypatch.setattr("atleak.jobs.book.__version__", "0.1.9")
+    saved = book.save(parts)
+    app.query_params["job"] = saved.id
+    app.run()
+    assert "Judged otherwise than when it was stored" in texts(app)
+    assert "the unit: ok" in texts(app)

@@ -1,0 +1,53 @@
+"""The page of one unit: its visits, what was left undone, how it wears and how it stands among its kind."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.job.case import Case, SourceFile
+from atleak.job.parts import job_parts
+from atleak.job.record import Job
+from atleak.jobs.book import Book, open_book
+from atleak.jobs.unit_visits import unit_of_job
+from atleak.wording import signed
+
+from .conftest import go, texts
+
+
+def saved(book: Book, sleeve: float, year: int, mileage: float, **record: Any) -> str:
+    """A job of one land of the minimal example in the book."""
+    rows = ["component,part,plane,direction,diameter [mm]"]
+    for direction in (0, 90):
+        rows += [f"tcc_regulator,spool,1,{direction},11.000", f"tcc_regulator,sleeve,1,{direction},{sleeve:.3f}"]
+    case = Case(readings=SourceFile("small.csv", "\n".join(rows).encode()), controller="minimal_example")
+    told = {"number": str(year), "date": f"{year}-05-01", "vehicle": {"mileage_km": mileage}}
+    job = Job(**{**told, "transmission": {"serial": "0147"}, **record})
+    return book.save(job_parts(case.diagnose(), job, case)).id
+
+
+@pytest.mark.page("7_Catalogue")
+def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest) -> None:
+    book = open_book()
+    declined = {"component": "tcc_regulator", "land": 1, "decision": "declined", "reason": "too dear", "work": "sleeve"}
+    saved(book, 11.036, 2024, 100_000.0)
+    last = saved(book, 11.042, 2026, 160_000.0, repair_decisions=[declined])
+    unit = unit_of_job(book, last)
+    book.engine.dispose()
+    app.query_params["unit"] = str(unit)
+    go(app, "11_Unit")
+    assert not app.exception
+    said = texts(app)
+    assert "serial **0147**" in said
+    assert "tcc_regulator/1, sleeve **declined**: too dear (2026-05-01)" in said
+    visits, wear = app.dataframe[0].value, app.dataframe[2].value
+    assert list(visits["Date"]) == ["2026-05-01", "2024-05-01"]
+    assert wear["µm per 10 000 km"][0].startswith("0.50 (")
+    assert wear[f"{signed('replace')} at"][0].startswith(("2", "not before"))
+    assert "shown from 10 other units on" in said
+    # another one is looked for
+    other = next(widget for widget in app.text_input if widget.label == "Look for another unit")
+    other.set_value("no such thing").run()
+    assert "No job of the book is found by that." in texts(app)

@@ -1,0 +1,120 @@
+"""Rows of a unit's history: rates, mileages and totals in words that people can use."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Callable
+
+import pytest
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
+from atleak.diagnosis import Diagnosis, diagnose
+from atleak.figures import history_figures as figures
+from atleak.history.land_wear import WearHistory, wear_over_mileage
+from atleak.history.totals import totals_over_mileage
+from atleak.history.visits import Visit
+from atleak.readings import Readings
+from atleak.verdicts import Band
+from atleak.views.history_rows import NO_WEAR, land_name, soonest_first, total_rows, wear_rows
+from atleak.wording import signed
+
+REGULATOR, SECOND, TCC, SOLENOID = (
+    ("pressure_regulator", 1),
+    ("pressure_regulator", 2),
+    ("tcc_regulator", 1),
+    ("solenoid_modulator", 1),
+)
+VISITS = (  # year, mileage, clearances [µm]
+    (2022, 60_000.0, {REGULATOR: 30.0, TCC: 17.0, SECOND: 18.5, SOLENOID: 23.0}),
+    (2024, 100_000.0, {REGULATOR: 20.0, TCC: 17.2, SECOND: 19.0, SOLENOID: 25.0}),
+    (2026, 160_000.0, {REGULATOR: 23.0, TCC: 17.1, SECOND: 19.6, SOLENOID: 28.0}),
+)
+WATCH, REPLACE = f"{signed('watch')} at", f"{signed('replace')} at"
+
+
+@pytest.fixture(scope="module")
+def unit(
+    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+) -> tuple[WearHistory, Diagnosis]:
+    """Three visits, before the second of which the pressure regulator was repaired; the diagnosis of the last."""
+    visits, diagnosis = [], None
+    for year, mileage, um in VISITS:
+        spools = {key: minimal.land(*key).nominal_diameter for key in um}
+        readings = readings_of(minimal, {key: (spool, spool + 2e-6 * um[key]) for key, spool in spools.items()})
+        diagnosis = diagnose(minimal, hipol, limits, readings=readings, mileage=mileage)
+        visits.append(Visit.of(diagnosis, dt.date(year, 5, 1), repaired=[REGULATOR] if year == 2022 else []))
+    assert diagnosis is not None
+    return wear_over_mileage(visits, limits), diagnosis
+
+
+def test_every_land_has_its_rate_and_when_it_reaches_each_level(
+    unit: tuple[WearHistory, Diagnosis], minimal: Controller
+) -> None:
+    history, _ = unit
+    rows = {row["Pair"].split(" ")[0]: row for row in wear_rows(history, minimal)}
+    worn = rows["pressure_regulator/1"]
+    assert worn["µm per 10 000 km"].startswith("0.50 (0.")
+    assert (worn[WATCH], worn["Visits"], worn["Since"]) == ("reached", 2, "2022-05-01: repaired")
+    assert worn[REPLACE].replace("\u00a0", " ").startswith("240 000 km (")
+    assert rows["solenoid_modulator/1"][REPLACE] == "reached"
+    unworn = rows["tcc_regulator/1"]
+    assert unworn["µm per 10 000 km"].startswith(f"{NO_WEAR} (−0.")
+    assert unworn[REPLACE].startswith(("not before", "not foreseeable"))
+    assert unworn["Since"] is None
+
+
+def test_what_is_past_a_limit_comes_first_and_what_nobody_can_tell_last(unit: tuple[WearHistory, Diagnosis]) -> None:
+    history, _ = unit
+    assert [land.key for land in soonest_first(history)] == [SOLENOID, REGULATOR, SECOND, TCC]
+
+
+def test_a_lands_name_begins_with_its_number(minimal: Controller) -> None:
+    assert land_name(minimal, TCC).startswith("tcc_regulator/1 ")
+    assert land_name(minimal, ("gone", 2)) == "gone/2"
+
+
+def test_totals_stand_with_the_mileage_of_each_band(unit: tuple[WearHistory, Diagnosis]) -> None:
+    totals = totals_over_mileage(*unit)
+    rows = total_rows(totals.totals)
+    assert [row["Condition"] for row in rows] == [each.condition.label for each in unit[1].projections]
+    [ahead] = [name for name in rows[0] if name.startswith("At 360")]
+    low, high = rows[0][ahead].split("(")[1].removesuffix(")").split(" to ")
+    assert float(low) < float(rows[0][ahead].split(" ")[0]) < float(high)
+    assert f"{signed(Band.AMBER)} at" in rows[0]
+
+
+def test_the_figure_of_a_land_shows_its_points_its_band_and_its_limits(unit: tuple[WearHistory, Diagnosis]) -> None:
+    history, _ = unit
+    land = history.land(REGULATOR)
+    figure = figures.clearance_over_mileage(land, history.visits, history.present)
+    traces = {trace.name: trace for trace in figure.data}
+    assert list(traces["measured"].x) == [100_000.0, 160_000.0]
+    assert list(traces["measured"].y) == pytest.approx([20.0, 23.0], abs=1e-6)
+    assert list(traces["before"].y) == pytest.approx([30.0], abs=1e-6)
+    assert traces["measured"].error_y.array[0] == pytest.approx(
+        1.6448536 * land.series.counted[0].standard_uncertainty * 1e6, abs=1e-6
+    )
+    assert traces["line"].y[0] == pytest.approx(20.0, abs=1e-6)
+    end = traces["line"].x[-1]
+    band = traces["90% of the line"]
+    assert band.y[40] == pytest.approx(land.line.band(end)[1] * 1e6, abs=1e-6)
+    said = [each.text for each in figure.layout.annotations]
+    assert said == [f"{signed('watch')}: 22.0 µm", f"{signed('replace')}: 27.0 µm"]
+
+
+def test_the_figure_of_a_total_has_the_limits_that_are_near(unit: tuple[WearHistory, Diagnosis]) -> None:
+    total = totals_over_mileage(*unit).totals[0]
+    figure = figures.total_over_mileage(total)
+    line = next(trace for trace in figure.data if trace.name == "total share")
+    assert list(line.y) == pytest.approx([100.0 * each for each in total.median], abs=1e-9)
+    near = [limit for limit in total.limits if limit.share <= 1.5 * max(total.high)]
+    assert len(figure.layout.annotations) == len(near)
+
+
+def test_a_pareto_chart_counts_units_and_what_they_make_up() -> None:
+    figure = figures.pareto(["a/1", "b/2"], [6, 2], 9, "flagged")
+    [bar] = figure.data
+    assert list(bar.text) == ["6 of 9", "2 of 9"]
+    assert list(bar.customdata) == [75.0, 100.0]
