@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import repaired
@@ -36,8 +36,9 @@ class Line:
     lands: tuple[LandDiagnosis, ...]  # of this unit that were measured
     states: Mapping[LandKey, LandClearance]  # in which it leaves them
     chosen: bool  # whether the choice for the goal contains it
+    price: float | None  # of the part; None: nobody knows it
     hours: float | None  # of work; None: nobody knows them
-    part: Decimal | None  # None: nobody knows the price
+    part: Decimal | None  # the price, rounded
     work: Decimal | None  # None: nobody knows the hours, or the labour rate
     other_currency: str = ""  # in which the file states the price, where that is not the estimate's
 
@@ -184,7 +185,13 @@ class Estimate:
         return tuple(land for land in self.diagnosis.flagged if land.key not in repaired)
 
 
-def estimate(diagnosis: Diagnosis, job: Job) -> Estimate:
+class Chooser(Protocol):
+    """What chooses repairs: `choose`, or something that keeps what that said."""
+
+    def __call__(self, diagnosis: Diagnosis, goal: Goal, prices: Prices, *, kept: Iterable[str]) -> Choice: ...
+
+
+def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estimate:
     """Make the estimate of a job: the workshop's own lines, and those that are proposed for every other flagged land.
 
     A line that the goal has no need of is listed without a state, and in no sum.
@@ -193,9 +200,9 @@ def estimate(diagnosis: Diagnosis, job: Job) -> Estimate:
     currency = terms.currency or next((each.currency for each in repairs if each.price is not None), None) or ""
     kept = [each.repair for each in job.repair_decisions if each.repair]
     prices = Prices(terms.labour_rate, currency, _typed(job))
-    everything = choose(diagnosis, Goal.EVERY_LIMIT, prices, kept=kept)
+    everything = chooser(diagnosis, Goal.EVERY_LIMIT, prices, kept=kept)
     goal = terms.goal
-    choice = everything if goal is Goal.EVERY_LIMIT else choose(diagnosis, goal, prices, kept=kept)
+    choice = everything if goal is Goal.EVERY_LIMIT else chooser(diagnosis, goal, prices, kept=kept)
     make = _Lines(diagnosis, terms, choice, currency)
     lines = [make.own(place, each) for place, each in enumerate(job.repair_decisions) if not each.empty]
     taken = {key for line in lines for key in covered(line.decision, diagnosis.controller)}
@@ -282,6 +289,7 @@ class _Lines:
             lands,
             {state.land.key: state for state in new} if option is None else option.states,
             chosen,
+            price,
             hours,
             None if price is None else amount(price, self.currency),
             None if rate is None or hours is None else product(hours, rate, self.currency),

@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
