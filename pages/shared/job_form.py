@@ -74,12 +74,10 @@ def draw(controller: Controller) -> Job:
         first_fault = error.errors(include_url=False)[0]
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
-    faults = list(decision_faults(changed, controller))
+    faults, typed = list(decision_faults(changed, controller)), changed.repair_decisions != record.repair_decisions
     for fault in faults:
-        place.error(
-            show.plain(f"{'Not taken: ' if changed.repair_decisions != record.repair_decisions else ''}{fault}")
-        )
-    if faults and changed.repair_decisions != record.repair_decisions:
+        place.error(show.plain(f"Not taken: {fault}" if typed else str(fault)))
+    if faults and typed:
         return record
     st.session_state[RECORD] = changed
     measured = {
