@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal
 from enum import StrEnum
 from functools import cached_property
 
@@ -82,16 +82,24 @@ class Choice:
 
 
 def gain_of(within: Iterable[Total], without: Iterable[Total]) -> Gain | None:
-    """Return the rule that is most worse off without something, measured by its first limit; None where none is."""
+    """Return the rule that comes nearer to its first limit, or farther past it, than any other without something.
+
+    None where none does by more than can be seen.
+    """
     gains: list[tuple[float, Gain]] = []
     for one, other in zip(within, without, strict=True):
         for better, worse in zip((one.rule, *one.pressure_rules), (other.rule, *other.pressure_rules), strict=True):
-            limits = [limit for _, limit in better.steps.levels]
-            first = max(limits) if better.steps.falling else min(limits)
-            lost = (worse.value - better.value) * (-1.0 if better.steps.falling else 1.0)
-            if np.isfinite(lost) and lost > _WORTH_SAYING * abs(first):
-                gains.append((lost / abs(first) if first else lost, Gain(better, worse)))
+            lost = _used_up(worse) - _used_up(better)
+            if math.isfinite(lost) and lost > _WORTH_SAYING:
+                gains.append((lost, Gain(better, worse)))
     return max(gains, key=lambda each: each[0])[1] if gains else None
+
+
+def _used_up(rule: Rule) -> float:
+    """Return how much of a rule's first limit its value takes; of a limit that falls, the other way round."""
+    limits = [limit for _, limit in rule.steps.levels]
+    parts = (max(limits), rule.value) if rule.steps.falling else (rule.value, min(limits))
+    return parts[0] / parts[1] if parts[1] else math.inf
 
 
 def choose(
@@ -214,9 +222,3 @@ def _kept_limits(unit: RepairableUnit, end: LandChoice) -> Iterator[Target]:
                 if np.all(target.kept(done.leakage, done.pressures)):
                     yield target
                     break
-
-
-def cost_of_moves(choice: Choice) -> Decimal | None:
-    """Return what a choice costs; None where the cost of any of its repairs is unknown."""
-    costs = [choice.moves.prices.cost(move) for move in choice.chosen]
-    return None if None in costs else sum((cost for cost in costs if cost is not None), Decimal(0))

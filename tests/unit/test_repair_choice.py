@@ -21,9 +21,13 @@ from atleak.catalogue.repairs import Repair
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
+from atleak.job.estimate import Estimate
+from atleak.job.record import EstimateTerms
 from atleak.readings import Readings
-from atleak.repair import Basis, Choice, Goal, Move, Prices, choose
+from atleak.repair import Basis, Choice, Goal, Move, Prices, Stated, choose
+from atleak.report.estimate_words import EstimateWords
 from atleak.rules import LandKey, unit_rules
+from atleak.wording import wording
 
 Build = Callable[..., Readings]
 ROOT = Path(__file__).resolve().parents[1]
@@ -154,3 +158,73 @@ def test_a_choice_is_as_good_as_the_best_of_all_sets_and_green_where_any_is(
         assert (sum(cost(move) for move in choice.chosen), len(choice.chosen)) == best
     else:
         assert len(choice.chosen) == min(map(len, good))
+
+
+@pytest.fixture(scope="module")
+def priced(three_circuits: Controller, worn_unit: Callable[..., Diagnosis]) -> Callable[..., Diagnosis]:
+    """Diagnoses the three circuits with the lands of one valve worn and some repairs in the file."""
+
+    def build(*repairs: Repair) -> Diagnosis:
+        return worn_unit(replace(three_circuits, repairs=repairs), {("2", 1): 2.0, ("2", 2): 1.0, ("1", 1): 0.0})
+
+    return build
+
+
+def keys(choice: Choice) -> set[object]:
+    return {move.key for move in choice.chosen}
+
+
+def test_the_cheapest_is_chosen_where_every_price_is_known_and_the_fewest_where_one_is_not(
+    priced: Callable[..., Diagnosis],
+) -> None:
+    single = option(1, "2", (1,), 40.0, 1.0), option(2, "2", (2,), 50.0, 1.0)
+    both = option(3, "2", (1, 2), 120.0, 1.0)
+    cheapest = choose(priced(*single, both))
+    assert (cheapest.basis, keys(cheapest)) == (Basis.CHEAPEST, {"option_1", "option_2"})
+    with_work = choose(priced(*single, both), prices=Prices(labour_rate=60.0))  # 180 for the one, 210 for the two
+    assert (with_work.basis, keys(with_work)) == (Basis.CHEAPEST, {"option_3"})
+    typed = choose(priced(*single, both), prices=Prices(60.0, "EUR", {"option_3": Stated(300.0, 1.0)}))
+    assert keys(typed) == {"option_1", "option_2"}
+    unknown = choose(priced(single[0], both))  # land 2 alone has no price, and no option of its own
+    assert keys(unknown) == {"option_3"}
+    no_price = choose(priced(option(1, "2", (1,), None, 1.0), option(2, "2", (2,), 50.0, 1.0)))
+    assert (no_price.basis, keys(no_price)) == (Basis.FEWEST, {"option_1", "option_2"})
+
+
+def test_what_the_workshop_chose_is_taken_whatever_it_costs(priced: Callable[..., Diagnosis]) -> None:
+    repairs = option(1, "2", (1,), 40.0, 1.0), option(2, "2", (2,), 50.0, 1.0), option(3, "2", (1, 2), 120.0, 1.0)
+    diagnosis = priced(*repairs)
+    assert keys(choose(replace(diagnosis, repairs=repairs[2:]))) == {"option_3"}
+    assert keys(choose(replace(diagnosis, repairs=repairs[2:]), Goal.GREEN)) >= {"option_3"}
+    assert keys(choose(diagnosis, kept=["option_3"])) == {"option_3"}
+
+
+def test_where_the_search_is_ended_the_repairs_suffice_and_nobody_says_that_they_are_the_fewest(
+    priced: Callable[..., Diagnosis],
+) -> None:
+    repairs = [option(number, "2", lands, None, None) for number, lands in enumerate([(1,), (2,), (1, 2)])]
+    choice = choose(priced(*repairs), rounds=0)
+    assert choice.chosen
+    assert choice.reached
+    assert not choice.proven
+    assert choose(priced(*repairs)).proven
+    assert "The search was ended after 0 proposals" in " ".join(said_of(choice))
+
+
+def said_of(choice: Choice) -> Iterator[str]:
+    made = Estimate(choice.unit.diagnosis, EstimateTerms(), choice, (), "")
+    return EstimateWords(made, wording("en")).chosen_by()
+
+
+def test_a_gain_is_the_rule_that_comes_nearest_to_its_limit_without_a_repair(priced: Callable[..., Diagnosis]) -> None:
+    choice = choose(priced())
+    gain = choice.gains["2", 1]
+    assert gain is not None
+    without = [move for move in choice.chosen if move.key != ("2", 1)]
+    every = [rule for total in choice.totals_of([without])[0] for rule in (total.rule, *total.pressure_rules)]
+    (same,) = [rule for rule in every if rule.id == gain.without.id]
+    assert gain.without.value == pytest.approx(same.value, rel=1e-9, abs=0.0)
+    assert gain.within.id == gain.without.id
+    assert gain.without.circuit is not None
+    assert gain.without.circuit.id == "clutch_c1"
+    assert gain.without.value > gain.within.value
