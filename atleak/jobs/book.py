@@ -36,6 +36,7 @@ from atleak.version import __version__
 
 PICTURE = "picture"  # the slot of a picture
 _TRIES = 3  # at a save that another one crossed
+_DEADLOCK = "40P01"  # PostgreSQL's code of it
 _LAND_COLUMNS = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
 
 
@@ -123,6 +124,9 @@ class Book:
 
     def __init__(self, engine: sa.Engine, name: str) -> None:
         self.engine, self.name = engine, name
+        # PostgreSQL shows each statement of a transaction another state of the book unless it is asked not to
+        one_moment = {"isolation_level": "REPEATABLE READ"} if engine.dialect.name == "postgresql" else {}
+        self._reader = engine.execution_options(**one_moment)
 
     @contextmanager
     def reading(self) -> Iterator[sa.Connection]:
@@ -133,7 +137,7 @@ class Book:
         BookError
             where the database cannot be used.
         """
-        with in_words(self.name), self.engine.begin() as connection:
+        with in_words(self.name), self._reader.begin() as connection:
             yield connection
 
     @contextmanager
@@ -176,8 +180,7 @@ class Book:
                 with self.writing() as connection:
                     return self.save_in(connection, parts, id, version, sample)
             except BookError as error:
-                crossed = isinstance(error.__cause__, exc.IntegrityError)  # a file that another save has just dropped
-                if not crossed or not left:
+                if not _crossed(error) or not left:
                     raise
         raise AssertionError("the last try raises")
 
@@ -268,8 +271,10 @@ class Book:
             .where(results.c.job == row.id)
             .order_by(results.c.made_at.desc(), results.c.id.desc())
             .limit(1)
-        ).one()
+        ).one_or_none()
         called = _called(row)
+        if result is None:
+            raise BookError(f"the stored result of {called} is missing", place=Place(file=self.name))
         contents = {(each.slot, each.name): self._whole(each, called) for each in kept}
         return HeldJob(
             self.unpacked(row.choices, called),
@@ -357,6 +362,13 @@ class Book:
 def packed(content: bytes) -> bytes:
     """Return content as the book keeps it: compressed."""
     return zlib.compress(content)
+
+
+def _crossed(error: BookError) -> bool:
+    """Tell whether a save failed by another one: it has just dropped a file, or each waited for the other."""
+    cause = error.__cause__
+    waited = isinstance(cause, exc.OperationalError) and getattr(cause.orig, "sqlstate", None) == _DEADLOCK
+    return waited or isinstance(cause, exc.IntegrityError)
 
 
 def _called(row: Any) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -228,3 +229,54 @@ def test_damaged_bytes_are_noticed(book: Book, small_job: MakeJob) -> None:
         connection.execute(files.update().values(content=b"x"))
     with pytest.raises(BookError, match=r"damaged in the database"):
         book.load(saved.id)
+
+
+def test_a_job_is_loaded_as_it_was_at_one_moment(
+    book: Book, small_job: MakeJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saved = book.save(small_job(11.04, number="before"))
+    held = Book._held
+
+    def saved_meanwhile(self: Book, connection: Any, row: Any) -> Any:
+        monkeypatch.undo()
+        book.save(small_job(11.06, number="after"), id=saved.id, version=saved.version)
+        return held(self, connection, row)
+
+    monkeypatch.setattr(Book, "_held", saved_meanwhile)
+    stored = book.load(saved.id)
+    assert stored.file.job.number == "before"
+    assert stored.file.case.readings == small_job(11.04).case.readings
+    assert stored.file.result["readings"]["sha256"] == stored.file.case.readings.sha256
+    assert book.load(saved.id).file.job.number == "after"
+
+
+def test_a_save_that_waited_for_one_that_waited_for_it_is_tried_again(
+    book: Book, small_job: MakeJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Deadlock(Exception):
+        sqlstate = "40P01"
+
+    save_in = Book.save_in
+
+    def crossed(self: Book, connection: Any, *given: Any) -> Any:
+        monkeypatch.undo()
+        save_in(self, connection, *given)
+        raise sa.exc.OperationalError("UPDATE vehicles", None, Deadlock("deadlock detected"))
+
+    monkeypatch.setattr(Book, "save_in", crossed)
+    saved = book.save(small_job(number="once"))
+    assert [(row.id, row.number) for row in book.rows()] == [(saved.id, "once")]
+
+
+def test_a_job_without_its_result_is_refused_in_words(book: Book, small_job: MakeJob) -> None:
+    saved = book.save(small_job(number="17"))
+    with book.writing() as connection:
+        connection.execute(results.delete())
+    with pytest.raises(BookError, match="the stored result of job 17 is missing"):
+        book.load(saved.id)
+
+
+def test_what_no_database_can_hold_is_refused_in_words(book: Book) -> None:
+    for asked in (Query(unit=10**30), Query(controller="\ud800")):
+        with pytest.raises(BookError, match="the job book cannot be used"):
+            book.rows(asked)
