@@ -10,7 +10,8 @@ import sqlalchemy as sa
 
 from atleak.errors import AtleakError
 from atleak.history.visits import Visit
-from atleak.job.case import Case
+from atleak.job.case import SLOTS, Case, Reader
+from atleak.job.decisions import repaired_lands
 from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.book import Book, StoredJob
 from atleak.jobs.search import Query
@@ -71,8 +72,11 @@ def visits_of_unit(book: Book, unit: int, measured: MeasuredOf = Case.measured) 
 def _visited(stored: StoredJob, measured: MeasuredOf) -> VisitedJob:
     job, case = stored.file.job, stored.file.case
     lands: tuple[LandSources, ...] = ()
+    repaired: frozenset[LandKey] = frozenset()
     problem = ""
     try:
+        if any(each.decision == "done" for each in job.repair_decisions):
+            repaired = repaired_lands(job, Reader().entry(SLOTS["controller"], case.controller))
         lands = measured(case)
     except AtleakError as error:
         problem = str(error)
@@ -81,19 +85,10 @@ def _visited(stored: StoredJob, measured: MeasuredOf) -> VisitedJob:
         job.vehicle.mileage_km if job.vehicle.mileage_km is not None else case.mileage,
         str(stored.file.result["controller"]["id"]),
         lands,
-        _repaired(stored),
+        repaired,
         job.number,
     )
     return VisitedJob(stored, visit, problem)
-
-
-def _repaired(stored: StoredJob) -> frozenset[LandKey]:
-    """Return the lands of which the record says that their repair was done; without a land, all of the component."""
-    done = [each for each in stored.file.job.repair_decisions if each.decision == "done"]
-    keys = [(str(land["component"]), int(land["land"])) for land in stored.file.result["lands"]]
-    return frozenset(
-        key for key in keys if any(each.component == key[0] and each.land in (None, key[1]) for each in done)
-    )
 
 
 def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, RepairDecision], ...]:
