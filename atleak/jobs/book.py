@@ -175,6 +175,10 @@ class Book:
         BookError
             the job is not in the book, or the database cannot be used.
         """
+        with self.reading() as connection:
+            known = id is not None and _has_result(connection, id, parts)
+        if not known:
+            _ = parts.result  # takes a second: computed before anybody has to wait for this transaction
         for left in reversed(range(_TRIES)):
             try:
                 with self.writing() as connection:
@@ -409,13 +413,18 @@ def _decision(row: Mapping[str, Any]) -> dict[str, Any]:
     return {**values, "decision": row["decision"] or ""}
 
 
-def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
-    """Write down what this version of atleak says, unless it said so before of the same files and choices."""
-    mine = (results.c.job == id) & (results.c.atleak == __version__)
+def _has_result(connection: sa.Connection, id: str, parts: JobParts) -> bool:
+    """Tell whether the last result of a job is by this version of atleak, of the same files and choices."""
     newest = sa.select(results.c.atleak, results.c.key).where(results.c.job == id)
     newest = newest.order_by(results.c.made_at.desc(), results.c.id.desc()).limit(1)
-    if connection.execute(newest).one_or_none() == (__version__, parts.case.key):
+    return bool(connection.execute(newest).one_or_none() == (__version__, parts.case.key))
+
+
+def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
+    """Write down what this version of atleak says, unless it said so before of the same files and choices."""
+    if _has_result(connection, id, parts):
         return
+    mine = (results.c.job == id) & (results.c.atleak == __version__)
     record = parts.result
     connection.execute(results.delete().where(mine))
     connection.execute(

@@ -280,3 +280,18 @@ def test_what_no_database_can_hold_is_refused_in_words(book: Book) -> None:
     for asked in (Query(unit=10**30), Query(controller="\ud800")):
         with pytest.raises(BookError, match="the job book cannot be used"):
             book.rows(asked)
+
+
+def test_a_result_is_computed_before_a_transaction_makes_others_wait(
+    book: Book, small_job: MakeJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save_in, computed = Book.save_in, []
+
+    def watched(self: Book, connection: Any, parts: JobParts, *given: Any) -> Any:
+        computed.append("result" in vars(parts))
+        return save_in(self, connection, parts, *given)
+
+    monkeypatch.setattr(Book, "save_in", watched)
+    saved = book.save(small_job())
+    book.save(small_job(number="17"), id=saved.id, version=saved.version)  # of the same files and choices: not needed
+    assert computed == [True, False]
