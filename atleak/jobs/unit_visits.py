@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from atleak.errors import AtleakError
 from atleak.history.visits import Visit
 from atleak.job.case import SLOTS, Case, Reader
-from atleak.job.decisions import repaired_lands
+from atleak.job.decisions import covered, repaired_lands
 from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.book import Book, StoredJob
 from atleak.jobs.search import Query
@@ -30,6 +30,7 @@ class VisitedJob:
     stored: StoredJob
     visit: Visit  # without lands where nothing was measured, or the sheet cannot be read any more
     problem: str  # why it cannot; "" where it can
+    decisions: tuple[tuple[RepairDecision, frozenset[LandKey]], ...] = ()  # each with the lands that it covers
 
     @property
     def date(self) -> dt.date:
@@ -38,7 +39,7 @@ class VisitedJob:
 
     def decided(self, state: RepairState) -> tuple[RepairDecision, ...]:
         """Return the repairs of which the record says that."""
-        return tuple(each for each in self.stored.file.job.repair_decisions if each.decision == state)
+        return tuple(each for each, _ in self.decisions if each.decision == state)
 
 
 def unit_of_job(book: Book, job: str) -> int | None:
@@ -73,10 +74,13 @@ def _visited(stored: StoredJob, measured: MeasuredOf) -> VisitedJob:
     job, case = stored.file.job, stored.file.case
     lands: tuple[LandSources, ...] = ()
     repaired: frozenset[LandKey] = frozenset()
+    decisions = tuple((each, frozenset[LandKey]()) for each in job.repair_decisions)
     problem = ""
     try:
-        if any(each.decision == "done" for each in job.repair_decisions):
-            repaired = repaired_lands(job, Reader().entry(SLOTS["controller"], case.controller))
+        if decisions:
+            controller = Reader().entry(SLOTS["controller"], case.controller)
+            repaired = repaired_lands(job, controller)
+            decisions = tuple((each, covered(each, controller)) for each in job.repair_decisions)
         lands = measured(case)
     except AtleakError as error:
         problem = str(error)
@@ -88,7 +92,7 @@ def _visited(stored: StoredJob, measured: MeasuredOf) -> VisitedJob:
         repaired,
         job.number,
     )
-    return VisitedJob(stored, visit, problem)
+    return VisitedJob(stored, visit, problem, decisions)
 
 
 def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, RepairDecision], ...]:
@@ -99,15 +103,15 @@ def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, Repair
     visited
         the jobs of a unit, the earliest first, as from `visits_of_unit`.
     """
-    undone: dict[tuple[str, int | None], tuple[VisitedJob, RepairDecision]] = {}
+    undone: dict[tuple[str, int | None], tuple[VisitedJob, RepairDecision, frozenset[LandKey]]] = {}
     for each in visited:
-        for decision in each.stored.file.job.repair_decisions:
+        for decision, lands in each.decisions:
             pair = decision.component, decision.land
             if decision.decision in ("declined", "deferred"):
                 undone.pop(pair, None)
-                undone[pair] = each, decision
+                undone[pair] = each, decision, lands
             elif decision.decision == "done":
-                done = [key for key in undone if key == pair or (decision.land is None and key[0] == pair[0])]
+                done = [key for key, (*_, left) in undone.items() if key == pair or (left and left <= lands)]
                 for key in done:
                     del undone[key]
-    return tuple(reversed(undone.values()))
+    return tuple((each, decision) for each, decision, _ in reversed(undone.values()))

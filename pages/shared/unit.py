@@ -138,7 +138,7 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
     if undone:
         said = (f"- {_decision(decision)} ({each.date.isoformat()})" for each, decision in undone)
         st.markdown("\n".join(["**Left undone so far:**", "", *said]))
-    every = [(each, decision) for each in reversed(visited) for decision in each.stored.file.job.repair_decisions]
+    every = [(each, decision) for each in reversed(visited) for decision, _ in each.decisions]
     if every:
         with st.expander(f"Every repair that was decided on ({len(every)})"):
             show.table(

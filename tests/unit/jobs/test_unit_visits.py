@@ -65,10 +65,12 @@ def test_a_repair_of_the_valve_bodys_file_is_about_those_lands_alone_that_it_cha
     book: Book, with_repair: Callable[[Case], Case], small_job: MakeJob
 ) -> None:
     case = with_repair(small_job().case)
+    declined = [{"component": "pressure_regulator", "land": land, "decision": "declined"} for land in (1, 2)]
     done = {"component": "pressure_regulator", "repair": "oversize", "decision": "done"}
-    saved = book.save(job_parts(case.diagnose(), Job(**record(2024, 100_000.0, done)), case))
-    [visited] = visits_of_unit(book, unit_of_job(book, saved.id))
-    assert visited.visit.repaired == {("pressure_regulator", 1)}
+    saved = book.save(job_parts(case.diagnose(), Job(**record(2024, 100_000.0, *declined, done)), case))
+    visited = visits_of_unit(book, unit_of_job(book, saved.id))
+    assert visited[0].visit.repaired == {("pressure_regulator", 1)}
+    assert [decision.land for _, decision in left_undone(visited)] == [2]
 
 
 def test_what_was_declined_or_deferred_stays_undone_until_it_is_done(book: Book, small_job: MakeJob) -> None:
