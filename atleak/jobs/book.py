@@ -171,9 +171,9 @@ class Book:
         Raises
         ------
         ChangedElsewhere
-            the book holds another version of the job.
+            the book holds another version of the job, or does not hold it any more.
         BookError
-            the job is not in the book, or the database cannot be used.
+            the database cannot be used.
         """
         with self.reading() as connection:
             known = id is not None and _has_result(connection, id, parts)
@@ -340,7 +340,8 @@ class Book:
         wanted = sa.select(jobs).where(jobs.c.id == id)
         row = connection.execute(wanted.with_for_update() if lock else wanted).one_or_none()
         if row is None:
-            raise BookError("the job book has no such job", place=Place(file=self.name), value=id)
+            missing = ChangedElsewhere if lock else BookError  # what is to be saved was opened once: it is gone since
+            raise missing("the job book has no such job", place=Place(file=self.name), value=id)
         return row
 
     def _whole(self, row: Any, called: str) -> bytes:

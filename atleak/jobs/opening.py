@@ -60,11 +60,11 @@ def database_url(url: str | None = None) -> sa.URL:
     expected = "sqlite:///C:/folder/book.sqlite or postgresql://user:password@server/name"
     try:
         parsed = sa.make_url(url)
-    except exc.ArgumentError as error:
+    except (exc.ArgumentError, ValueError) as error:  # a port that is no number
         raise BookError("names no database", place=Place(file=DATABASE_URL), expected=expected) from error
     kind = parsed.get_backend_name()
     if kind == "sqlite" and parsed.database not in (None, "", ":memory:"):
-        return parsed
+        return parsed.set(drivername="sqlite")
     if kind == "postgresql":
         return parsed.set(drivername="postgresql+psycopg")
     raise BookError("a database that cannot hold the job book", place=Place(file=DATABASE_URL), expected=expected)

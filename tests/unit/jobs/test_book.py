@@ -17,8 +17,9 @@ from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
 from atleak.jobs.judged_anew import judged_otherwise
+from atleak.jobs.opening import database_url
 from atleak.jobs.search import Query
-from atleak.jobs.tables import files, lands, log_tables, results, units, visits
+from atleak.jobs.tables import files, jobs, lands, log_tables, results, units, visits
 from atleak.version import __version__
 
 MakeJob = Callable[..., JobParts]
@@ -211,10 +212,15 @@ def test_a_verdict_that_differs_is_named_with_what_it_was(small_job: MakeJob) ->
     assert "not judged, today" in str(judged_otherwise({}, worn)[0])
 
 
-@pytest.mark.parametrize("url", ["mysql://server/book", "sqlite://", "no url"])
+@pytest.mark.parametrize("url", ["mysql://server/book", "sqlite://", "no url", "postgresql://u:p@server:port/book"])
 def test_a_database_that_holds_no_book_is_refused_in_words(url: str) -> None:
     with pytest.raises(BookError, match="expected sqlite:///"):
         open_book(url)
+
+
+def test_whatever_driver_a_url_names_the_one_that_is_installed_is_taken() -> None:
+    urls = [database_url(f"{name}:///book") for name in ("sqlite+aiosqlite", "postgresql+asyncpg")]
+    assert [url.drivername for url in urls] == ["sqlite", "postgresql+psycopg"]
 
 
 def test_a_password_is_never_shown() -> None:
@@ -266,6 +272,15 @@ def test_a_save_that_waited_for_one_that_waited_for_it_is_tried_again(
     monkeypatch.setattr(Book, "save_in", crossed)
     saved = book.save(small_job(number="once"))
     assert [(row.id, row.number) for row in book.rows()] == [(saved.id, "once")]
+
+
+def test_a_job_that_is_gone_since_it_was_opened_was_changed_elsewhere(book: Book, small_job: MakeJob) -> None:
+    saved = book.save(small_job())
+    with book.writing() as connection:
+        connection.execute(jobs.delete())
+    with pytest.raises(ChangedElsewhere, match="no such job"):
+        book.save(small_job(number="17"), id=saved.id, version=saved.version)
+    assert book.count() == 0
 
 
 def test_a_job_without_its_result_is_refused_in_words(book: Book, small_job: MakeJob) -> None:
