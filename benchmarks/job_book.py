@@ -4,9 +4,10 @@
 
 The books are filled through their tables with the rows of one job of the sample's 47 lands, each time with another
 customer, vehicle, unit, date, verdict and sheet. Customers have five jobs each, units two or three; besides, one job in
-fifty is of a dealer with many. Every question is asked of each book in turn; median of 15. Goals: at most twice the
-time, and 0.3 s on SQLite; all units of one valve body 1 s. With ``--postgresql`` the same on a server of its own.
-``--small``: 2000 beside 200.
+fifty is of a dealer with many. Every question is asked of each book in turn; median of 15, with the number of jobs that
+are the answer: 200 at most are shown, and where the large book has more of them it takes longer for that alone. Goals:
+at most twice the time for as many, 0.3 s for any on SQLite, 1 s for all units of one valve body. With ``--postgresql``
+the same on a server of its own. ``--small``: 2000 beside 200.
 """
 
 from __future__ import annotations
@@ -158,9 +159,10 @@ def questions(book: Book, count: int) -> dict[str, Callable[[], Any]]:
         "archived": lambda: book.rows(Query(archived=True)),
         "VIN": of_one(lambda record: Query(vin=record.vehicle.vin)),
         "end of a VIN": of_one(lambda record: Query(text=record.vehicle.vin[-6:])),
-        "part of a customer": of_one(lambda record: Query(customer=record.customer.name.split()[-1][:5])),
+        "part of a customer": of_one(lambda record: Query(customer=record.customer.name[:-2])),
         "two words": of_one(lambda record: Query(text=f"{record.customer.name.split()[0]} {record.number}")),
         "a dealer's": lambda: book.rows(Query(customer="autoh")),
+        "first letter": lambda: book.rows(Query(text="k")),
         "verdict and valve body": lambda: book.rows(Query(verdict="critical", controller="zf_6hp26")),
         "dates": lambda: book.rows(Query(date_from=dt.date(2018, 3, 1), date_to=dt.date(2018, 3, 14))),
         "unit's visits": lambda: book.rows(Query(unit=draw.randrange(count * 2 // 5) + 1)),
@@ -172,17 +174,23 @@ def questions(book: Book, count: int) -> dict[str, Callable[[], Any]]:
 def compare(name: str, small: Book, large: Book, counts: tuple[int, int]) -> None:
     """Time every question on both books in turn."""
     asked = [questions(book, count) for book, count in zip((small, large), counts, strict=True)]
-    print(f"\n{name}{'':26.26s}{counts[0]:>10d}{counts[1]:>10d} jobs   ratio")
+    print(f"\n{name:26s}{counts[0]:>10d} jobs{counts[1]:>10d} jobs   ratio")
     for question in asked[0]:
         times: tuple[list[float], list[float]] = ([], [])
+        answers = [0, 0]
         for _ in range(ROUNDS):
-            for each, kept in zip(asked, times, strict=True):
+            for number, (each, kept) in enumerate(zip(asked, times, strict=True)):
                 start = time.perf_counter()
-                each[question]()
+                answer = each[question]()
                 kept.append(time.perf_counter() - start)
+                answers[number] = max(answers[number], len(answer) if isinstance(answer, list) else 1)
         before, after = (statistics.median(kept) for kept in times)
-        missed = "" if after <= LONGEST and after <= RATIO * before else "   past the goal"
-        print(f"  {question:28s}{before * 1e3:7.1f} ms{after * 1e3:7.1f} ms{after / before:13.2f}{missed}")
+        as_many = answers[1] <= RATIO * answers[0]
+        missed = "   past the goal" if after > LONGEST or (as_many and after > RATIO * before) else ""
+        said = (
+            f"{seconds * 1e3:7.1f} ms ({found:3d})" for seconds, found in zip((before, after), answers, strict=True)
+        )
+        print(f"  {question:24s}{''.join(said)}{after / before:8.2f}{missed}")
 
 
 def look_across(book: Book) -> None:
@@ -218,7 +226,7 @@ def main(arguments: argparse.Namespace) -> None:
         books = [
             open_books.enter_context(filled(f"sqlite:///{Path(folder) / f'{count}.sqlite'}", count)) for count in counts
         ]
-        compare("SQLite    ", *books, counts)
+        compare("SQLite", *books, counts)
         look_across(books[-1])
     if arguments.postgresql:
         with postgresql.running(durable=True) as server, contextlib.ExitStack() as open_books:

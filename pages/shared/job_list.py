@@ -78,7 +78,7 @@ def listed(book: Book, query: Query) -> list[JobRow]:
     pages = -(-count // PAGE)
     page = 1
     if pages > 1:
-        page = int(st.number_input(f"Page, of {pages}", 1, pages, key=f"job-list-page-{pages}"))
+        page = st.selectbox(f"Page, of {pages}", range(1, pages + 1), key=f"job-list-page-{pages}")
     rows = book.rows(replace(query, limit=PAGE, offset=PAGE * (page - 1)))
     event = show.verdict_table(
         [_shown(row) for row in rows],
