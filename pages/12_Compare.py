@@ -31,6 +31,7 @@ if lands:
         "measurements; of lands that stayed as they were one in twenty is called changed by chance."
     )
     show.chart(figures.clearances(both, lands), "clearances")
+    st.caption("Open: before; filled: after, each with the sign of its verdict.")
 else:
     st.write("No land is flagged at either visit, and none changed.")
 with st.expander(f"All {len(both.lands)} lands"):

@@ -20,13 +20,11 @@ from atleak.errors import InputError
 
 
 def add_parser(commands: Any) -> None:
-    """Add the command."""
-    add_options(add_command(commands, "compare", run, "two jobs of one unit side by side, before and after"))
-
-
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options, which ``atleak jobs compare`` has too."""
-    parser.add_argument("before", metavar="A", help="the earlier job: a job file (zip), or its id in the job book")
+    """Add the command, among all commands or among those of the job book."""
+    parser = add_command(commands, "compare", run, "two jobs of one unit side by side, before and after")
+    parser.add_argument(
+        "before", metavar="A", help="the earlier job: a job file (zip), or its id or number in the job book"
+    )
     parser.add_argument("after", metavar="B", help="the later job, likewise")
     add_json(parser)
     parser.add_argument("--pdf", metavar="FILE", help="a page for the customer")

@@ -109,12 +109,14 @@ def _spreads(
     first, second = before.uncertainty, alike.uncertainty
     if first is None or second is None:
         return ()
-    visits = (
-        Visit(diagnosis.model, [land.sources for land in unit.lands], projections)
-        for diagnosis, unit, projections in zip((before, alike), (first, second), zip(*pairs, strict=True), strict=True)
+    return changes(
+        Visit(before.model, [land.sources for land in first.lands], [each for each, _ in pairs]),
+        Visit(alike.model, [land.sources for land in second.lands], [each for _, each in pairs]),
+        first.assumptions,
+        coverage=COVERAGE,
+        draws=min(first.draws, second.draws),
+        seed=first.seed,
     )
-    draws = min(first.draws, second.draws)
-    return changes(*visits, first.assumptions, coverage=COVERAGE, draws=draws, seed=first.seed)
 
 
 def _like(diagnosis: Diagnosis, other: Projection) -> Projection | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from atleak.comparison.results import Comparison, LandComparison
+from atleak.comparison.results import SIDES, Comparison, LandComparison
 from atleak.errors import Message
 
 _NAMED = 12  # lands that a message lists
@@ -31,35 +31,26 @@ def remarks(found: Comparison) -> Iterator[Message]:
         text = f"Both jobs rest on the same measuring sheet ({after.readings.file}): nothing was measured again"
         yield Message("warning", "same_sheet", text)
     yield from _missing_lands(found)
-    for side, other, missing in (
-        (
-            "before",
-            "after",
-            [each.label for each in found.conditions if each.alike is None and each.before is not None],
-        ),
-        ("after", "before", [each.label for each in found.conditions if each.before is None]),
-    ):
-        if missing:
-            text = f"Judged {side} only, as the job {other} has no such operating point: {'; '.join(missing)}"
+    for side, other in (SIDES, SIDES[::-1]):
+        alone = [each.label for each in found.conditions if each.only_on(side)]
+        if alone:
+            text = f"Judged {side} only, as the job {other} has no such operating point: {'; '.join(alone)}"
             yield Message("info", "conditions_on_one_side", text)
     yield from _missing_logs(found)
 
 
 def _missing_lands(found: Comparison) -> Iterator[Message]:
-    without = [name for name in ("before", "after") if getattr(found, name).readings is None]
+    without = [name for name in SIDES if getattr(found, name).readings is None]
     if without:
         text = f"No measuring sheet in the job {' nor in the job '.join(without)}: no clearance can be compared"
         yield Message("warning", "no_sheet", text)
         return
-    for side, other, alone, gone in (
-        ("before", "after", [each for each in found.lands if each.only_before], "after"),
-        ("after", "before", [each for each in found.lands if each.only_after], "before"),
-    ):
-        absent = [each for each in found.lands if getattr(each, gone) is None]
+    for side, other in (SIDES, SIDES[::-1]):
+        absent = [each for each in found.lands if each.described_only_on(side)]
         if absent:
             text = f"Only the valve body's file of the job {side} has these lands: {_names(absent)}"
             yield Message("warning", f"land_only_{side}", text)
-        alone = [each for each in alone if each not in absent]
+        alone = [each for each in found.lands if each.only_on(side) and not each.described_only_on(side)]
         if alone:
             text = (
                 f"Measured {side} and not {other}: {_names(alone)}. On the other side "
@@ -87,7 +78,7 @@ def _missing_logs(found: Comparison) -> Iterator[Message]:
             text = f"{len(alone)} of {len(found.logs.pairs)} events of the road tests are in one of the logs only"
             yield Message("info", "events_on_one_side", text)
         return
-    missing = [name for name in ("before", "after") if getattr(found, name).log is None]
+    missing = [name for name in SIDES if getattr(found, name).log is None]
     if len(missing) == 1:
         text = f"The job {missing[0]} has no road test: there is no second log to lay over the other"
         yield Message("info", "log_on_one_side", text)

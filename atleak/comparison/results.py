@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from atleak.catalogue.circuits import Circuit
 from atleak.comparison.changes import Change
@@ -12,6 +13,9 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import CircuitState, Projection
 from atleak.errors import Message
 from atleak.rules import LandKey
+
+Side = Literal["before", "after"]
+SIDES: tuple[Side, Side] = ("before", "after")
 
 
 @dataclass(frozen=True)
@@ -28,15 +32,18 @@ class LandComparison:
         """Return whether its clearance changed by more than the measurements can be off."""
         return self.change is not None and bool(self.change.significant)
 
-    @property
-    def only_before(self) -> bool:
-        """Return whether it was measured at the visit before alone."""
-        return _measured(self.before) and not _measured(self.after)
+    def only_on(self, side: Side) -> bool:
+        """Return whether it was measured at that visit alone."""
+        measured = {name: each is not None and each.state.measured for name, each in self._sides}
+        return measured.pop(side) and not any(measured.values())
+
+    def described_only_on(self, side: Side) -> bool:
+        """Return whether only the valve body's file of that visit has it."""
+        return any(each is None for name, each in self._sides if name != side)
 
     @property
-    def only_after(self) -> bool:
-        """Return whether it was measured at the visit after alone."""
-        return _measured(self.after) and not _measured(self.before)
+    def _sides(self) -> tuple[tuple[Side, LandDiagnosis | None], ...]:
+        return ("before", self.before), ("after", self.after)
 
     @property
     def half(self) -> bool:
@@ -84,6 +91,10 @@ class ConditionComparison:
     main_pressure: Change | None  # [Pa] that holds
     circuits: tuple[CircuitComparison, ...]
 
+    def only_on(self, side: Side) -> bool:
+        """Return whether that job alone was judged at it."""
+        return self.before is None if side == "after" else self.alike is None and self.before is not None
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -116,12 +127,18 @@ class Comparison:
         return tuple(land for land in self.lands if land.change is not None)
 
     @property
-    def leading(self) -> ConditionComparison | None:
-        """Return the operating point at which the total before was worst, of those that both jobs were judged at."""
+    def on_both_sides(self) -> tuple[ConditionComparison, ...]:
+        """Return the operating points at which totals can be compared, that with the worst total before first.
+
+        There are none where one of the jobs measured no land: its totals are those of a new unit.
+        """
+        if not (self.before.judged and self.after.judged):
+            return ()
         both = [each for each in self.conditions if each.before is not None and each.alike is not None]
         worst = self.before.worst.condition.name
-        return next((each for each in both if each.name == worst), both[0] if both else None)
+        return tuple(sorted(both, key=lambda each: each.name != worst))
 
-
-def _measured(land: LandDiagnosis | None) -> bool:
-    return land is not None and land.state.measured
+    @property
+    def leading(self) -> ConditionComparison | None:
+        """Return the first of them; None without one."""
+        return next(iter(self.on_both_sides), None)

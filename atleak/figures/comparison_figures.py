@@ -54,6 +54,7 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Fi
         hoverinfo="skip",
         showlegend=False,
     )
+    named: set[str] = set()
     for side, opened in (("before", "-open"), ("after", "")):
         sides = [(land, each) for land in lands if (each := getattr(land, side)) is not None and each.state.measured]
         for verdict in VERDICTS:
@@ -67,7 +68,9 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Fi
                 x=[value * UM for value in values],
                 y=[_name(land) for land, _ in these],
                 mode="markers",
-                name=f"{side}: {signed(verdict)}",
+                name=signed(verdict),
+                legendgroup=verdict,
+                showlegend=verdict not in named,
                 marker={
                     "color": look.screen,
                     "symbol": f"{look.marker.removesuffix('-open')}{opened}",
@@ -77,8 +80,9 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Fi
                 error_x=error_bars(values, spans, UM, look.screen),
                 hovertemplate=f"%{{y}} {side}: %{{x:.1f}} µm<extra></extra>",
             )
+            named.add(verdict)
     figure.update_xaxes(title="radial clearance [µm], 95 % interval", rangemode="tozero")
-    return by_land(figure, names, 26)
+    return by_land(figure, names, 32)
 
 
 def _name(land: LandComparison) -> str:

@@ -13,6 +13,7 @@ from atleak.errors import InputError, Message, Place
 from atleak.job.file import read_job_file
 from atleak.job.parts import JobFile
 from atleak.jobs.book import Book, open_book
+from atleak.jobs.named import named_job
 from atleak.version import __version__
 from atleak.views.comparison_record import comparison_record
 
@@ -27,25 +28,26 @@ class ComparedJobs:
 
 
 def job_of(name: str, book: Book | None = None) -> JobFile:
-    """Return a job by the path of its job file, or by its id in the job book.
+    """Return a job by the path of its job file, or by what names it in the job book.
 
     Parameters
     ----------
     name
-        a path, where there is such a file; else an id.
+        a path, where there is such a file; else as `named_job` takes it.
     book
         the job book; the user's own, which is opened where it is needed, unless given.
 
     Raises
     ------
     InputError
-        a file that is no job file; an id that the book does not have.
+        a file that is no job file; a name that no job of the book has, or several have.
     """
     if Path(name).is_file():
         return read_job_file(name)
     if Path(name).suffix or "/" in name or "\\" in name:
         raise InputError("there is no such job file", place=Place(file=name), expected="a job file (zip)")
-    return (book or open_book()).load(name).file
+    book = book or open_book()
+    return book.load(named_job(book, name)).file
 
 
 def compare_jobs(before: JobFile, after: JobFile, diagnoses: tuple[Diagnosis, Diagnosis] | None = None) -> ComparedJobs:

@@ -101,13 +101,13 @@ def changes(
         )
         found.append(
             ChangeSpread(
-                *(
-                    interval_of(getattr(second, name) - getattr(first, name), coverage)
-                    for name in ("leakage", "share", "reserve", "main_pressure")
-                ),
-                {
-                    name: interval_of(second.circuits[name] - first.circuits[name], coverage)
-                    for name in first.circuits
+                leakage=interval_of(second.leakage - first.leakage, coverage),
+                share=interval_of(second.share - first.share, coverage),
+                reserve=interval_of(second.reserve - first.reserve, coverage),
+                main_pressure=interval_of(second.main_pressure - first.main_pressure, coverage),
+                circuits={
+                    name: interval_of(second.circuits[name] - pressure, coverage)
+                    for name, pressure in first.circuits.items()
                     if name in second.circuits
                 },
             )

@@ -11,7 +11,7 @@ import numpy as np
 from atleak.comparison import Change, Comparison, ConditionComparison, LandComparison, LogComparison
 from atleak.diagnosis import LandDiagnosis
 from atleak.road_test import RoadTest
-from atleak.views.comparison_words import event_name, land_name, on_both_sides, signed_number, with_uncertainty
+from atleak.views.comparison_words import event_name, land_name, signed_number, with_uncertainty
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, UM
 
@@ -28,12 +28,12 @@ def _land_row(comparison: Comparison, land: LandComparison) -> dict[str, Any]:
     before, after = land.before, land.after
     return {
         "Verdict": None if after is None else after.verdict,
+        "Was": None if before is None else signed(before.verdict),
         "Pair": land_name(comparison, land),
         "Before [µm]": _clearance(before),
         "After [µm]": _clearance(after),
         "Change [µm]": with_uncertainty(land.change, wording("en")) if land.change else None,
         "Changed": None if land.change is None else YES if land.significant else NO,
-        "Was": None if before is None else signed(before.verdict),
         "Wear before [%]": None if before is None or before.wear is None else before.wear * PERCENT,
         "Wear after [%]": None if after is None or after.wear is None else after.wear * PERCENT,
         "Share before [%]": _share(before),
@@ -62,7 +62,7 @@ def condition_rows(comparison: Comparison, *, brief: bool = False) -> list[dict[
     condition is named in its first row only.
     """
     rows: list[dict[str, Any]] = []
-    for each in on_both_sides(comparison):
+    for each in comparison.on_both_sides:
         of_condition = _quantities(each, brief=brief)
         if brief:
             of_condition[1:] = [{**row, "Operating point": ""} for row in of_condition[1:]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from atleak.comparison import Change, Comparison, ConditionComparison, EventPair, LandComparison
+from atleak.comparison import Change, Comparison, EventPair, LandComparison
 from atleak.comparison.choices import ChoiceName
 from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording, isolated
@@ -24,7 +24,7 @@ def changed_sentence(comparison: Comparison, say: Wording) -> str:
 
 
 def total_sentence(comparison: Comparison, say: Wording, named: Named = label_of) -> str | None:
-    """Say what the total was and is where it was worst before; None where no condition was judged at both visits.
+    """Say what the total was and is where it was worst before; None where no total can be compared.
 
     Where choices differ this is the unit after by the choices of the job before, and its own total stands beside it.
     """
@@ -83,9 +83,3 @@ def event_name(pair: EventPair, say: Wording) -> str:
     event = pair.event
     gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
     return f"{say(f'events.{event.kind}')}{gears}" + (f" ({pair.order})" if pair.order > 1 else "")
-
-
-def on_both_sides(comparison: Comparison) -> list[ConditionComparison]:
-    """Return the operating points at which both jobs can be compared, the worst of the job before first."""
-    both = [each for each in comparison.conditions if each.before is not None and each.alike is not None]
-    return sorted(both, key=lambda each: each is not comparison.leading)

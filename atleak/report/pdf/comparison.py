@@ -24,9 +24,9 @@ from atleak.views.caveats import caveats
 from atleak.views.comparison_words import (
     differing_sentence,
     how_sure,
-    on_both_sides,
     with_uncertainty,
 )
+from atleak.views.measured_words import measured_sentence
 from atleak.wording import Wording, isolated, wording
 from atleak.workshop_units import KPA, PERCENT, UM
 
@@ -88,9 +88,10 @@ class _Page:
         self.diagnoses = comparison.before, comparison.after
         flagged = len(comparison.flagged)
         self.lengths = sorted({min(length, flagged) for length in PAIRS}, reverse=True)
-        both = on_both_sides(comparison)
         reported = [at.condition.name for at in (*comparison.before.reported, *comparison.after.reported)]
-        self.shown = [each for each in both if each is comparison.leading or each.name in reported][:BARS]
+        self.shown = [each for each in comparison.on_both_sides if each is comparison.leading or each.name in reported][
+            :BARS
+        ]
 
     def facts(self) -> list[list[str]]:
         """Return whose car it is, of which unit, and when the two visits were; what nobody filled in is left out."""
@@ -172,8 +173,9 @@ class _Page:
             said.append(say("comparison.wrong_lands", measured=diagnosis.judged, repair=repair, watch=watch))
         else:
             said.append(say("comparison.wrong_none", measured=diagnosis.judged))
+        said += filter(None, [measured_sentence(diagnosis, say)])
         leading = self.comparison.leading
-        if leading is not None and leading.before is not None and leading.share is not None and diagnosis.judged:
+        if leading is not None and leading.before is not None and leading.share is not None:
             said.append(
                 say(
                     "comparison.wrong_total",
@@ -227,7 +229,7 @@ class _Page:
             said = [say("comparison.result_lands", flagged=len(after.flagged), measured=after.judged)]
         else:
             said = [say("comparison.result_ok", measured=after.judged)]
-        said += filter(None, [self._still_to_repair()])
+        said += filter(None, [measured_sentence(after, say), self._still_to_repair()])
         changed, compared = len(comparison.changed), len(comparison.compared)
         if compared:
             said.append(say("comparison.result_changed", changed=changed, compared=compared))
@@ -258,7 +260,7 @@ class _Page:
         """Say which pressure moved most and beyond its uncertainty; None where none did."""
         moved = [
             (abs(change.value), name, change, each.before)
-            for each in on_both_sides(self.comparison)
+            for each in self.comparison.on_both_sides
             for name, change in (
                 (self.say("held.line"), each.main_pressure),
                 *((one.circuit.name, one.change) for one in each.circuits),

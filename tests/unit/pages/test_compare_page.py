@@ -48,9 +48,10 @@ def test_two_visits_of_a_unit_stand_side_by_side(app: AppTest, kept: Callable[..
     assert not app.exception
     assert "Choose a job for either side" in texts(app)
     before, after = kept(11.09, "2026-03-02", sample_log), kept(11.04, "2026-03-09", sample_log)
-    app.query_params["before"], app.query_params["after"] = before, after
+    app.query_params["job"] = after  # opened: the visit before it is the other side
     app.run()
     assert not app.exception
+    assert {widget.label: widget.value for widget in app.selectbox}["Before"] == before
     assert "1 of 2 lands that were measured at both visits changed" in texts(app)
     shown = app.dataframe[0].value
     regulator = shown[shown["Pair"].str.startswith("tcc_regulator/1")].iloc[0]
@@ -63,7 +64,7 @@ def test_two_visits_of_a_unit_stand_side_by_side(app: AppTest, kept: Callable[..
 
 @pytest.mark.page("12_Compare")
 def test_two_valve_bodies_are_refused_in_words(app: AppTest, kept: Callable[..., str], sample_log: Path) -> None:
-    app.query_params["before"] = kept(11.09, "2026-03-02", sample_log)
+    app.query_params["before"] = kept(11.09, "2026-03-02", sample_log)  # beside the sample job
     app.run()
     assert not app.exception
     assert "two different valve bodies" in texts(app)

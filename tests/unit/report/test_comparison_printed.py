@@ -1,0 +1,107 @@
+"""The page for the customer, read back: what was wrong, what was done, what it brought."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import pypdfium2
+import pytest
+
+from atleak.comparison import Comparison, compare
+from atleak.diagnosis import diagnose
+from atleak.job.record import Job
+from atleak.report.pdf.comparison import write_comparison_pdf
+from atleak.report.printed_charts import TwoBars, two_visits_chart
+from atleak.verdicts import Band, Verdict
+from atleak.wording import languages, wording
+
+BEFORE = Job(number="17", date="2026-03-02", customer={"name": "Łucja Example"}, complaint="Slips when hot.")
+AFTER = Job(
+    number="18",
+    date="2026-03-09",
+    workshop={"name": "Example Workshop"},
+    repair_decisions=[
+        {"component": "2", "land": 1, "work": "bore sleeved", "decision": "done"},
+        {"component": "2", "land": 2, "work": "bore sleeved", "decision": "done"},
+        {"component": "4", "land": 1, "work": "ream", "decision": "declined", "reason": "too dear"},
+    ],
+)
+
+
+@pytest.fixture(scope="module")
+def repaired(worn_clutch, three_circuits, hipol, limits, readings_of) -> Comparison:
+    """The small valve body: both lands of the valve of clutch C1 repaired, component 4 found worn at both visits."""
+    diagnoses = []
+    for worn in ({("2", 1): 35e-6, ("2", 2): 35e-6, ("4", 1): 30e-6}, {("4", 1): 30e-6}):
+        radial = {land.key: worn.get(land.key, land.new_clearance) for land in three_circuits.lands}
+        sizes = {land.key: (land.nominal_diameter,) * 2 for land in three_circuits.lands}
+        diameters = {key: (spool, sleeve + 2.0 * radial[key]) for key, (spool, sleeve) in sizes.items()}
+        readings = replace(readings_of(three_circuits, diameters), sha256=f"{len(worn)}" * 64)
+        diagnoses.append(diagnose(three_circuits, hipol, limits, readings=readings))
+    return compare(*diagnoses)
+
+
+@pytest.fixture(scope="module")
+def printed(repaired: Comparison) -> Callable[[str], bytes]:
+    """Gives the page in a language, printed once."""
+    return cache(lambda language: write_comparison_pdf(repaired, BEFORE, AFTER, language=language))
+
+
+def text_of(content: bytes) -> str:
+    with pypdfium2.PdfDocument(content) as document:
+        assert len(document) == 1
+        return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in document))
+
+
+@pytest.mark.parametrize("language", languages())
+def test_one_page_says_what_was_wrong_done_and_brought(printed, repaired: Comparison, language: str) -> None:
+    say, content = wording(language), printed(language)
+    text = text_of(content)
+    for name in ("title", "wrong", "done", "result", "pairs", "totals"):
+        assert say(f"comparison.{name}") in text
+    first, second = (each.verdict for each in (repaired.before, repaired.after))
+    assert say.level(first).capitalize() in text
+    assert say.level(second).capitalize() in text
+    assert "bore sleeved" in text
+    assert "too dear" in text
+    share = repaired.leading.share
+    for side in (share.before, share.after):
+        assert say.percent(side).replace("\u00a0", " ") in text
+    for land in repaired.changed:
+        for side in (land.before, land.after):
+            assert say.number(side.state.radial_clearance * 1e6, 1) in text
+    assert say("comparison.uncertain") in text  # of component 4, which nobody touched
+    for written in ("Łucja Example", "Example Workshop", "17", "18", "2026-03-09"):
+        assert written in text
+    assert b"<pdfaid:part>2<" in content
+    assert b"<pdfuaid:part>1<" in content
+
+
+def test_nothing_noted_as_done_is_said_instead_of_left_out(repaired: Comparison) -> None:
+    content = write_comparison_pdf(repaired, BEFORE, Job())
+    assert content == write_comparison_pdf(repaired, BEFORE, Job())  # the same jobs give the same bytes
+    text = text_of(content)
+    assert wording("en")("comparison.done_none") in text
+
+
+def test_many_flagged_pairs_stay_on_one_page_and_are_counted(worn) -> None:
+    content = write_comparison_pdf(compare(worn, worn), BEFORE, AFTER)
+    assert len(worn.flagged) > 12
+    more = re.search(r"And (\d+) more\. Radial", text_of(content))
+    assert more is not None
+    assert len(worn.flagged) - 12 <= int(more[1]) < len(worn.flagged)
+
+
+def test_bars_of_a_pump_that_delivers_nothing_can_be_drawn() -> None:
+    row = TwoBars(
+        label="idle",
+        shares=(float("inf"), 10.0),
+        verdicts=(Verdict.CRITICAL, Verdict.OK),
+        intervals=((20.0, float("inf")), None),
+        new=8.0,
+        levels=((Band.AMBER, 12.0),),
+    )
+    assert "10.0 %" in two_visits_chart([row], "share", wording("en"))
