@@ -51,6 +51,10 @@ PUMP_SIDE_CLEARANCE = AskedNumber("pump side clearance", "µm", 45.5, (1.0, 2_00
 PUMP_TIP_CLEARANCE = AskedNumber("pump tip clearance", "µm", 150.5, (1.0, 2_000.0), (20.0, 1_000.0))
 ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), (400.0, 7_000.0))
 MILEAGE = AskedNumber("mileage", "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0))
+PRICE = AskedNumber("price", "", 61.5, (0.0, 1e8), (0.0, 1e6))
+HOURS = AskedNumber("time", "h", 1.5, (0.0, 1_000.0), (0.0, 60.0))
+LABOUR_RATE = AskedNumber("labour rate", "per hour", 95.0, (0.0, 1e7), (0.0, 1e5))
+TAX = AskedNumber("tax", "%", 23.0, (0.0, 100.0), (0.0, 30.0))
 SHIFT = AskedNumber("shift", "s", 1.5, (-1e7, 1e7), (-86_400.0, 86_400.0))
 
 

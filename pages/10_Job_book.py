@@ -14,8 +14,10 @@ try:
     job_list.fault()
     query = job_list.asked(jobs)
     picked = job_list.listed(jobs, query)
-    if job_list.actions(jobs, picked):
-        st.switch_page(panel.PAGES / "1_Diagnosis.py")
+    goal = job_list.actions(jobs, picked)
+    if goal is not None:
+        page, parameters = goal
+        st.switch_page(panel.PAGES / f"{page}.py", query_params=parameters)
     job_list.erasing(jobs)
     if st.button("New job", on_click=new_job, help="An empty job; this one stays in the book."):
         st.switch_page(panel.PAGES / "1_Diagnosis.py")

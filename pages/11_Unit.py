@@ -16,6 +16,9 @@ try:
     visited = unit.visits(jobs, chosen)
     st.subheader("Visits")
     unit.draw_visits(visited)
+    if (goal := unit.goal(visited)) is not None:
+        page, parameters = goal
+        st.switch_page(panel.PAGES / f"{page}.py", query_params=parameters)
     unit.draw_left_undone(visited)
     seen = unit.seen(visited)
     if seen is None:

@@ -43,6 +43,7 @@ conditions.matrix(diagnosis)
 
 st.subheader("Order of repair")
 conditions.repairs(diagnosis, plan)
+conditions.undecided(diagnosis, closing=False)
 
 with st.expander("Where they are: the valve body's picture"):
     show.controller_picture(diagnosis)

@@ -6,6 +6,7 @@ from functools import partial
 import streamlit as st
 
 from atleak.errors import AtleakError
+from atleak.job.decisions import check_decisions
 from atleak.job.file import parse_job, write_job_file
 from atleak.paper import PAPERS
 from atleak.report.pdf import write_pdf
@@ -13,7 +14,7 @@ from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import languages, wording
-from pages.shared import job_form, panel, show
+from pages.shared import conditions, job_form, panel, show
 from pages.shared.cases import case_with_columns
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
@@ -25,6 +26,7 @@ st.write("Everything here is optional; the report leaves out what is not filled 
 record = job_form.draw(diagnosis.controller)
 name = f"atleak_{record.number}" if record.number.isalnum() else "atleak"
 
+conditions.undecided(diagnosis, closing=True)
 st.subheader("Take it along")
 options = st.columns(2)
 named = {language: wording(language).texts["language"] for language in languages()}
@@ -58,7 +60,9 @@ with st.expander("Fill in from a job record (TOML or JSON)"):
     given = st.file_uploader("Job record", ["toml", "json"], key=job_form.key("record"))
     if given is not None:
         try:
-            job_form.put_job(parse_job(given.getvalue(), given.name))
+            given_record = parse_job(given.getvalue(), given.name)
+            check_decisions(given_record, diagnosis.controller, given.name)
+            job_form.put_job(given_record)
             st.rerun()
         except AtleakError as error:
             st.error(show.plain(str(error)))

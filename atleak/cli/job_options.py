@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 from atleak.cli.shared import add_columns, add_controller, length_of, number, number_of, pair
@@ -153,7 +154,13 @@ def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
         for name in ("pump_side_clearance", "pump_tip_clearance"):
             if getattr(options, name) is None:
                 setattr(options, name, getattr(job, f"{name}_um"))
-    return _case(options), job
+    case = _case(options)
+    if job is not None and job.repair_decisions:
+        from atleak.job.case import SLOTS, Reader
+        from atleak.job.decisions import check_decisions
+
+        check_decisions(job, Reader().entry(SLOTS["controller"], case.controller), Path(options.job).name)
+    return case, job
 
 
 def as_read(case: Case) -> Case:

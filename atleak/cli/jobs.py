@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from atleak.jobs.book import JobRow
 
 _LIMIT = 200  # rows of a list
+_ID = 8  # characters of an id in it
 
 
 def add_parser(commands: Any) -> None:
@@ -50,11 +51,11 @@ def add_parser(commands: Any) -> None:
     opened.add_argument(
         "--port", metavar="N", type=port_number, default=PORT, help=f"of the dashboard: {PORT} unless given"
     )
+    compare.add_parser(group)
     archive = add_command(group, "archive", _archive, "take jobs out of lists and statistics; bring-back undoes it")
     add_job_id(archive, "+")
     back = add_command(group, "bring-back", _archive, "put archived jobs back")
     add_job_id(back, "+")
-    compare.add_parser(group)
     add_upkeep(group)
 
 
@@ -145,7 +146,12 @@ def _print_rows(rows: list[JobRow], count: int) -> None:
         print("No job of the job book fits.")
         return
     shown = [
-        {**_record(row), "verdict": signed(Verdict(row.verdict)), "vehicle": row.vin or row.plate or row.serial}
+        {
+            **_record(row),
+            "id": row.id[:_ID],  # names the job as the whole id does
+            "verdict": signed(Verdict(row.verdict)),
+            "vehicle": row.vin or row.plate or row.serial,
+        }
         for row in rows
     ]
     print_table(["id", "date", "number", "customer", "vehicle", "unit", "verdict"], shown)

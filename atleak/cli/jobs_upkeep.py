@@ -34,6 +34,7 @@ def add_upkeep(group: Any) -> None:
     erase = add_command(group, "erase", _erase, "remove a customer's personal data from the book for good")
     add_job_id(erase, "*")
     erase.add_argument("--customer", metavar="NAME|NUMBER", help="every job of this customer")
+    erase.add_argument("--delete", action="store_true", help="delete jobs whole that this version cannot open or judge")
     erase.add_argument("--yes", action="store_true", help="do not ask")
     backup = add_command(group, "backup", _backup, "a copy of the whole book, also while it is in use")
     backup.add_argument("file", metavar="FILE")
@@ -171,7 +172,10 @@ def _erase(options: argparse.Namespace) -> int:
         print(f"Not erased, of the same vehicle or transmission: {row.id}  {row.told}")
     if not options.yes and not _agreed(len(rows)):
         return 2
-    for done in erase(book, ids):
+    for done in erase(book, ids, delete=options.delete):
+        if done.deleted:
+            print(f"deleted as a whole: {done.id}")
+            continue
         gone = f"; gone with it, the stored result stays: {', '.join(done.lost)}" if done.lost else ""
         print(f"erased: {done.id}{gone}")
         for name in done.left_in:

@@ -1,9 +1,10 @@
-"""Compute a unit with some of its lands new, for several choices of lands at once: leakage, line, circuits."""
+"""Compute a unit with some of its lands repaired, for several choices at once: leakage, line, circuits."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -11,9 +12,10 @@ import numpy as np
 
 from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import OperatingPoint
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import LINE, hold
-from atleak.engine.restrictions import Gap
+from atleak.engine.restrictions import Branch, Gap
 
 WORTH_NAMING = 100.0  # [Pa] that a land costs a circuit at least, to be named as a cause: choice of this project
 
@@ -22,10 +24,78 @@ Losses = Mapping[str, Mapping[LandKey, float]]  # [Pa] by circuit, then by land
 
 @dataclass(frozen=True)
 class Repaired:
-    """What a unit does at one condition with some of its lands new; arrays of shape (choices,)."""
+    """What a unit does at one condition with some of its lands repaired; arrays of shape (choices,)."""
 
     leakage: np.ndarray  # [m³/s] drawn from the pump at the required line pressure
     pressures: Mapping[str, np.ndarray]  # [Pa] that the line, as p_g, and every circuit hold
+
+
+@dataclass(frozen=True)
+class LandStates:
+    """A unit at one condition, of which each land can be in one of several states: as it is, or as a repair leaves it.
+
+    A choice names the state of each land by its number; a land that it does not name is in state 0, as it is.
+    """
+
+    model: LeakageModel  # of the unit as it is
+    point: OperatingPoint
+    networks: tuple[Network, ...]  # one for each number of a state; all the same but for the restrictions of gaps
+
+    @classmethod
+    def of(cls, models: Sequence[LeakageModel], point: OperatingPoint) -> LandStates:
+        """Return a unit whose models differ in their clearances, the unit as it is first.
+
+        Raises
+        ------
+        DomainError
+            temperature outside the fluid's data.
+        """
+        return cls(models[0], point, tuple(model.network(point) for model in models))
+
+    @cached_property
+    def keys(self) -> tuple[LandKey, ...]:
+        """Return the land of every gap of the network."""
+        return tuple(gap.key for gap in self.model.gaps_in(self.point.gear))
+
+    @cached_property
+    def gaps(self) -> tuple[Branch[Gap], ...]:
+        """Return the gaps of the network in every state at once: arrays of shape (states,)."""
+        numbers = range(len(self.keys))
+        return tuple(self._in_states(gap, np.arange(len(self.networks))) for gap in numbers)
+
+    def _in_states(self, gap: int, states: np.ndarray) -> Branch[Gap]:
+        each = [network.lands[gap].restriction for network in self.networks]
+        conductance, bend = (
+            np.array([part(one) for one in each], float)[states]
+            for part in (lambda one: one.conductance, lambda one: one.bend)
+        )
+        return replace(self.networks[0].lands[gap], restriction=Gap(conductance, bend))
+
+    def network(self, choices: Sequence[Mapping[LandKey, int]]) -> Network:
+        """Return the network of several choices at once: restrictions of shape (choices,)."""
+        lands = (
+            self._in_states(gap, np.array([choice.get(key, 0) for choice in choices], int))
+            for gap, key in enumerate(self.keys)
+        )
+        return replace(self.networks[0], lands=tuple(lands))
+
+    @cached_property
+    def sections(self) -> dict[str, float]:
+        """Return the pressures of the sections at the required line pressure [Pa]."""
+        return self.model.controller.section_pressures(self.point.main_pressure, self.point.converter_pressure)
+
+    def repaired(self, choices: Sequence[Mapping[LandKey, int]]) -> Repaired:
+        """Compute the unit for several choices of the states of its lands."""
+        network, model = self.network(choices), self.model
+        held = hold(network, self.point, model.pump, model.dynamic_viscosity(self.point.temperature))
+        leakage = network.drawn_from_pump(network.balance(self.sections))
+        names = (circuit.id for circuit in model.controller.circuits)
+        pressures = {LINE: held.main_pressure, **{name: held.balance.pressures[name] for name in names}}
+
+        def each(value: Any) -> np.ndarray:
+            return np.broadcast_to(np.asarray(value, float), (len(choices),))
+
+        return Repaired(each(leakage), {name: each(pressure) for name, pressure in pressures.items()})
 
 
 def with_new(
@@ -45,23 +115,7 @@ def with_new(
     DomainError
         temperature outside the fluid's data.
     """
-    network, lands = model.network(point), []
-    for gap, now, then in zip(model.gaps_in(point.gear), network.lands, new.network(point).lands, strict=True):
-        as_new = np.array([gap.key in keys for keys in chosen], bool)
-        parts = ((each.restriction.conductance, each.restriction.bend) for each in (now, then))
-        restriction = Gap(*(np.where(as_new, b, a) for a, b in zip(*parts, strict=True)))
-        lands.append(replace(now, restriction=restriction))
-    network = replace(network, lands=tuple(lands))
-    held = hold(network, point, model.pump, model.dynamic_viscosity(point.temperature))
-    sections = model.controller.section_pressures(point.main_pressure, point.converter_pressure)
-    leakage = network.drawn_from_pump(network.balance(sections))
-    names = (circuit.id for circuit in model.controller.circuits)
-    pressures = {LINE: held.main_pressure, **{name: held.balance.pressures[name] for name in names}}
-
-    def each(value: Any) -> np.ndarray:
-        return np.broadcast_to(np.asarray(value, float), (len(chosen),))
-
-    return Repaired(each(leakage), {name: each(pressure) for name, pressure in pressures.items()})
+    return LandStates.of((model, new), point).repaired([dict.fromkeys(keys, 1) for keys in chosen])
 
 
 def pressure_losses(model: LeakageModel, new: LeakageModel, point: OperatingPoint, lands: Sequence[LandKey]) -> Losses:

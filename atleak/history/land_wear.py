@@ -89,12 +89,13 @@ def wear_over_mileage(visits: Sequence[Visit], limits: Limits) -> WearHistory:
 
 
 def _land(series: Series, visits: Visits, limits: Limits) -> LandWear:
-    line, present = series.line, visits.present
-    found = []
-    for kind, level, limit in () if series.land is None else _limits(series.land, limits):
-        past = reaches(series.land.state.radial_clearance, limit) if series.land is not None else False
-        at = None if past or line is None or present is None else line.reaches(limit, present)
-        found.append(LandLimit(kind, level, limit, past, at))
+    line, present, found = series.line, visits.present, []
+    if series.land is not None:
+        now = series.land.state.radial_clearance
+        for kind, level, limit in _limits(series.land, limits):
+            past = reaches(now, limit)
+            at = None if past or line is None or present is None else line.reaches(limit, present)
+            found.append(LandLimit(kind, level, limit, past, at))
     return LandWear(series, line, tuple(sorted(found, key=lambda each: each.clearance)))
 
 

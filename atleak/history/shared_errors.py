@@ -1,10 +1,10 @@
 """Say which errors of measuring the clearances of a unit have in common, over its lands and over its visits.
 
-Every clearance is uncertain by some errors that others share, each with the factor by which it acts on this one, and by
-what it has alone. What all readings of an instrument share (its zero, its ring, its scale) is taken to be the same at
-every visit at which that instrument measured: it moves a line and leaves its rate alone. The temperature of measuring
-is shared by the lands of one visit. All else is anew at every visit, the calibration at one place of the scale too: a
-part never lies in the same place twice. This is a choice of this project, which widens a rate rather than narrows it.
+Every clearance is uncertain by some errors that others share, each with the factor by which it acts on this one, and
+by what it has alone. What all readings of an instrument share (its zero, its ring, its scale) is the same at every
+visit at which the job names that instrument: it moves a line and leaves its rate alone. The temperature of measuring is
+shared by the lands of one visit. All else is anew at every visit, the calibration at one place of the scale too: a part
+never lies in the same place twice. These are choices of this project.
 """
 
 from __future__ import annotations

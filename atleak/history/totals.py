@@ -144,8 +144,14 @@ def _total(diagnosis: Diagnosis, model: LeakageModel, place: int, mileages: Draw
     for level, limit in rule.steps.levels:
         past = reaches(rule.value, limit)
         limits.append(TotalLimit(level, limit, past, None if past else _reached(share, limit, mileages)))
-    parts = (tuple(each.tolist()) for each in (low, median, high))
-    return TotalOverMileage(now.condition, tuple(mileages.tolist()), *parts, tuple(limits))
+    return TotalOverMileage(
+        now.condition,
+        tuple(mileages.tolist()),
+        low=tuple(low.tolist()),
+        median=tuple(median.tolist()),
+        high=tuple(high.tolist()),
+        limits=tuple(limits),
+    )
 
 
 _PARTS = (0.5 - 0.5 * COVERAGE, 0.5, 0.5 + 0.5 * COVERAGE)

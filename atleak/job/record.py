@@ -16,16 +16,21 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
 from atleak.catalogue.pump import PumpClearances
+from atleak.repair import Goal
 from atleak.written_numbers import (
+    HOURS,
+    LABOUR_RATE,
     MEASURING_TEMPERATURE,
     MILEAGE,
+    PRICE,
     PUMP_SIDE_CLEARANCE,
     PUMP_TIP_CLEARANCE,
+    TAX,
     AskedNumber,
     read_number,
 )
 
-RepairState = Literal["proposed", "done", "declined", "deferred"]
+RepairState = Literal["proposed", "approved", "done", "declined", "deferred"]
 Grade = Literal["none", "light", "moderate", "heavy"]
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp")
@@ -98,6 +103,26 @@ PumpTipMicrometres = Annotated[
     float,
     BeforeValidator(partial(_number, PUMP_TIP_CLEARANCE)),
     Field(ge=PUMP_TIP_CLEARANCE.limits[0], le=PUMP_TIP_CLEARANCE.limits[1], allow_inf_nan=False),
+]
+Price = Annotated[
+    float,
+    BeforeValidator(partial(_number, PRICE)),
+    Field(ge=PRICE.limits[0], le=PRICE.limits[1], allow_inf_nan=False),
+]
+Hours = Annotated[
+    float,
+    BeforeValidator(partial(_number, HOURS)),
+    Field(ge=HOURS.limits[0], le=HOURS.limits[1], allow_inf_nan=False),
+]
+LabourRate = Annotated[
+    float,
+    BeforeValidator(partial(_number, LABOUR_RATE)),
+    Field(ge=LABOUR_RATE.limits[0], le=LABOUR_RATE.limits[1], allow_inf_nan=False),
+]
+TaxPercent = Annotated[
+    float,
+    BeforeValidator(partial(_number, TAX)),
+    Field(ge=TAX.limits[0], le=TAX.limits[1], allow_inf_nan=False),
 ]
 
 
@@ -193,11 +218,24 @@ class RepairDecision(Record):
     """A repair that was proposed for a pair, and what became of it."""
 
     component: CleanText = ""
-    land: Annotated[int, Field(ge=1, le=9)] | None = None
+    land: Annotated[int, Field(ge=1, le=9)] | None = None  # None: every land that the repair changes
+    repair: CleanText = ""  # id of one of the repairs of the valve body's file
     work: CleanText = ""
+    part_number: CleanText = ""
+    price: Price | None = None  # of the part, in the currency of the estimate
+    hours: Hours | None = None
     decision: RepairState | None = None
     reason: CleanText = ""
     date: dt.date | None = None
+
+
+class EstimateTerms(Record):
+    """The terms of the estimate: in which money, at what labour rate, with what tax, and for what goal."""
+
+    currency: CleanText = ""  # such as EUR
+    labour_rate: LabourRate | None = None  # per hour
+    tax_percent: TaxPercent | None = None
+    goal: Goal = Goal.EVERY_LIMIT  # of the repairs that are proposed
 
 
 class Job(Record):
@@ -221,6 +259,7 @@ class Job(Record):
     scratches: tuple[Scratch, ...] = ()
     photos: tuple[Photo, ...] = ()
     repair_decisions: tuple[RepairDecision, ...] = ()
+    estimate: EstimateTerms = EstimateTerms()
     notes: CleanText = ""
 
     _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))
@@ -229,6 +268,13 @@ class Job(Record):
     def pump_clearances(self) -> PumpClearances:
         """Return what was measured of this job's pump."""
         return PumpClearances.of_um(self.pump_side_clearance_um, self.pump_tip_clearance_um)
+
+    @property
+    def estimated(self) -> bool:
+        """Tell whether anything of an estimate was filled in: its terms, a price or hours."""
+        return not self.estimate.empty or any(
+            each.price is not None or each.hours is not None for each in self.repair_decisions
+        )
 
     @property
     def pictures(self) -> Mapping[str, bytes]:

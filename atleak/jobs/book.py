@@ -20,7 +20,7 @@ from atleak.job.parts import JobFile, JobParts
 from atleak.jobs.log_table import log_table
 from atleak.jobs.opening import database_url, in_words, opened_engine, shown, writing
 from atleak.jobs.rows import put_once, replace_rows
-from atleak.jobs.search import Query, found_by, search_words_of
+from atleak.jobs.search import Query, counted_by, found_by, search_words_of
 from atleak.jobs.tables import (
     decisions,
     files,
@@ -300,8 +300,7 @@ class Book:
     def count(self, query: Query | None = None) -> int:
         """Return how many jobs a query asks for, whatever its limit."""
         with self.reading() as connection:
-            every = found_by(connection, query or Query()).limit(None).offset(None).order_by(None).subquery()
-            return int(connection.execute(sa.select(sa.func.count()).select_from(every)).scalar_one())
+            return int(connection.execute(counted_by(connection, query or Query())).scalar_one())
 
     def archive(self, id: str) -> None:
         """Take a job out of lists and statistics; `bring_back` undoes it.

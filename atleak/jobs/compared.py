@@ -28,19 +28,19 @@ class ComparedJobs:
 
 
 def job_of(name: str, book: Book | None = None) -> JobFile:
-    """Return a job by the path of its job file, or as the job book knows it.
+    """Return a job by the path of its job file, or by what names it in the job book.
 
     Parameters
     ----------
     name
-        a path, where there is such a file; else what `atleak.jobs.named.named_job` takes: an id or a job's number.
+        a path, where there is such a file; else as `named_job` takes it.
     book
         the job book; the user's own, which is opened where it is needed, unless given.
 
     Raises
     ------
     InputError
-        a file that is no job file; a job that the book does not have.
+        a file that is no job file; a name that no job of the book has, or several have.
     """
     if Path(name).is_file():
         return read_job_file(name)

@@ -9,16 +9,16 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from atleak.errors import BookError, Place
+from atleak.errors import AtleakError, BookError, InputError, Place
 from atleak.job.parts import JobParts
-from atleak.jobs.book import Book, JobRow, packed
+from atleak.jobs.book import Book, JobRow, StoredJob, drop_files, packed
 from atleak.jobs.merge import key_stated
 from atleak.jobs.opening import in_words
 from atleak.jobs.rows import replace_rows
 from atleak.jobs.search import Query
-from atleak.jobs.tables import jobs, key_of, lands, metadata, results, units, visits
-from atleak.jobs.units import rows_of_unit, unit_of
-from atleak.jobs.without_person import result_without_person, without_person
+from atleak.jobs.tables import job_files, jobs, key_of, lands, metadata, results, units, visits
+from atleak.jobs.units import left_behind, rows_of_unit, unit_of, without_jobs_away
+from atleak.jobs.without_person import WithoutPerson, result_without_person, without_person
 
 WHAT_GOES = (
     "These jobs lose their customer, VIN, plate, serial, number, complaint, notes, photos, file names and every other "
@@ -33,8 +33,9 @@ class Erased:
     """What became of one job."""
 
     id: str
-    lost: tuple[str, ...]  # files that could not be kept without the person
-    left_in: tuple[str, ...]  # catalogue files of the job in which something of the person stands
+    lost: tuple[str, ...] = ()  # files that could not be kept without the person
+    left_in: tuple[str, ...] = ()  # catalogue files of the job in which something of the person stands
+    deleted: bool = False  # it could not be kept at all
 
 
 def jobs_of_customer(book: Book, customer: str) -> list[JobRow]:
@@ -65,32 +66,73 @@ def _told_by(row: JobRow) -> set[tuple[str, str]]:
     return {(name, key_of(text)) for name, text in texts.items() if key_of(text)}
 
 
-def erase(book: Book, ids: Sequence[str]) -> list[Erased]:
+def erase(book: Book, ids: Sequence[str], *, delete: bool = False) -> list[Erased]:
     """Take the person out of jobs, all of them or none; nothing of it is left in the database's files afterwards.
 
     Record, files, file names, photos and every stored result are replaced by what is left without the person; see
     `atleak.jobs.without_person`. Jobs of one transmission stay jobs of one transmission, which no longer has a name.
     Copies elsewhere, backups and exports, are not reached.
 
+    Parameters
+    ----------
+    ids
+        of the jobs.
+    delete
+        whether a job that this version cannot open or judge goes as a whole.
+
     Raises
     ------
     BookError
-        an id that the book does not have; a database that another program is reading, so that its files cannot be
-        swept: the jobs are erased then, and erasing again sweeps.
-    AtleakError
-        a job whose valve body, fluid or limits this version cannot use.
+        an id that the book does not have; jobs that cannot be opened or judged, unless they are to be deleted; a
+        database that another program is reading, so that its files cannot be swept: the jobs are erased then, and
+        erasing again sweeps.
     """
-    bare = {id: (stored, without_person(stored.file)) for id in dict.fromkeys(ids) for stored in [book.load(id)]}
+    units_of = {row.id: row.unit for row in book.rows(Query(archived=None, limit=None)) if row.id in ids}
+    bare, stuck = _without_persons(book, ids)
+    if stuck and not delete:
+        raise BookError(
+            "nothing was erased: not every job can be kept without the person",
+            place=Place(file=book.name),
+            expected="--delete, to delete such jobs as a whole",
+            others=list(stuck.values()),
+        )
     with book.writing() as connection:
-        families: dict[int, list[str]] = {}
+        families: dict[int, list[str]] = {units_of[id]: [] for id in (*bare, *stuck)}
         for id, (stored, left) in bare.items():
-            families.setdefault(stored.unit, []).append(id)
+            families[stored.unit].append(id)
             _erase(book, connection, id, stored.version, left.parts, sample=stored.sample)
+        for id in stuck:
+            _delete(connection, id)
         for unit, together in families.items():
             _unname(connection, unit)
             _keep_together(connection, together)
     sweep(book)
-    return [Erased(id, left.lost, left.left_in) for id, (_, left) in bare.items()]
+    kept = [Erased(id, left.lost, left.left_in) for id, (_, left) in bare.items()]
+    return kept + [Erased(id, deleted=True) for id in stuck]
+
+
+def _without_persons(
+    book: Book, ids: Sequence[str]
+) -> tuple[dict[str, tuple[StoredJob, WithoutPerson]], dict[str, InputError]]:
+    """Return jobs without their persons, and why there are none of others."""
+    bare, stuck = {}, {}
+    for id in dict.fromkeys(ids):
+        book.version(id)  # one that the book does not have
+        try:
+            stored = book.load(id)
+            bare[id] = stored, without_person(stored.file)
+        except AtleakError as error:
+            stuck[id] = error if isinstance(error, InputError) else InputError(str(error))
+    return bare, stuck
+
+
+def _delete(connection: sa.Connection, id: str) -> None:
+    behind = left_behind(connection, connection.execute(sa.select(jobs.c.visit).where(jobs.c.id == id)).scalar_one())
+    held = connection.execute(sa.select(job_files.c.sha256).where(job_files.c.job == id)).scalars()
+    contents = set(held)
+    connection.execute(jobs.delete().where(jobs.c.id == id))
+    drop_files(connection, contents)
+    without_jobs_away(connection, *behind)
 
 
 def _erase(book: Book, connection: sa.Connection, id: str, version: int, parts: JobParts, *, sample: bool) -> None:
@@ -147,6 +189,8 @@ def _unname(connection: sa.Connection, unit: int) -> None:
 def _keep_together(connection: sa.Connection, ids: Sequence[str]) -> None:
     """Let jobs that were of one unit be of one still."""
     found = [connection.execute(sa.select(jobs.c.visit).where(jobs.c.id == id)).scalar_one() for id in ids]
+    if not found:
+        return
     first, *others = dict.fromkeys(unit_of(connection, visit) for visit in found)
     if others:
         connection.execute(units.update().where(units.c.id.in_(others)).values(merged_into=first))

@@ -83,7 +83,7 @@ def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
         expected = f"a job at up to {NEW_UNTIL:g} km, or one measured after a repair that an earlier job calls done"
         problem = f"the job book has no measuring sheet of a new or repaired {controller}"
         raise BookError(problem, place=Place(file=book.name), expected=expected)
-    sheets = []
+    sheets: list[NewSheet] = []
     for job, repaired in chosen:
         file = book.load(job).file
         name = f"job {file.job.number or job}"

@@ -83,13 +83,17 @@ def opened_engine(url: sa.URL) -> sa.Engine:
         if url.get_backend_name() == "sqlite":
             sa.event.listen(engine, "connect", _prepare_sqlite)
             sa.event.listen(engine, "begin", _begin_sqlite)
-        with engine.connect() as connection:
-            current = _revision(connection)
-        if current != REVISION:
-            with writing(engine) as connection:
-                if url.get_backend_name() == "postgresql":
-                    connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
-                _bring_up(connection, name)
+        try:
+            with engine.connect() as connection:
+                current = _revision(connection)
+            if current != REVISION:
+                with writing(engine) as connection:
+                    if url.get_backend_name() == "postgresql":
+                        connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
+                    _bring_up(connection, name)
+        except BaseException:
+            engine.dispose()  # its connections, which nobody else closes
+            raise
     return engine
 
 

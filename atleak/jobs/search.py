@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,7 @@ from atleak.jobs.units import final_unit, rows_of_unit
 _KNOWN_BY_THEIR_END = ("vin", "serial")
 _ENDS = range(4, 9)  # characters of that end
 _EVERY = chr(0x10FFFF)  # sorts behind every letter
+_MANY = 4000  # words: the jobs of fewer are sooner fetched and sorted than the newest jobs are looked through
 
 
 @dataclass(frozen=True)
@@ -66,29 +68,49 @@ def found_by(connection: sa.Connection, query: Query) -> sa.Select[Any]:
         )
     ]
     statement = sa.select(*columns, final_unit().label("unit")).join(visits, visits.c.id == jobs.c.visit)
+    statement = statement.where(*_conditions(connection, query))
+    return statement.order_by(jobs.c.changed_at.desc(), jobs.c.id.desc()).limit(query.limit).offset(query.offset)
+
+
+def counted_by(connection: sa.Connection, query: Query) -> sa.Select[Any]:
+    """Return the statement that counts all jobs that a query asks for."""
+    return sa.select(sa.func.count()).select_from(jobs).where(*_conditions(connection, query))
+
+
+def _conditions(connection: sa.Connection, query: Query) -> Iterator[sa.ColumnElement[bool]]:
     if query.archived is not None:
         is_archived = jobs.c.archived_at.is_not(None)
-        statement = statement.where(is_archived if query.archived else ~is_archived)
+        yield is_archived if query.archived else ~is_archived
     asked = [("", word) for word in query.text.split()]
     asked += [(field, getattr(query, field)) for field in ("vin", "plate", "serial", "customer", "number")]
     for field, word in asked:
         if start := key_of(word):
-            having = sa.select(search_words.c.job).where(
-                search_words.c.word >= start, search_words.c.word < start + _EVERY
-            )
-            having = having.where(search_words.c.field == field) if field else having
-            statement = statement.where(jobs.c.id.in_(having))
+            yield _has_word(connection, field, start)
     if query.date_from is not None:
-        statement = statement.where(jobs.c.date >= query.date_from)
+        yield jobs.c.date >= query.date_from
     if query.date_to is not None:
-        statement = statement.where(jobs.c.date <= query.date_to)
+        yield jobs.c.date <= query.date_to
     if query.verdict:
-        statement = statement.where(jobs.c.verdict == query.verdict)
+        yield jobs.c.verdict == query.verdict
     if query.controller:
-        statement = statement.where(jobs.c.controller == query.controller)
+        yield jobs.c.controller == query.controller
     if query.unit is not None:
-        statement = statement.where(visits.c.unit.in_(rows_of_unit(query.unit)))
-    return statement.order_by(jobs.c.changed_at.desc(), jobs.c.id.desc()).limit(query.limit).offset(query.offset)
+        yield jobs.c.visit.in_(sa.select(visits.c.id).where(visits.c.unit.in_(rows_of_unit(query.unit))))
+
+
+def _has_word(connection: sa.Connection, field: str, start: str) -> sa.ColumnElement[bool]:
+    """Return the condition that a job has a word that begins so, in a field or in any.
+
+    The jobs of a rare word are looked up by the word. One that very many jobs have, such as a first letter, is looked
+    up in the newest jobs one by one, until as many have it as are asked for.
+    """
+    fits = [search_words.c.word >= start, search_words.c.word < start + _EVERY]
+    if field:
+        fits.append(search_words.c.field == field)
+    some = sa.select(sa.literal(1)).where(*fits).limit(_MANY).subquery()
+    if connection.execute(sa.select(sa.func.count()).select_from(some)).scalar_one() < _MANY:
+        return jobs.c.id.in_(sa.select(search_words.c.job).where(*fits))
+    return sa.exists().where(search_words.c.job == jobs.c.id, *fits)
 
 
 def controllers_held(connection: sa.Connection) -> list[str]:

@@ -120,8 +120,9 @@ jobs = Table(
     Column("mileage_km", Float),
     Column("controller", String(200), nullable=False),  # id
     Column("verdict", String(40), nullable=False),
-    Index(None, "changed_at", "id"),
+    Index(None, "changed_at", "id", "archived_at"),
     Index(None, "verdict", "changed_at"),
+    Index(None, "verdict", "controller", "changed_at"),
     Index(None, "controller", "changed_at"),
     Index(None, "date"),
 )
@@ -133,8 +134,8 @@ search_words = Table(
     Column("field", String(20), nullable=False),  # number, customer, vin, plate or serial
     # a word of it, and how VIN and serial end: letters and digits, upper case
     Column("word", String(80).with_variant(String(80, collation="C"), "postgresql"), nullable=False),
-    Index(None, "word", "job"),
-    Index(None, "job"),
+    Index(None, "word", "field", "job"),
+    Index(None, "job", "word", "field"),
 )
 
 files = Table(

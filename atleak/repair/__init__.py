@@ -8,122 +8,40 @@ leakage, line pressure and what each circuit holds.
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.catalogue.controller import OperatingPoint
-from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.engine.leakage import LeakageModel
-from atleak.engine.line import LINE
 from atleak.engine.projection import Projection
-from atleak.engine.repaired import WORTH_NAMING, with_new
-from atleak.repair.fewest import fewest
-from atleak.repair.options import Cost, Option, Options, cost_of
-from atleak.rules import LandKey, Rule, permissible_low
-from atleak.verdicts import BANDS, Band
+from atleak.repair.choice import Basis, Choice, Gain, Goal, choose, gain_of
+from atleak.repair.moves import Move, MoveKey, Prices, Stated
+from atleak.repair.options import Cost, Option, cost_of
+from atleak.repair.totals import RepairedAt, Total
+from atleak.rules import LandKey, Rule
+from atleak.verdicts import Band
 
 __all__ = [
+    "Basis",
+    "Choice",
     "Cost",
+    "Gain",
+    "Goal",
+    "Move",
+    "MoveKey",
     "Option",
+    "Prices",
     "Remainder",
     "RepairPlan",
     "RepairStep",
     "RepairedAt",
+    "Stated",
     "Total",
-    "fewest",
+    "choose",
+    "gain_of",
+    "in_order",
     "plan_repairs",
 ]
-
-_NEARLY = 1e-8  # relative: a total must be under its limit by more than floating point can tell
-_WORTH_A_REPAIR = (
-    0.01  # of how far pressures are past their limits, that one more land must help: choice of this project
-)
-
-
-@dataclass(frozen=True)
-class Total:
-    """The total at one condition with some lands repaired, judged by the rule of that condition."""
-
-    projection: Projection  # as measured
-    leakage: float  # [m³/s] drawn from the pump
-    rule: Rule  # of the total as measured, whose limits hold after a repair too
-    pressures: Mapping[str, float]  # [Pa] that the line, as p_g, and every circuit hold
-    measured_rules: tuple[Rule, ...]  # of reserve and pressures as measured
-    unworn: Projection  # of the unit as it may have been when new
-
-    @property
-    def condition(self) -> OperatingPoint:
-        """Return the condition."""
-        return self.projection.condition
-
-    @property
-    def share(self) -> float:
-        """Return leakage / pump capacity; infinite where the pump delivers nothing."""
-        return self.projection.share_of(self.leakage)
-
-    @property
-    def reserve(self) -> float:
-        """Return the pump's reserve."""
-        return replace(self.projection, leakage=self.leakage).reserve
-
-    @cached_property
-    def pressure_rules(self) -> tuple[Rule, ...]:
-        """Return the rules of reserve, circuits and permissible pressure, judged anew."""
-        return tuple(replace(rule, value=self._value(rule)) for rule in self.measured_rules)
-
-    def _value(self, rule: Rule) -> float:
-        if rule.kind is RuleKind.RESERVE:
-            return self.reserve
-        if rule.circuit is not None:
-            return abs((rule.new or 0.0) - self.pressures[rule.circuit.id])
-        low = permissible_low(self.projection, self.unworn)
-        return 1.0 - self.pressures[LINE] / low if low else rule.value
-
-    @property
-    def past(self) -> tuple[Rule, ...]:
-        """Return every rule, the total's first, that is past a limit."""
-        rules = replace(self.rule, value=self.share), *self.pressure_rules
-        return tuple(rule for rule in rules if rule.verdict.flagged)
-
-    @property
-    def band(self) -> Band:
-        """Return the band that the share has reached."""
-        return Band(self.rule.steps.judge(self.share, Band.GREEN)[0])
-
-    def limit_above(self, band: Band) -> float:
-        """Return the share at which a band ends: the lowest limit of those that are worse."""
-        return min(limit for level, limit in self.rule.steps.levels if BANDS.index(Band(level)) > BANDS.index(band))
-
-
-@dataclass(frozen=True)
-class RepairedAt:
-    """What one repair brings at one condition."""
-
-    before: Total
-    after: Total
-
-    @property
-    def condition(self) -> OperatingPoint:
-        """Return the condition."""
-        return self.before.condition
-
-    @property
-    def saving(self) -> float:
-        """Return the share that is saved over the share at which green ends: so that conditions can be compared."""
-        saved = self.before.share - self.after.share
-        if abs(saved) <= _NEARLY * self.before.share:  # what rounding leaves of nothing
-            return 0.0
-        return saved / self.before.limit_above(Band.GREEN) if math.isfinite(saved) else 0.0
-
-    @property
-    def gained(self) -> float:
-        """Return the pressure that the line, or the circuit that gains most by the repair, gains [Pa]."""
-        both = self.before.pressures, self.after.pressures
-        gain = max(both[1][name] - both[0][name] for name in both[0])
-        return gain if gain >= WORTH_NAMING else 0.0
 
 
 @dataclass(frozen=True)
@@ -181,6 +99,7 @@ class RepairPlan:
     remaining: tuple[Remainder, ...]  # the ends that are not green
     pressures_past: tuple[Rule, ...]  # rules of reserve and pressures that stay past a limit
     unmeasured: int  # lands of which a part was not measured and is computed as new
+    choice: Choice  # that the steps carry out
     judged: bool = True  # whether any land was measured: else there is nothing to plan
 
     @property
@@ -203,42 +122,30 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     """Plan the repairs that a diagnosis calls for, over every condition that was judged.
 
     First come the lands that reached a limit of their own, the worst verdict first; of equal ones that which saves
-    most, measured by the limit of the condition at which it saves most. Where totals are still not green, the fewest
-    lands within their limits follow that bring each into the best band that repairs can bring it into. Where a pressure
-    is still past a limit, those follow that help it most, one after the other.
+    most, measured by the limit of the condition at which it saves most. Where totals or pressures are then not green,
+    those lands within their limits follow that bring each into the best band that repairs can bring it into.
 
-    Where the controller's file names repairs, a land is mended by the cheapest option that leaves it within its limit
-    of clearance, with the clearance that this option leaves; where none does, or none is named, it is made as new. An
-    option that changes several lands mends them in one step. What the workshop chose goes before the cheapest.
+    Where the controller's file names repairs, a land is mended by one that leaves it within its limit of clearance,
+    with the clearance that this leaves; where none does, or none is named, it is made as new. Which of them, and which
+    lands within their limits, is what `choose` says for `Goal.EVERY_LIMIT`: the cheapest, or the fewest.
     """
-    options = Options(diagnosis)
-    mended = options.model(options.single)
-    lands = [land for land in diagnosis.lands if land.state.judged]
-    totals, *alone = _totals(diagnosis, mended, [[], *([land] for land in lands)])
-    single = {land.key: _both(totals, after) for land, after in zip(lands, alone, strict=True)}
-
-    def saving(land: LandDiagnosis) -> float:
-        return max(each.saving for each in single[land.key])
-
-    flagged = sorted(
-        (land for land in lands if land.verdict.flagged), key=lambda land: (-land.verdict.rank, -saving(land))
-    )
-    ends = _totals(diagnosis, mended, [flagged])[0]
-    others = [land for land in lands if not land.verdict.flagged]
-    more = _best_bands([land for land in others if saving(land) > 0.0], ends, single)
-    more += _for_pressures(diagnosis, mended, [*flagged, *more], [land for land in others if land not in more])
-    chosen = options.by_component([*flagged, *sorted(more, key=lambda land: -saving(land))])
-    jobs = _jobs(diagnosis, chosen)
-    done: list[LandDiagnosis] = []
-    after_each = [done := [*done, *job] for job in jobs]
-    stages = _totals(diagnosis, options.model(chosen), [[], *after_each])
+    choice = choose(diagnosis)
+    jobs = in_order(choice)
+    done: list[LandKey] = []
+    after_each = [done := [*done, *(land.key for land in lands)] for _, lands in jobs]
+    final = choice.moves.choice(choice.chosen)
+    stages = choice.unit.totals([{}, *({key: final[key] for key in keys} for keys in after_each)])
     ends = stages[-1]
     return RepairPlan(
         steps=tuple(
             RepairStep(
-                job[0], _both(before, after), options.of(job[0].key), chosen[job[0].key], together=tuple(job[1:])
+                lands[0],
+                _both(before, after),
+                choice.moves.options.of(lands[0].key),
+                move.option,
+                together=tuple(lands[1:]),
             )
-            for job, before, after in zip(jobs, stages, stages[1:], strict=False)
+            for (move, lands), before, after in zip(jobs, stages, stages[1:], strict=False)
         ),
         ends=ends,
         remaining=tuple(
@@ -248,75 +155,40 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
         ),
         pressures_past=tuple(rule for end in ends for rule in end.pressure_rules if rule.verdict.flagged),
         unmeasured=len(diagnosis.lands) - diagnosis.measured,
-        judged=bool(lands),
+        choice=choice,
+        judged=any(land.state.judged for land in diagnosis.lands),
     )
 
 
-def _jobs(diagnosis: Diagnosis, chosen: Mapping[LandKey, Option | None]) -> list[list[LandDiagnosis]]:
-    """Return the lands that each repair mends, the one that calls for it first; each land once."""
+def in_order(choice: Choice) -> list[tuple[Move, list[LandDiagnosis]]]:
+    """Return the repairs of a choice in their order, each with its lands, the one that calls for it first.
+
+    Each land stands with one repair alone: what is made as new is so whatever else changes it.
+    """
+    diagnosis = choice.unit.diagnosis
     by_key = {land.key: land for land in diagnosis.lands}
-    jobs: list[list[LandDiagnosis]] = []
-    done: set[LandKey] = set()
-    for key, option in chosen.items():
-        if key not in done:
-            changed = option.lands if option is not None else ()
-            together = [each for each in changed if each not in {key, *done} and chosen.get(each, option) is option]
-            jobs.append([by_key[each] for each in (key, *together)])
-            done.update((key, *together))
-    return jobs
+    treated = {key for move in choice.chosen for key in move.treats}
+    mine: list[tuple[Move, list[LandKey]]] = []
+    as_new = {key for move in choice.chosen if move.option is None for key in move.lands}
+    for move in choice.chosen:
+        mine.append((move, [key for key in move.lands if move.option is None or key not in as_new]))
+    final = choice.moves.choice(choice.chosen)
+    now, *alone = choice.unit.totals([{}, *({key: final[key]} for _, keys in mine for key in keys)])
+    keys = (key for _, keys in mine for key in keys)
+    saving = {key: max(each.saving for each in _both(now, after)) for key, after in zip(keys, alone, strict=True)}
 
+    def urgency(key: LandKey) -> tuple[bool, int, float]:
+        verdict = by_key[key].verdict
+        return key not in treated, -verdict.rank if verdict.flagged else 0, -saving[key]
 
-def _totals(
-    diagnosis: Diagnosis, mended: LeakageModel, choices: Sequence[Sequence[LandDiagnosis]]
-) -> list[tuple[Total, ...]]:
-    """Return the totals at every condition, the stated one first, for each choice of lands as in ``mended``."""
-    chosen = [{land.key for land in choice} for choice in choices]
-    by_condition: list[list[Total]] = []
-    for projection in diagnosis.projections:
-        done = with_new(diagnosis.model, mended, projection.condition, chosen)
-        of_total, of_pressure = diagnosis.total_rule(projection), diagnosis.pressure_rules_at(projection)
-        by_condition.append(
-            [
-                Total(
-                    projection,
-                    float(done.leakage[number]),
-                    of_total,
-                    {name: float(pressure[number]) for name, pressure in done.pressures.items()},
-                    of_pressure,
-                    diagnosis.unworn_at(projection),
-                )
-                for number in range(len(choices))
-            ]
-        )
-    return list(zip(*by_condition, strict=True))
+    jobs = [(move, sorted(keys, key=urgency)) for move, keys in mine if keys]
+    jobs.sort(key=lambda job: urgency(job[1][0]))
+    return [(move, [by_key[key] for key in keys]) for move, keys in jobs]
 
 
 def _both(before: Iterable[Total], after: Iterable[Total]) -> tuple[RepairedAt, ...]:
     """Return what a repair brings at every condition."""
     return tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True)))
-
-
-def _for_pressures(
-    diagnosis: Diagnosis, mended: LeakageModel, chosen: Sequence[LandDiagnosis], others: Sequence[LandDiagnosis]
-) -> list[LandDiagnosis]:
-    """Return the lands that help most, one after the other, as long as a pressure is past a limit and one helps it."""
-    added: list[LandDiagnosis] = []
-    while True:
-        left = [land for land in others if land not in added]
-        now, *with_one_more = _totals(
-            diagnosis, mended, [[*chosen, *added], *([*chosen, *added, land] for land in left)]
-        )
-        past = _past_pressures(now)
-        gains = [past - _past_pressures(after) for after in with_one_more]
-        if past == 0.0 or not gains or max(gains) <= _WORTH_A_REPAIR * past:
-            return added
-        added.append(left[gains.index(max(gains))])
-
-
-def _past_pressures(totals: Iterable[Total]) -> float:
-    """Return how far all pressures that are past a limit are past it, each as a fraction of that."""
-    rules = (rule for total in totals for rule in total.pressure_rules if rule.verdict.flagged)
-    return sum(rule.past_first for rule in rules)
 
 
 def _remainder(diagnosis: Diagnosis, end: Total, new: Projection) -> Remainder:
@@ -330,35 +202,3 @@ def _remainder(diagnosis: Diagnosis, end: Total, new: Projection) -> Remainder:
         ),
         pump_loss=1.0 - end.projection.pump_capacity / displaced,
     )
-
-
-# --- the fewest lands that bring the totals into their best bands
-
-
-def _best_bands(
-    lands: Sequence[LandDiagnosis], totals: Sequence[Total], single: Mapping[LandKey, Sequence[RepairedAt]]
-) -> list[LandDiagnosis]:
-    """Return the fewest lands whose repair brings every total into the best band that repairs can bring it into.
-
-    Parameters
-    ----------
-    single
-        what the repair of each land alone brings at every condition; savings are taken to add up.
-    """
-    gains: list[list[float]] = [[] for _ in lands]
-    needs: list[float] = []
-    for number, total in enumerate(totals):
-        less = [_saved(single[land.key][number]) for land in lands]
-        best = replace(total, leakage=total.leakage - sum(less)).band
-        if best is total.band:
-            continue
-        limit = total.limit_above(best)
-        needs.append(total.share / limit - 1.0 + _NEARLY)
-        for gain, flow in zip(gains, less, strict=True):
-            gain.append(total.projection.share_of(flow) / limit)
-    return [lands[number] for number in fewest(gains, needs)]
-
-
-def _saved(each: RepairedAt) -> float:
-    """Return how much less is drawn from the pump [m³/s], never less than nothing."""
-    return max(each.before.leakage - each.after.leakage, 0.0)

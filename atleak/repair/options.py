@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 from atleak.catalogue.repairs import Repair
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import repaired
 from atleak.readings import LandClearance
 from atleak.rules import LandKey, clearance_limits
 from atleak.verdicts import Verdict
-
-Chosen = Mapping[LandKey, "Option | None"]
 
 
 @dataclass(frozen=True)
@@ -61,63 +56,9 @@ class Options:
         """Return the options for one land, in the order of the file."""
         return tuple(option for option in self.all if key in option.states)
 
-    def cheapest(self, keys: Sequence[LandKey]) -> Option | None:
-        """Return the cheapest option that mends all of some lands; None where none does.
-
-        Notes
-        -----
-        Those with a price come before those without; of one price that with fewer hours of work, then the first of the
-        file. Prices in several currencies are not compared: the first of the file is taken.
-        """
-        able = [option for option in self.all if all(option.mends(key) for key in keys)]
-        comparable = len({option.repair.currency for option in able if option.repair.price is not None}) < 2
-        return min(able, key=_expense, default=None) if comparable else able[0]
-
     def wanted(self, key: LandKey) -> Option | None:
         """Return the option that the workshop chose for a land, whether it mends the land or not; None without one."""
         return next((option for option in self.of(key) if option.repair in self.diagnosis.repairs), None)
-
-    @cached_property
-    def single(self) -> Chosen:
-        """Return for every land the option that is chosen where it is mended alone."""
-        return {land.key: self.wanted(land.key) or self.cheapest([land.key]) for land in self.diagnosis.lands}
-
-    def by_component(self, lands: Sequence[LandDiagnosis]) -> Chosen:
-        """Return the option for each of some lands in their order, those of one component mended together if cheaper.
-
-        What the workshop chose comes first. An option that is taken for one land counts for every other land that it
-        mends. Where one option mends all of a component's lands and is not dearer, it is taken instead.
-        """
-        chosen: dict[LandKey, Option | None] = {land.key: None for land in lands}
-        components: dict[str, list[LandKey]] = defaultdict(list)
-        for land in lands:
-            components[land.key[0]].append(land.key)
-        for keys in components.values():
-            taken: list[Option] = []
-            for key in keys:
-                option = self.wanted(key) or next((each for each in taken if each.mends(key)), None) or self.single[key]
-                chosen[key] = option
-                if option is not None and option not in taken:
-                    taken.append(option)
-            whole = self.cheapest(keys)
-            free = not any(self.wanted(key) for key in keys)
-            if free and whole is not None and len(taken) > 1 and _not_dearer(whole, taken):
-                chosen.update(dict.fromkeys(keys, whole))
-        return chosen
-
-    def model(self, chosen: Chosen) -> LeakageModel:
-        """Return the unit with every land as its chosen option leaves it; one without an option is as new.
-
-        A land for which nothing is chosen is as the option of another one leaves it, where that changes it too.
-        """
-        states: dict[LandKey, LandClearance] = {}
-        for option in filter(None, chosen.values()):
-            states |= {key: state for key, state in option.states.items() if key not in chosen}
-        states |= {key: option.states[key] for key, option in chosen.items() if option is not None}
-        if not states:
-            return self.diagnosis.as_new
-        as_new = self.diagnosis.as_new
-        return replace(as_new, clearances=tuple(states.get(each.land.key, each) for each in as_new.clearances))
 
 
 def cost_of(options: Iterable[Option | None]) -> Cost:
@@ -165,18 +106,3 @@ def _within_limits(state: LandClearance, diagnosis: Diagnosis) -> bool:
     """Tell whether even the widest that a repair states to leave is within the limit of the land's clearance."""
     steps = clearance_limits(state, diagnosis.limits)
     return steps is None or steps.judge(state.land.widest_new, Verdict.OK)[0] == Verdict.OK
-
-
-def _expense(option: Option) -> tuple[bool, float, float]:
-    repair = option.repair
-    hours = math.inf if repair.hours is None else repair.hours
-    return repair.price is None, repair.price or 0.0, hours
-
-
-def _not_dearer(whole: Option, several: Sequence[Option]) -> bool:
-    """Tell whether one option costs no more than several, as far as their prices can be compared."""
-    repairs = [whole.repair, *(option.repair for option in several)]
-    prices = [repair.price for repair in repairs if repair.price is not None]
-    if len(prices) < len(repairs) or len({repair.currency for repair in repairs}) > 1:
-        return whole in several
-    return prices[0] <= sum(prices[1:])

@@ -13,6 +13,7 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.look import look_of
 from atleak.repair import RepairPlan, Total
+from atleak.report.estimate_words import undecided_words
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
@@ -24,7 +25,7 @@ from atleak.wording import signed, wording
 from atleak.workshop_units import PERCENT
 from pages.shared import show
 from pages.shared.show import plain
-from pages.shared.state import choose, session
+from pages.shared.state import choose, job, session
 from pages.shared.words import land_name, listed, pair
 
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
@@ -147,6 +148,13 @@ def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     if plan.steps and len(diagnosis.projections) > 1:
         with st.expander("Every step at every condition"):
             _steps_at_conditions(diagnosis, plan)
+
+
+def undecided(diagnosis: Diagnosis, *, closing: bool) -> None:
+    """Point out the lands that are to be replaced and about which nothing was decided."""
+    said = undecided_words(diagnosis, job(), wording("en"), closing=closing)
+    if said:
+        st.warning(f"{plain(said)} Decide on the page Estimate.")
 
 
 def _options(diagnosis: Diagnosis, plan: RepairPlan) -> None:

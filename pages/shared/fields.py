@@ -42,7 +42,7 @@ def number(label: str, asked: AskedNumber, start: float | None, *, key: str, opt
     What a job file holds is the start, and is taken even where it is out of the usual range.
     """
     first = "" if start is None else written(start, asked)
-    text = st.text_input(f"{label} [{asked.unit}]", **kept(key, first)).strip()
+    text = st.text_input(f"{label} [{asked.unit}]" if asked.unit else label, **kept(key, first)).strip()
     place = st.container()
     taken = st.session_state.setdefault("taken-numbers", {})
     entry = _entry(text, asked, first, start, optional)

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
+from atleak.job.decisions import decision_faults
 from atleak.job.record import Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
@@ -73,6 +74,11 @@ def draw(controller: Controller) -> Job:
         first_fault = error.errors(include_url=False)[0]
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
         return record
+    faults, typed = list(decision_faults(changed, controller)), changed.repair_decisions != record.repair_decisions
+    for fault in faults:
+        place.error(show.plain(f"Not taken: {fault}" if typed else str(fault)))
+    if faults and typed:
+        return record
     st.session_state[RECORD] = changed
     measured = {
         "measuring_temperature": changed.measuring_temperature_c,
@@ -123,6 +129,7 @@ def _tables(record: Job, controller: Controller) -> dict[str, Any]:
     parts = st.column_config.SelectboxColumn("part", options=["", "spool", "piston", "sleeve"])
     dates = {name: st.column_config.DateColumn(name, format="YYYY-MM-DD") for name in ("date", "calibrated")}
     shared = {"component": pairs, "land": land, "decision": decision, "part": parts, "photo": None, **dates}
+    shared |= dict.fromkeys(("repair", "price", "hours"))  # on the page Estimate
     tables = {}
     for name, title in (
         ("repair_decisions", "Repair decisions"),
@@ -130,6 +137,8 @@ def _tables(record: Job, controller: Controller) -> dict[str, Any]:
         ("instruments", "Instruments"),
     ):
         st.markdown(f"**{title}**")
+        if name == "repair_decisions":
+            st.caption("What is proposed from the verdict stands on the page Estimate, with prices and hours.")
         tables[name] = _table(record, name, shared)
     return tables
 

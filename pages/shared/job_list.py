@@ -78,7 +78,7 @@ def listed(book: Book, query: Query) -> list[JobRow]:
     pages = -(-count // PAGE)
     page = 1
     if pages > 1:
-        page = int(st.number_input(f"Page, of {pages}", 1, pages, key=f"job-list-page-{pages}"))
+        page = st.selectbox(f"Page, of {pages}", range(1, pages + 1), key=f"job-list-page-{pages}")
     rows = book.rows(replace(query, limit=PAGE, offset=PAGE * (page - 1)))
     event = show.verdict_table(
         [_shown(row) for row in rows],
@@ -110,13 +110,15 @@ def _shown(row: JobRow) -> dict[str, Any]:
 # --- with the jobs that are picked
 
 
-def actions(book: Book, picked: Sequence[JobRow]) -> bool:
-    """Show what can be done with the picked jobs; return whether one was opened."""
+def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] | None:
+    """Show what can be done with the picked jobs; return the page to go to, with its parameters."""
     ids = [row.id for row in picked]
     with st.container(horizontal=True):
         opened = st.button(
             "Open", on_click=_open, args=tuple(ids[:1]), disabled=len(ids) != 1, type="primary", key="job-open"
         )
+        unit = st.button("Its unit", disabled=len(ids) != 1, key="job-unit", help="Its visits, and how it wears.")
+        both = st.button("Compare", disabled=len(ids) != 2, key="job-compare", help="Two jobs side by side.")
         back = bool(picked) and all(row.archived_at is not None for row in picked)
         st.button(
             "Bring back" if back else "Archive",
@@ -136,7 +138,16 @@ def actions(book: Book, picked: Sequence[JobRow]) -> bool:
             help="A zip of their job files, and tables of them for other programs.",
         )
         st.button("Erase the customer …", on_click=_begin, args=(ids,), disabled=not ids, key="job-erase")
-    return opened and job_id() in ids
+    if opened and job_id() in ids:
+        return "1_Diagnosis", {}
+    if unit:
+        return "11_Unit", {"unit": str(picked[0].unit)}
+    if both:
+        before, after = sorted(
+            picked, key=lambda row: (row.date or row.changed_at.date(), row.mileage_km or 0.0, row.changed_at)
+        )
+        return "12_Compare", {"before": before.id, "after": after.id}
+    return None
 
 
 def _open(id: str) -> None:

@@ -65,7 +65,7 @@ HELP = {
     "Was": "the verdict of the job before; the verdict first in the row is that of the job after",
     "Change [µm]": "of the radial clearance, after minus before, with its 95 % interval",
     "Changed": "by more than the uncertainty of measuring",
-    "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (95 % interval)",
+    "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (90 % interval)",
 }
 WIDTHS = {
     "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,

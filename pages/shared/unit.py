@@ -23,7 +23,7 @@ from atleak.views.history_rows import land_name, soonest_first, total_rows, wear
 from atleak.wording import wording
 from atleak.workshop_units import PERCENT, UM
 from pages.shared import show
-from pages.shared.book import job_id
+from pages.shared.book import job_id, open_from_book
 from pages.shared.cases import Kept, diagnosis_of, opened_case
 
 UNIT = "unit"  # the parameter of the address that names a unit
@@ -113,6 +113,23 @@ def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
         if each.problem:
             st.warning(f"The sheet of {show.plain(each.visit.label)} cannot be read: {show.plain(each.problem)}")
     show.verdict_table(rows, {state.capitalize(): 0 for state in STATES})
+
+
+def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
+    """Offer to open the job of a visit, or to put it beside the one before; return the page to go to."""
+    jobs = {each.stored.id: each for each in visited}
+    with st.container(horizontal=True, vertical_alignment="bottom"):
+        id = st.selectbox("Visit", list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit")
+        opened = st.button("Open its job", on_click=_open, args=(id,))
+        place = list(jobs).index(id)
+        compared = st.button("Compare with the visit before", disabled=place == 0)
+    if compared:
+        return "12_Compare", {"before": list(jobs)[place - 1], "after": id}
+    return ("1_Diagnosis", {}) if opened and job_id() == id else None
+
+
+def _open(id: str) -> None:
+    open_from_book(id)  # where it cannot be opened, the head of the page says why
 
 
 def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:

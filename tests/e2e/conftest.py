@@ -44,6 +44,12 @@ AT_REST = """element => new Promise(done => {
 })"""
 
 
+def from_menu(page: playwright_api.Page, group: str, name: str) -> None:
+    """Choose a page of one of the groups at the head of the dashboard."""
+    page.get_by_text(group, exact=True).first.click()
+    page.get_by_role("menuitem", name=name).click()
+
+
 def free_port() -> int:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))

@@ -17,7 +17,7 @@ from playwright.sync_api import Page, expect
 from pages.shared.conditions import CONDITION_WIDTH
 from pages.shared.show import WIDTHS
 
-from .conftest import AT_REST
+from .conftest import AT_REST, from_menu
 
 Visit = Callable[[str], Page]
 SHEET, LOG = "Measuring sheet", "Road-test log"
@@ -286,11 +286,18 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert WIDTHS["Pair"] + 2 * CONDITION_WIDTH <= matrix.bounding_box()["width"] + 2.0
 
 
+GROUPS = {"Catalogue": "Reference", "Job_book": "Job book", "Unit": "Job book"}
+
+
 @pytest.mark.page("2_Readings")
 def test_every_page_opens(page: Page, server: str) -> None:
-    for address in ("Uncertainty", "Road_test", "Report", "Catalogue", "Readings", "Diagnosis"):
-        page.get_by_role("link", name=address.replace("_", " ")).click()
-        expect(page.get_by_role("heading", name=address.replace("_", " "), level=1)).to_be_visible()
+    for address in ("Uncertainty", "Road_test", "Report", "Catalogue", "Readings", "Job_book", "Unit", "Diagnosis"):
+        name = address.replace("_", " ")
+        if group := GROUPS.get(address):
+            from_menu(page, group, name)
+        else:
+            page.get_by_role("link", name=name).click()
+        expect(page.get_by_role("heading", name=name, level=1)).to_be_visible()
         wait_until_idle(page)
         assert page.get_by_test_id("stException").count() == 0
         assert page.url.rstrip("/") == f"{server}/{address}".removesuffix("/Diagnosis")

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from .conftest import AT_REST
+from .conftest import AT_REST, from_menu
 
 ROW = 35  # pixels
 EXAMPLE = "Example of a workshop's own description"
@@ -51,7 +51,7 @@ def type_into(page: Page, table: int, row: int, column: int, text: str) -> None:
 def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     page: Page, server: str, server_home: Path
 ) -> None:
-    page.get_by_role("link", name="Transmission").click()
+    from_menu(page, "Reference", "Transmission")
     page.get_by_role("combobox", name="Start from").click()
     page.keyboard.type(EXAMPLE)
     page.keyboard.press("Enter")
@@ -70,7 +70,7 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
 
     page.get_by_role("link", name="Readings").click()
     expect(page.get_by_role("heading", name="Readings")).to_be_visible()
-    page.get_by_role("link", name="Transmission").click()
+    from_menu(page, "Reference", "Transmission")
     expect(page.get_by_text("our_box_2012")).to_be_visible()
     page.reload()  # a new session
     expect(page.get_by_text("our_box_2012")).to_be_visible()

@@ -7,11 +7,15 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
-from tests.e2e.conftest import SOON, end, started
+
+from .conftest import SOON, end, started
 
 TYPED = {"Job number": "2026-0417", "Technician": "K. N.", "Make": "Mercedes", "VIN": "WDB2100371A123456"}
 

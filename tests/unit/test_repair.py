@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_reading import load_controller
@@ -20,7 +18,7 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project, repaired, stated_condition
 from atleak.readings import Readings
-from atleak.repair import RepairPlan, fewest, plan_repairs
+from atleak.repair import RepairPlan, plan_repairs
 from atleak.verdicts import Band
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.views.repair_words import no_help, plan_ends
@@ -268,34 +266,6 @@ def test_flagged_lands_come_before_those_that_only_the_total_asks_for(
     assert any(kinds)
     assert kinds == sorted(kinds)
     assert plan.reached
-
-
-MATRIX = st.integers(1, 3).flatmap(
-    lambda needs: st.lists(
-        st.lists(st.integers(0, 9).map(float), min_size=needs, max_size=needs), min_size=1, max_size=8
-    ).flatmap(
-        lambda gains: st.tuples(
-            st.just(gains),
-            st.tuples(*(st.integers(1, max(int(sum(column)), 1)) for column in zip(*gains, strict=True))),
-        )
-    )
-)
-
-
-@given(MATRIX)
-def test_the_fewest_are_the_fewest_of_all_choices(case: tuple[list[list[float]], tuple[int, ...]]) -> None:
-    gains, asked = case
-    needs = [min(float(need), sum(column)) for need, column in zip(asked, zip(*gains, strict=True), strict=True)]
-
-    def enough(rows: Iterable[int]) -> bool:
-        return all(sum(gains[row][number] for row in rows) >= need for number, need in enumerate(needs))
-
-    chosen = fewest(gains, needs)
-    assert enough(chosen)
-    best = next(
-        size for size in range(len(gains) + 1) if any(map(enough, itertools.combinations(range(len(gains)), size)))
-    )
-    assert len(chosen) == best
 
 
 # --- the end

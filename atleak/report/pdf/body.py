@@ -10,8 +10,10 @@ from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import unknown
 from atleak.job.record import RepairDecision
+from atleak.report.estimate_words import undecided_words
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.conditions import Conditions
+from atleak.report.pdf.estimate import estimate_blocks
 from atleak.report.pdf.gauges import GaugeSection
 from atleak.report.pdf.pressures import Pressures
 from atleak.report.pdf.printed_names import PrintedNames
@@ -35,6 +37,7 @@ SECTIONS = (
     "gauges",
     "road_test",
     "repair",
+    "estimate",
     "condition",
     "photos",
     "notes",
@@ -218,11 +221,17 @@ class Body:
             PrintedColumn(say("columns.date"), lambda each: say.date(each.date) if each.date else "", width=2),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
+        open_ones = undecided_words(self.diagnosis, self.job, say, closing=True)
+        if open_ones:
+            yield text(open_ones)
 
     def _repaired_pair(self, decision: RepairDecision) -> str:
         name = self.diagnosis.controller.components.get(decision.component, "")
         land = f"{self.say('columns.land')}\u00a0{decision.land}" if decision.land else ""
         return joined((f"{decision.component}  {isolated(name)}".strip(), land))
+
+    def _estimate(self, charts: dict[str, str]) -> Iterable[Block]:
+        yield from estimate_blocks(self.names)
 
     def _condition(self, charts: dict[str, str]) -> Iterable[Block]:
         say, job = self.say, self.job

@@ -15,6 +15,8 @@ from atleak.diagnosis import Diagnosis
 from atleak.job.record import Job
 from atleak.paper import DEFAULT_PAPER, find_paper
 from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.estimate_sheet import SHEET as ESTIMATE
+from atleak.report.xlsx.estimate_sheet import write_estimate
 from atleak.report.xlsx.gauges_sheet import SHEET as GAUGES
 from atleak.report.xlsx.gauges_sheet import write_gauges
 from atleak.report.xlsx.live import LiveSheets
@@ -76,6 +78,8 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     if not diagnosis.without_sheet:
         live.write_conditions(book.sheet("Conditions", frozen=(1, 2)))
         live.write_limits(book.sheet("Limits", frozen=(1, 1)))
+    if job.estimated and not diagnosis.without_sheet:
+        write_estimate(book, book.sheet(ESTIMATE, frozen=(1, 1)), diagnosis, job)
     if not job.empty:
         rest.write_job(book.sheet("Job", landscape=False))
     rest.write_messages(book.sheet("Messages", frozen=(1, 0)))

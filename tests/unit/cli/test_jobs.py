@@ -73,7 +73,7 @@ def test_a_job_is_added_listed_shown_archived_and_brought_back(run: Run, add: Ca
     assert run("jobs", "bring-back", id)[0] == 0
     status, out, _ = run("jobs", "list")
     assert status == 0
-    assert id in out
+    assert id[:8] in out
     assert "▲ watch" in out
 
 
@@ -130,6 +130,31 @@ def test_jobs_go_out_and_come_into_another_book(
     status, said, _ = run("jobs", "import", *out.glob("*.zip"))
     assert said.count("is in the book already") == 2
     assert len(listed(run)) == 2
+
+
+def test_two_jobs_of_the_book_are_compared(run: Run, add: Callable[..., str], record_file: Path) -> None:
+    add("--job", record_file)
+    after = add(sleeve=11.01)
+    status, out, err = run("jobs", "compare", "Q1", after[:8], "--json", "-")
+    assert (status, err) == (0, "")
+    (changed,) = [land for land in json.loads(out)["lands"] if land["significant"]]
+    assert changed["change_um"] == pytest.approx(-15.0, abs=1e-6)
+
+
+def test_a_book_is_backed_up_verified_and_restored(
+    run: Run, add: Callable[..., str], record_file: Path, tmp_path: Path
+) -> None:
+    id = add("--job", record_file)
+    copy = tmp_path / "copy.sqlite"
+    assert run("jobs", "backup", copy) == (0, f"written: {copy}, 1 job\n", "")
+    assert run("jobs", "backup", copy)[0] == 2
+    assert run("jobs", "erase", id, "--yes")[0] == 0
+    assert run("jobs", "verify") == (0, "1 job, every one whole\n", "")
+    status, _, err = run("jobs", "restore", copy)
+    assert status == 2
+    assert "holds 1 job, and nothing was restored" in err
+    assert run("jobs", "restore", copy, "--force") == (0, "restored: 1 job\n", "")
+    assert [row["customer"] for row in listed(run)] == ["Ana Lima"]  # a backup made earlier still holds it
 
 
 def test_erasing_names_what_goes_and_asks(

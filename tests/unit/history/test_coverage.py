@@ -46,15 +46,16 @@ def unit_of(controller: Controller, stream: np.random.Generator) -> Truth:
 
 @dataclass(frozen=True)
 class Gauges:
-    """The instruments of one workshop, with the errors that they have at every visit."""
+    """The instruments of a workshop, with the errors that all their readings share."""
 
     instruments: Instruments
     spool: float  # [m]
     sleeve: float
 
     @classmethod
-    def drawn(cls, stream: np.random.Generator) -> Gauges:
-        instruments = load_instruments()
+    def drawn(cls, stream: np.random.Generator, number: int = 0) -> Gauges:
+        kinds = load_instruments()
+        instruments = Instruments(*(replace(each, id=f"{each.id}_{number}") for each in (kinds.spool, kinds.sleeve)))
         spool, sleeve = (instruments.of(part).common * stream.standard_normal() for part in ("spool", "sleeve"))
         return cls(instruments, float(spool), float(sleeve))
 
@@ -79,11 +80,15 @@ class Gauges:
                         yield Reading(land.component, part, plane, direction, repeat, round(read / UM) * UM)
 
 
-def history_of(truth: Truth, mileages: Sequence[float], stream: np.random.Generator, limits: Limits) -> WearHistory:
-    """The history of a unit that one workshop measured at these mileages."""
+def history_of(
+    truth: Truth, mileages: Sequence[float], stream: np.random.Generator, limits: Limits, *, same_gauges: bool = True
+) -> WearHistory:
+    """The history of a unit measured at these mileages: with the same gauges, or with others at each."""
     gauges = Gauges.drawn(stream)
     visits = []
     for number, mileage in enumerate(mileages):
+        if number and not same_gauges:
+            gauges = Gauges.drawn(stream, number)
         readings = gauges.readings(truth, mileage, stream)
         states = clearances(readings, truth.controller)
         lands, _ = find_sources(states, readings, truth.controller, gauges.instruments, DEFAULTS)
@@ -92,15 +97,24 @@ def history_of(truth: Truth, mileages: Sequence[float], stream: np.random.Genera
 
 
 def coverage(
-    controller: Controller, limits: Limits, mileages: Sequence[float], units: int, seed: int
+    controller: Controller,
+    limits: Limits,
+    mileages: Sequence[float],
+    units: int,
+    seed: int,
+    *,
+    same_gauges: bool = True,
 ) -> tuple[float, float]:
     """How often the intervals hold the true rate, and the true mileage at which *replace* is reached."""
     stream = np.random.default_rng(seed)
     rates, crossings = [], []
     for _ in range(units):
         truth = unit_of(controller, stream)
-        history = history_of(truth, mileages, stream, limits)
+        history = history_of(truth, mileages, stream, limits, same_gauges=same_gauges)
         for land, new, rate in zip(history.lands, truth.new, truth.rate, strict=True):
+            if land.line is None:  # called narrower than before, by chance
+                rates.append(False)
+                continue
             low, high = land.line.rate_interval()
             rates.append(low <= rate <= high)
             limit = land.limits[-1]
@@ -114,10 +128,11 @@ def known_when_new(controller: Controller) -> Controller:
     return replace(controller, lands=tuple(replace(land, mounting_measured=True) for land in controller.lands))
 
 
-def test_the_intervals_hold_the_truth_in_a_few_units(minimal: Controller, limits: Limits) -> None:
-    rates, crossings = coverage(minimal, limits, (60_000.0, 120_000.0), units=12, seed=3)
-    assert 0.8 <= rates <= 0.99
-    assert 0.8 <= crossings <= 0.99
+@pytest.mark.parametrize("same_gauges", [True, False])
+def test_the_intervals_hold_the_truth_in_a_few_units(minimal: Controller, limits: Limits, same_gauges: bool) -> None:
+    rates, crossings = coverage(minimal, limits, (60_000.0, 120_000.0), units=30, seed=3, same_gauges=same_gauges)
+    assert 0.82 <= rates <= 0.97
+    assert 0.82 <= crossings <= 0.97
 
 
 @pytest.mark.slow
@@ -132,15 +147,19 @@ def test_the_intervals_hold_the_truth_in_a_few_units(minimal: Controller, limits
     ],
     ids=["two_visits", "three", "four", "one_and_new", "two_and_new"],
 )
-@pytest.mark.parametrize("name", ["minimal", "four_speed"])
+@pytest.mark.parametrize(
+    ("name", "same_gauges"), [("minimal", True), ("minimal", False), ("four_speed", True), ("four_speed", False)]
+)
 def test_the_intervals_hold_the_truth_in_nine_of_ten_cases(
-    request: pytest.FixtureRequest, limits: Limits, name: str, mileages: tuple[float, ...], new: bool
+    request: pytest.FixtureRequest, limits: Limits, name: str, same_gauges: bool, mileages: tuple[float, ...], new: bool
 ) -> None:
     controller: Controller = request.getfixturevalue(name)
     chosen = known_when_new(controller) if new else controller
-    units = 300 if name == "minimal" else 30
-    rates, crossings = coverage(chosen, limits, mileages, units=units, seed=11)
-    print(f"{name}, {mileages}, new known {new}: rates {rates:.3f}, mileages {crossings:.3f}")
+    units = 300 if name == "minimal" else 40
+    rates, crossings = coverage(chosen, limits, mileages, units=units, seed=11, same_gauges=same_gauges)
+    print(
+        f"{name}, same gauges {same_gauges}, {mileages}, new known {new}: rates {rates:.3f}, mileages {crossings:.3f}"
+    )
     assert 0.85 <= rates <= 0.95
     assert 0.85 <= crossings <= 0.95
 

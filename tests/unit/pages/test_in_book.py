@@ -9,7 +9,8 @@ from atleak.job.case import Case
 from atleak.job.parts import job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
-from tests.unit.pages.conftest import go, number, texts
+
+from .conftest import go, number, texts
 
 pytestmark = pytest.mark.page("5_Report")
 

@@ -14,7 +14,7 @@ from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
 from atleak.jobs.search import Query
 
-from .conftest import texts
+from .conftest import go, texts
 
 VIN = "WVWZZZ1JZXW000001"
 
@@ -78,6 +78,10 @@ def test_jobs_are_looked_up_merged_erased_archived_and_opened(filled: dict[str, 
     pick(app, 0).button(key="job-archive").click().run()
     assert [row.customer for row in book.rows(Query(archived=True))] == ["Cy Core"]
     app.text_input(key="job-list-text").set_value("").run()
+    compared = pick(app, 0, 1).button(key="job-compare").click().run()
+    assert [title.value for title in compared.title] == ["Compare"]
+    assert compared.query_params["before"] == filled["Ana Lima"]
+    go(app, "10_Job_book")
     pick(app, 0).button(key="job-open").click().run()
     assert not app.exception
     assert [title.value for title in app.title] == ["Diagnosis"]

@@ -21,7 +21,7 @@ from .conftest import ROOT, choice, flagged, go, number, texts, uploader
 
 PAGES = (
     "1_Diagnosis", "2_Readings", "3_Uncertainty", "4_Road_test", "5_Report", "6_Source_study", "7_Catalogue",
-    "8_Pressures", "9_Transmission", "10_Job_book", "11_Unit", "12_Compare",
+    "8_Pressures", "9_Transmission", "10_Job_book", "11_Unit", "12_Compare", "13_Estimate",
 )  # fmt: skip
 WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"  # of the default limits
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"

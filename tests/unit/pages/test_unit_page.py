@@ -32,7 +32,7 @@ def saved(book: Book, sleeve: float, year: int, mileage: float, **record: Any) -
 def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest) -> None:
     book = open_book()
     declined = {"component": "tcc_regulator", "land": 1, "decision": "declined", "reason": "too dear", "work": "sleeve"}
-    saved(book, 11.036, 2024, 100_000.0)
+    first = saved(book, 11.036, 2024, 100_000.0)
     last = saved(book, 11.042, 2026, 160_000.0, repair_decisions=[declined])
     unit = unit_of_job(book, last)
     book.engine.dispose()
@@ -47,6 +47,12 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     assert wear["µm per 10 000 km"][0].startswith("0.50 (")
     assert wear[f"{signed('replace')} at"][0].startswith(("2", "not before"))
     assert "shown from 10 other units on" in said
+    # a visit beside the one before
+    next(button for button in app.button if button.label == "Compare with the visit before").click().run()
+    assert not app.exception
+    assert [widget.value for widget in app.title] == ["Compare"]
+    assert app.selectbox(key=f"compare-before-{first}").value == first
+    go(app, "11_Unit")
     # another one is looked for
     other = next(widget for widget in app.text_input if widget.label == "Look for another unit")
     other.set_value("no such thing").run()

@@ -1,0 +1,77 @@
+"""Relate what was decided about repairs to the lands of a unit: what a decision covers, and what is still open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from atleak.catalogue.controller import Controller
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.errors import InputError, Place, unknown
+from atleak.job.record import Job, RepairDecision
+from atleak.rules import LandKey
+
+
+def check_decisions(job: Job, controller: Controller, file: str = "job record") -> None:
+    """Check that every repair decision is about a component, a land and a repair that the valve body has.
+
+    Raises
+    ------
+    InputError
+        the first that is not, with its number, its value, and the nearest name.
+    """
+    fault = next(decision_faults(job, controller, file), None)
+    if fault is not None:
+        raise fault
+
+
+def decision_faults(job: Job, controller: Controller, file: str = "job record") -> Iterator[InputError]:
+    """Return what is wrong with each decision on a component, land or repair that the valve body does not have."""
+    for number, decision in enumerate(job.repair_decisions, start=1):
+        place = Place(file=file, table=f"repair_decisions {number}")
+        if decision.component and decision.component not in controller.components:
+            problem = f"{controller.name} has no such component"
+            yield unknown(problem, decision.component, controller.components, place=place)
+            continue
+        lands = [land.key[1] for land in controller.lands_of(decision.component)] if decision.component else []
+        if decision.land is not None and decision.land not in lands:
+            which = f"component {decision.component}" if decision.component else "a decision without a component"
+            expected = (
+                f"one of its lands: {', '.join(map(str, lands))}" if lands else "the component that it belongs to"
+            )
+            yield InputError(f"{which} has no such land", place=place, value=decision.land, expected=expected)
+        repairs = {repair.id: repair for repair in controller.repairs}
+        if decision.repair and decision.repair not in repairs:
+            yield unknown(f"{controller.name} names no such repair", decision.repair, repairs, place=place)
+        elif decision.repair and decision.component not in ("", repairs[decision.repair].component):
+            problem = f"repair {decision.repair} is none of component {decision.component}"
+            yield InputError(problem, place=place, expected=f"component {repairs[decision.repair].component}")
+
+
+def covered(decision: RepairDecision, controller: Controller) -> frozenset[LandKey]:
+    """Return the lands that a decision is about: those that its repair changes, its land, or all of its component."""
+    repair = next((each for each in controller.repairs if each.id == decision.repair), None)
+    if repair is not None:
+        return frozenset((repair.component, land) for land in repair.lands)
+    lands = controller.lands_of(decision.component) if decision.component in controller.components else ()
+    return frozenset(land.key for land in lands if decision.land in (None, land.key[1]))
+
+
+def undecided(diagnosis: Diagnosis, job: Job, *, closing: bool = False) -> tuple[LandDiagnosis, ...]:
+    """Return the lands to be replaced about which nothing was decided, the worst first.
+
+    Parameters
+    ----------
+    closing
+        the job is handed over: a repair that is only proposed is then open too.
+    """
+    settled = {"approved", "done", "declined", "deferred", *(() if closing else ("proposed",))}
+    decided: set[LandKey] = set()
+    for decision in job.repair_decisions:
+        if decision.decision in settled:
+            decided |= covered(decision, diagnosis.controller)
+    return tuple(land for land in diagnosis.flagged if land.verdict.calls_for_repair and land.key not in decided)
+
+
+def without_reason(job: Job) -> tuple[RepairDecision, ...]:
+    """Return the repairs that were declined without a reason being written down."""
+    return tuple(each for each in job.repair_decisions if each.decision == "declined" and not each.reason)

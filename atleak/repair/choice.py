@@ -1,0 +1,224 @@
+"""Choose the repairs of a unit: the cheapest, or the fewest, that bring it where they are to bring it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+
+from atleak.diagnosis import Diagnosis
+from atleak.repair.bounds import Target
+from atleak.repair.money import decimals
+from atleak.repair.moves import Move, MoveKey, Moves, Prices, together
+from atleak.repair.options import Options
+from atleak.repair.search import ROUNDS, Best, Search
+from atleak.repair.totals import LandChoice, RepairableUnit, Total
+from atleak.rules import LandKey, Rule
+from atleak.verdicts import Verdict
+
+_WORTH_SAYING = 1e-3  # of a limit, by which something must be worse to be named: choice of this project
+
+
+class Goal(StrEnum):
+    """What a choice of repairs is to reach."""
+
+    EVERY_LIMIT = "every_limit"  # every flagged land repaired, totals and pressures green at every condition
+    GREEN = "green"  # totals and pressures green at every condition: of the flagged lands those that are worth it
+
+
+class Basis(StrEnum):
+    """What a choice has least of first."""
+
+    CHEAPEST = "cheapest"  # money, then repairs
+    FEWEST = "fewest"  # repairs, then money as far as it is known
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What a choice would lack without one of its repairs, where it would lack most."""
+
+    within: Rule  # with all of the choice
+    without: Rule  # the same rule without that repair
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The repairs that are chosen of a unit, in no order, and what the engine says of the unit so repaired."""
+
+    goal: Goal
+    basis: Basis
+    chosen: tuple[Move, ...]
+    moves: Moves = field(repr=False)  # that were offered
+    unit: RepairableUnit = field(repr=False)
+    proven: bool  # no other choice of what was offered is better
+    rounds: int  # proposals that the engine computed
+
+    @cached_property
+    def ends(self) -> tuple[Total, ...]:
+        """Return the totals at every condition, the stated one first."""
+        return self.totals_of([self.chosen])[0]
+
+    @property
+    def reached(self) -> bool:
+        """Tell whether totals and pressures are green at every condition."""
+        return not any(total.past for total in self.ends)
+
+    def totals_of(self, choices: Iterable[Iterable[Move]]) -> list[tuple[Total, ...]]:
+        """Return the totals with each of several sets of repairs, computed at once."""
+        return self.unit.totals([self.moves.choice(chosen) for chosen in choices])
+
+    @cached_property
+    def gains(self) -> dict[MoveKey, Gain | None]:
+        """Return for every repair of the choice what it would lack without it; None where it lacks nothing."""
+        without = [[each for each in self.chosen if each is not move] for move in self.chosen]
+        return {
+            move.key: gain_of(self.ends, totals)
+            for move, totals in zip(self.chosen, self.totals_of(without), strict=True)
+        }
+
+
+def gain_of(within: Iterable[Total], without: Iterable[Total]) -> Gain | None:
+    """Return the rule that comes nearer to its first limit, or farther past it, than any other without something.
+
+    None where none does by more than can be seen.
+    """
+    gains: list[tuple[float, Gain]] = []
+    for one, other in zip(within, without, strict=True):
+        for better, worse in zip((one.rule, *one.pressure_rules), (other.rule, *other.pressure_rules), strict=True):
+            lost = _used_up(worse) - _used_up(better)
+            if math.isfinite(lost) and lost > _WORTH_SAYING:
+                gains.append((lost, Gain(better, worse)))
+    return max(gains, key=lambda each: each[0])[1] if gains else None
+
+
+def _used_up(rule: Rule) -> float:
+    """Return how much of a rule's first limit its value takes; of a limit that falls, the other way round."""
+    limits = [limit for _, limit in rule.steps.levels]
+    parts = (max(limits), rule.value) if rule.steps.falling else (rule.value, min(limits))
+    return parts[0] / parts[1] if parts[1] else math.inf
+
+
+def choose(
+    diagnosis: Diagnosis,
+    goal: Goal = Goal.EVERY_LIMIT,
+    prices: Prices | None = None,
+    *,
+    kept: Iterable[str] = (),
+    rounds: int = ROUNDS,
+) -> Choice:
+    """Choose repairs that bring a unit to a goal at every condition that was judged.
+
+    The choice is the cheapest where the cost of every repair of a flagged land is known, all in one currency; lands
+    within their limits are then repaired only where that cost is known too, unless nothing else reaches the goal.
+    Otherwise it is the one with the fewest repairs, and of these the cheapest as far as prices are known. Of choices
+    that are equal in all that, the one that saves most is taken.
+
+    Where totals and pressures cannot be green, each is brought into the best band that repairs can bring it into.
+
+    Parameters
+    ----------
+    prices
+        what repairs cost; as the valve body's file states it unless given.
+    kept
+        ids of repairs that are taken for their lands, whatever else the file names.
+    rounds
+        proposals that the engine computes at the most, for each way that is tried.
+
+    Notes
+    -----
+    Every choice is computed by the engine before it is returned. That it is the best one rests on the balance of
+    pressures having one solution that rises and falls with the leaks, which `atleak.repair.bounds` says more of.
+    """
+    prices, kept = prices or Prices(), tuple(kept)
+    lands = [land for land in diagnosis.lands if land.state.judged]
+    options = Options(diagnosis)
+    flagged = [land.key for land in lands if land.verdict.flagged]
+    for as_new in (False, True):
+        moves = Moves(options, lands, prices, kept=kept, as_new=as_new)
+        unit = moves.unit()
+        wanted = [key for key in flagged if (option := options.wanted(key)) and option.repair in diagnosis.repairs]
+        required = flagged if goal is Goal.EVERY_LIMIT else wanted
+        required = [key for key in required if moves.of_land[key]]
+        for end in (_best_states(moves, unit), moves.choice(together(moves.all))):
+            targets = _targets(unit, end)
+            for basis in _bases(moves, flagged):
+                allowed = [move for move in moves.all if basis is Basis.FEWEST or prices.cost(move) is not None]
+                search = Search(moves, unit, targets, required, _objectives(moves, basis, unit), allowed, rounds)
+                best = search.best()
+                if best is not None:
+                    return _choice(goal, basis, best, moves, unit)
+    nothing = Best((), proven=False, rounds=rounds)
+    return _choice(goal, Basis.FEWEST, nothing, moves, unit)
+
+
+def _choice(goal: Goal, basis: Basis, best: Best, moves: Moves, unit: RepairableUnit) -> Choice:
+    return Choice(goal, basis, best.moves, moves, unit, best.proven, best.rounds)
+
+
+def _bases(moves: Moves, flagged: Sequence[LandKey]) -> tuple[Basis, ...]:
+    """Return by what a choice is looked for, the second where the first does not reach the goal."""
+    asked = [move for key in flagged for move in moves.of_land[key]] or list(moves.all)
+    priced = all(moves.prices.cost(move) is not None for move in asked) and moves.prices.comparable(moves.all)
+    return (Basis.CHEAPEST, Basis.FEWEST) if priced and asked else (Basis.FEWEST,)
+
+
+def _objectives(moves: Moves, basis: Basis, unit: RepairableUnit) -> list[list[int]]:
+    """Return what a choice is to have least of, in the order of importance, as whole numbers for each repair."""
+    prices = moves.prices
+    smallest = [(prices.cost(move), decimals(prices.currency_of(move))) for move in moves.all]
+    costs = _known([None if cost is None else int(cost.scaleb(places)) for cost, places in smallest])
+    hours = _known([None if (of := prices.hours(move)) is None else round(of * 1000) for move in moves.all])
+    count = [1] * len(moves.all)
+    money = [costs, hours] if prices.comparable(moves.all) else []
+    first = [costs, count, hours] if basis is Basis.CHEAPEST else [count, *money]
+    order = list(range(len(moves.all)))
+    return [each for each in first if len(set(each)) > 1 or each is count] + [_savings(moves, unit), order]
+
+
+def _known(values: Sequence[int | None]) -> list[int]:
+    """Return numbers, and in place of an unknown one more than all that are known."""
+    more = 1 + sum(value for value in values if value is not None)
+    return [more if value is None else value for value in values]
+
+
+def _savings(moves: Moves, unit: RepairableUnit) -> list[int]:
+    """Return for every repair the less, the more it saves alone: of the share, by the limit where it saves most."""
+    at_conditions = zip(unit.judged, unit.repaired([{}, *(moves.choice([move]) for move in moves.all)]), strict=True)
+    most = np.zeros(len(moves.all))
+    for (total, *_), done in at_conditions:
+        shares, limit = total.value(done.leakage, done.pressures), total.limit(Verdict.OK)
+        if limit and np.all(np.isfinite(shares)):
+            most = np.maximum(most, (shares[0] - shares[1:]) / limit)
+    return [-round(each * 1e6) for each in most.tolist()]
+
+
+def _best_states(moves: Moves, unit: RepairableUnit) -> LandChoice:
+    """Return every land in the tightest state that any repair leaves it in, whether they go together or not."""
+    best: dict[LandKey, int] = {}
+    for key, choices in moves.of_land.items():
+        numbers = [moves.state_after(move, key) for move in choices]
+        if numbers:
+            best[key] = min(numbers, key=lambda number: unit.states[key][number - 1].radial_clearance)
+    return best
+
+
+def _targets(unit: RepairableUnit, end: LandChoice) -> list[Target]:
+    """Return the limits that a unit keeps at every condition with its lands in some states."""
+    return list(_kept_limits(unit, end))
+
+
+def _kept_limits(unit: RepairableUnit, end: LandChoice) -> Iterator[Target]:
+    for at, rules, done in zip(unit.conditions, unit.judged, unit.repaired([end]), strict=True):
+        for judged in rules:
+            for worst in (Verdict.OK, *(verdict for verdict in Verdict if verdict.flagged)):
+                limit = judged.limit(worst)
+                if limit is None:
+                    break
+                target = Target(judged, limit, at)
+                if np.all(target.kept(done.leakage, done.pressures)):
+                    yield target
+                    break

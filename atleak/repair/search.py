@@ -1,0 +1,285 @@
+"""Find the repairs that cost least and keep every limit, by linear programming in whole numbers.
+
+What must hold of every choice goes into the programme as sums; what it then proposes is computed by the engine. A
+proposal that leaves a limit unkept is cut off, together with every other one that lacks the same, and the next is asked
+for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from atleak.repair.bounds import LandState, Sum, Target
+from atleak.repair.moves import Move, Moves, together
+from atleak.repair.totals import LandChoice, RepairableUnit
+from atleak.rules import LandKey
+
+ROUNDS = 100  # of proposals at the most; then repairs are named that suffice, and may not be the best
+_COUPLED = (
+    0.05  # of what a repair saves, by which it may differ where circuits feed one another: choice of this project
+)
+_SLACK = 1e-7  # of a sum, in which the programme may be off: the engine has the last word
+
+
+@dataclass(frozen=True)
+class Best:
+    """The repairs that a search ended with."""
+
+    moves: tuple[Move, ...]
+    proven: bool  # whether no other choice is better
+    rounds: int  # proposals that the engine computed
+
+
+@dataclass
+class Search:
+    """A search for the best choice of repairs of a unit.
+
+    Parameters
+    ----------
+    moves
+        the repairs that are offered.
+    unit
+        with each land in every state that they leave it in.
+    targets
+        the limits to keep.
+    required
+        lands that must be repaired.
+    objectives
+        what a choice is to have least of, in the order of importance: a whole number for each repair.
+    allowed
+        the repairs that may be chosen, of those that are offered.
+    """
+
+    moves: Moves
+    unit: RepairableUnit
+    targets: Sequence[Target]
+    required: Sequence[LandKey]
+    objectives: Sequence[Sequence[int]]
+    allowed: Sequence[Move]
+    rounds: int = ROUNDS
+    _rows: list[tuple[dict[int, float], float]] = field(default_factory=list)  # Σ factor · variable ≥ least
+    _saved: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)  # by condition
+    _used: int = 0
+
+    def best(self) -> Best | None:
+        """Return the best choice that keeps every limit; None where none does."""
+        forced = self._forced()
+        if self._repairs_all(forced) and not self._unkept(forced):
+            return Best(tuple(forced), proven=True, rounds=1)
+        self._state_rows()
+        for target in self.targets:
+            if target.sum is not None:
+                self._add_sum(target.sum)
+            self._add_draw(target, ())
+        chosen: list[Move] | None = None
+        for objective in self.objectives:
+            found = self._least(objective)
+            if found is None:
+                break
+            chosen = found
+            spent = sum(objective[self._place[move.key]] for move in chosen)
+            self._rows.append(({place: -float(cost) for place, cost in enumerate(objective)}, -spent - 0.5))
+        if chosen is None and self._used >= self.rounds:
+            chosen = self._enough()
+        return None if chosen is None else Best(tuple(chosen), self._used < self.rounds, self._used)
+
+    @cached_property
+    def _place(self) -> Mapping[Any, int]:
+        return {move.key: place for place, move in enumerate(self.moves.all)}
+
+    def _forced(self) -> list[Move]:
+        """Return the repairs without which a required land is not repaired at all."""
+        single = [self.moves.of_land[key] for key in self.required]
+        keys = {choices[0].key for choices in single if len(choices) == 1}
+        return [move for move in self.allowed if move.key in keys]
+
+    def _repairs_all(self, chosen: Sequence[Move]) -> bool:
+        treated = {key for move in chosen for key in move.treats}
+        changed = [key for move in chosen if move.option is not None for key in move.lands]
+        return treated >= set(self.required) and len(changed) == len(set(changed))
+
+    def _unkept(self, chosen: Iterable[Move]) -> list[Target]:
+        """Return the limits that a choice leaves unkept, by the engine."""
+        choice = self.moves.choice(chosen)
+        done = dict(zip(map(id, self.unit.conditions), self.unit.repaired([choice]), strict=True))
+        return [
+            target
+            for target in self.targets
+            if not np.all(target.kept(done[id(target.at)].leakage, done[id(target.at)].pressures))
+        ]
+
+    # --- the programme
+
+    def _least(self, objective: Sequence[int]) -> list[Move] | None:
+        """Return the choice that has least of one thing; None where there is none, or no round is left."""
+        while self._used < self.rounds:
+            chosen = self._proposed(objective)
+            if chosen is None:
+                return None
+            self._used += 1
+            unkept = self._unkept(chosen)
+            if not unkept:
+                return chosen
+            choice = self.moves.choice(chosen)
+            for target in unkept:
+                self._add_draw(target, chosen)
+                self._add_needed(target.lacking(choice, self._numbers))
+        return None
+
+    def _proposed(self, objective: Sequence[int]) -> list[Move] | None:
+        from scipy.optimize import Bounds, LinearConstraint, milp  # dear to import, and seldom needed
+        from scipy.sparse import lil_array
+
+        count = len(self.moves.all) + len(self._overridden)
+        table = lil_array((len(self._rows), count))
+        for number, (factors, _) in enumerate(self._rows):
+            for place, factor in factors.items():
+                table[number, place] = factor
+        least = np.array([least for _, least in self._rows])
+        result = milp(
+            np.concatenate([np.asarray(objective, float), np.zeros(len(self._overridden))]),
+            integrality=np.ones(count),
+            bounds=Bounds(0.0, self._most),
+            constraints=LinearConstraint(table.tocsr(), least, np.inf) if self._rows else (),
+            options={"mip_rel_gap": 0.0},
+        )
+        if result.x is None:
+            return None
+        return [move for place, move in enumerate(self.moves.all) if result.x[place] > 0.5]
+
+    @cached_property
+    def _most(self) -> np.ndarray:
+        """Return how often each variable can be chosen: not at all where its repair is not allowed."""
+        allowed = {move.key for move in self.allowed}
+        moves = [float(move.key in allowed) for move in self.moves.all]
+        return np.array([*moves, *(1.0 for _ in self._overridden)])
+
+    @cached_property
+    def _numbers(self) -> Mapping[LandKey, Sequence[int]]:
+        """Return the numbers of the states in which each land can be."""
+        return {key: range(1 + len(states)) for key, states in self.unit.states.items()}
+
+    @cached_property
+    def _overridden(self) -> Mapping[tuple[LandKey, int], int]:
+        """Return the variables of lands that an option changes and that can be made as new all the same."""
+        pairs: dict[tuple[LandKey, int], int] = {}
+        as_new = {move.lands[0] for move in self.moves.all if move.option is None}
+        for place, move in enumerate(self.moves.all):
+            for key in move.lands if move.option is not None else ():
+                if key in as_new:
+                    pairs[key, place] = len(self.moves.all) + len(pairs)
+        return pairs
+
+    def _state_rows(self) -> None:
+        """Add that every required land is repaired, each land at most by one option, and that as new goes before it."""
+        place_of = self._place
+        changing: dict[LandKey, list[int]] = {}
+        for key in self.required:
+            self._rows.append(({place_of[move.key]: 1.0 for move in self.moves.of_land[key]}, 1.0))
+        for place, move in enumerate(self.moves.all):
+            for key in move.lands if move.option is not None else ():
+                changing.setdefault(key, []).append(place)
+        self._rows += [(dict.fromkeys(places, -1.0), -1.0) for places in changing.values() if len(places) > 1]
+        for (key, place), variable in self._overridden.items():
+            new = place_of[key]
+            self._rows += [
+                ({place: 1.0, variable: -1.0}, 0.0),
+                ({new: -1.0, variable: -1.0}, -1.0),
+                ({variable: 1.0, place: -1.0, new: 1.0}, 0.0),
+            ]
+
+    def _variable(self, move: Move, key: LandKey) -> int:
+        """Return the variable that says that a land is as a repair leaves it."""
+        place = self._place[move.key]
+        return place if move.option is None else self._overridden.get((key, place), place)
+
+    @cached_property
+    def _expressions(self) -> Mapping[LandState, tuple[float, dict[int, float]]]:
+        """Return for every state of a land a constant and factors of variables: together 1 where the land is in it."""
+        states: dict[LandState, tuple[float, dict[int, float]]] = {}
+        for key in self.unit.states:
+            states[key, 0] = (1.0, {})
+        for move in self.moves.all:
+            for key in move.lands:
+                variable = self._variable(move, key)
+                states[key, self.moves.state_after(move, key)] = (0.0, {variable: 1.0})
+                states[key, 0][1][variable] = -1.0
+        return states
+
+    def _add_sum(self, total: Sum) -> None:
+        expressions, most = self._expressions, total.most
+        factors: dict[int, float] = {}
+        for (key, number), value in total.terms.items():
+            if (key, number) not in expressions:
+                most -= value if number == 0 else 0.0  # a land that nothing repairs
+                continue
+            constant, variables = expressions[key, number]
+            most -= constant * value
+            for variable, factor in variables.items():
+                factors[variable] = factors.get(variable, 0.0) - factor * value
+        scale = max((abs(factor) for factor in factors.values()), default=0.0)
+        if scale > 0.0:
+            size = max(abs(most), scale)
+            least = (-most - _SLACK * size) / scale
+            self._rows.append(({place: factor / scale for place, factor in factors.items()}, least))
+        elif most < 0.0:
+            self._rows.append(({0: 0.0}, 1.0))  # nothing that is offered changes it
+
+    def _add_needed(self, states: Iterable[LandState]) -> None:
+        """Add that one land at least is in one of some states."""
+        expressions, least = self._expressions, 1.0
+        factors: dict[int, float] = {}
+        for state in states:
+            constant, variables = expressions[state]
+            least -= constant
+            for variable, factor in variables.items():
+                factors[variable] = factors.get(variable, 0.0) + factor
+        self._rows.append((factors or {0: 0.0}, least))
+
+    def _add_draw(self, target: Target, chosen: Sequence[Move]) -> None:
+        """Add how much more must be saved than a choice saves: by what its repairs save at least, others at most."""
+        most = target.most_drawn
+        if most is None or not np.isfinite(most) or self._overridden or not self.unit.states:
+            return
+        drawn = float(target.at.repaired([self.moves.choice(chosen)]).leakage[0])
+        least, largest = self._savings(target)
+        mine = np.array([any(move is each for each in chosen) for move in self.moves.all])
+        factors, needed = np.where(mine, least, largest), drawn + float(least[mine].sum()) - most
+        scale = float(np.abs(factors).max())
+        if scale > 0.0:
+            row = {place: factor / scale for place, factor in enumerate(factors.tolist())}
+            self._rows.append((row, (needed - _SLACK * max(abs(most), drawn)) / scale))
+
+    def _savings(self, target: Target) -> tuple[np.ndarray, np.ndarray]:
+        """Return what each repair saves at a condition, alone and after all others [m³/s]: the less and the more."""
+        if id(target.at) not in self._saved:
+            best = self.moves.choice(together(self.moves.all))
+            choices: list[LandChoice] = [{}]
+            for move in self.moves.all:
+                mine = self.moves.choice([move])
+                choices += [mine, {**best, **mine}, {**best, **dict.fromkeys(mine, 0)}]
+            drawn = target.at.repaired(choices).leakage
+            alone, last = drawn[0] - drawn[1::3], drawn[3::3] - drawn[2::3]
+            both = np.minimum(alone, last), np.maximum(alone, last)
+            spare = 0.0 if target.adds_up else _COUPLED * np.maximum(abs(alone), abs(last))
+            self._saved[id(target.at)] = both[0] - spare, both[1] + spare
+        return self._saved[id(target.at)]
+
+    # --- where it takes too long
+
+    def _enough(self) -> list[Move] | None:
+        """Return repairs that keep every limit, without those that can be left out; None where none are at hand."""
+        chosen = together(self.allowed)
+        if not self._repairs_all(chosen) or self._unkept(chosen):
+            return None
+        first, place_of = self.objectives[0], self._place
+        for move in sorted(chosen, key=lambda move: -first[place_of[move.key]]):
+            fewer = [each for each in chosen if each is not move]
+            if self._repairs_all(fewer) and not self._unkept(fewer):
+                chosen = fewer
+        return chosen

@@ -1,0 +1,175 @@
+"""Say an estimate in a reader's language: its lines, its sums, and what is open, for pages, PDF and workbook alike."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.job.decisions import undecided
+from atleak.job.estimate import CARRIED_OUT, Estimate, Line, Sum
+from atleak.job.record import Job
+from atleak.repair.money import decimals
+from atleak.rules import Rule
+from atleak.views.repair_words import Named, label_of
+from atleak.wording import Wording, isolated
+
+_COLUMNS = (
+    "component", "lands", "repair", "work", "part_number", "price", "hours", "labour", "currency", "state", "reason",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class EstimateWords:
+    """The words and numbers of one estimate; ``named`` names a condition in the reader's language."""
+
+    estimate: Estimate
+    say: Wording
+    named: Named = label_of
+
+    def pair(self, line: Line) -> str:
+        """Name the component with the lands that the line is about: ``8/1, 8/2 valve``."""
+        component = line.decision.component
+        name = isolated(self.estimate.diagnosis.controller.components.get(component, ""))
+        about = f"{component}/{line.decision.land}" if line.decision.land else component
+        lands = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in line.lands)
+        return f"{lands or about} {name}".strip()
+
+    def work(self, line: Line) -> str:
+        """Say what is done."""
+        return line.decision.work or (self.say("estimate.as_new") if not line.decision.repair else line.decision.repair)
+
+    def state(self, line: Line) -> str:
+        """Say what was decided."""
+        decision = line.decision.decision
+        return self.say("estimate.open") if decision is None else self.say.get("job_decisions", decision)
+
+    def money(self, value: Decimal | None) -> str:
+        """Write an amount with the currency's decimals; a dash where it is unknown."""
+        return self.say.number(None if value is None else float(value), decimals(self.estimate.currency))
+
+    def summed(self, value: Decimal | None, complete: bool) -> str:
+        """Write a sum; before one from which an amount is missing, that it is at least so much."""
+        return self.money(value) if complete or value is None else f"≥ {self.money(value)}"
+
+    def sum_row(self, name: str, each: Sum) -> tuple[str, ...]:
+        """Return the cells of a sum: its name, parts, labour, net, tax and total."""
+        parts = self.summed(each.parts, not each.without_price)
+        work = self.summed(each.work, not each.without_work)
+        return name, parts, work, *(self.summed(value, each.complete) for value in (each.net, each.tax, each.gross))
+
+    def hours(self, line: Line) -> str:
+        """Write the hours of work; a dash where they are unknown."""
+        hours = line.hours
+        return "–" if hours is None else self.say.plain(hours)
+
+    def amount(self, line: Line) -> str:
+        """Write part and work together; a dash where neither is known."""
+        known = [each for each in (line.part, line.work) if each is not None]
+        return self.money(sum(known, Decimal(0)) if known else None)
+
+    def lacks(self, line: Line) -> str:
+        """Say what is worse most without the line."""
+        gain = self.estimate.gain_of(line)
+        if gain is None:
+            return self.say("estimate.lacks_nothing")
+        within, without = (self._value(rule) for rule in (gain.within, gain.without))
+        return self.say("estimate.lacks", rule=self.rule(gain.without), within=within, without=without)
+
+    def rule(self, rule: Rule) -> str:
+        """Name what a rule limits, of which circuit and at which condition."""
+        condition = "" if rule.condition is None else f"“{self.named(rule.condition)}”"
+        circuit = isolated(rule.circuit.name) if rule.circuit else ""
+        return ", ".join(filter(None, (self.say(f"rules.{rule.kind}"), circuit, condition)))
+
+    def past(self, rule: Rule) -> str:
+        """Say where a rule is past its limit, and which level it has reached."""
+        return f"{self.rule(rule)} {self._value(rule)} ({self.say.level(rule.level)})"
+
+    def _value(self, rule: Rule) -> str:
+        return f"{self.say.number(rule.value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}".rstrip()
+
+    @property
+    def sums(self) -> list[tuple[str, Sum]]:
+        """Return the sums by state, that of all that is to be done or was last, where it is not one state alone."""
+        rows = [(self.say.get("job_decisions", state), each) for state, each in self.estimate.sums.items()]
+        due = [state for state in self.estimate.sums if state in CARRIED_OUT]
+        return [*rows, (self.say("estimate.all_due"), self.estimate.total)] if len(due) > 1 else rows
+
+    def chosen_by(self) -> Iterator[str]:
+        """Say the goal, by what the repairs were chosen, and whether that is sure."""
+        say, choice = self.say, self.estimate.choice
+        yield say(f"estimate.goal_{choice.goal}")
+        if choice.chosen:
+            yield say(f"estimate.{choice.basis}")
+        if not choice.proven:
+            yield say("estimate.not_proven", rounds=choice.rounds)
+
+    def ends(self) -> Iterator[str]:
+        """Say what the unit is like with all lines that are carried out, by the engine."""
+        say, estimate = self.say, self.estimate
+        past = estimate.past
+        yield say("estimate.past", rules="; ".join(map(self.past, past))) if past else say("estimate.green")
+        if estimate.lands_past:
+            yield say("estimate.lands_past", lands=numbers_of(estimate.lands_past))
+
+    def missing(self) -> Iterator[str]:
+        """Say what is in no sum, and why."""
+        due = self.estimate.total
+        if due.without_price:
+            yield self.say("estimate.without_price", lines="; ".join(map(self._unpriced, due.without_price)))
+        if due.without_work:
+            yield self.say("estimate.without_work", lines="; ".join(map(self.pair, due.without_work)))
+        asked = [line for line in self.estimate.lines if line.reason_asked]
+        if asked:
+            yield self.say("estimate.reason_asked", lines="; ".join(map(self.pair, asked)))
+
+    def _unpriced(self, line: Line) -> str:
+        other = line.other_currency
+        return self.say("estimate.other_currency", line=self.pair(line), currency=other) if other else self.pair(line)
+
+    def rounding(self) -> str:
+        """Say the currency, and how amounts are rounded."""
+        say, tax = self.say, self.estimate.terms.tax_percent
+        currency = self.estimate.currency or say("estimate.no_currency")
+        said = say("estimate.rounding", currency=currency, decimals=decimals(currency))
+        percent = None if tax is None else f"{say.plain(tax)}\u00a0%"
+        return said if percent is None else f"{said} {say('estimate.rounding_tax', tax=percent)}"
+
+    def csv(self) -> bytes:
+        """Return lines and sums as a table for other programs: with a point as decimal sign, UTF-8 with a mark."""
+        target = io.StringIO()
+        table = csv.writer(target, lineterminator="\r\n")
+        table.writerow(_COLUMNS)
+        for line in self.estimate.lines:
+            decision = line.decision
+            lands = " ".join(f"{component}/{land}" for component, land in (each.key for each in line.lands))
+            row: list[object] = [decision.component, lands, decision.repair, self.work(line), decision.part_number]
+            row += [line.part, line.hours, line.work, self.estimate.currency, decision.decision, decision.reason]
+            table.writerow([_safe(each) for each in row])
+        table.writerow([])
+        table.writerow(["sum", "parts", "labour", "net", "tax", "total", "currency", "complete"])
+        for name, each in self.sums:
+            amounts = (each.parts, each.work, each.net, each.tax, each.gross)
+            table.writerow([name, *map(_safe, amounts), self.estimate.currency, each.complete])
+        return target.getvalue().encode("utf-8-sig")
+
+
+def numbers_of(lands: Iterable[LandDiagnosis]) -> str:
+    """Name lands by component and number: ``8/1, 8/2``."""
+    return ", ".join(f"{component}/{number}" for component, number in (land.key for land in lands))
+
+
+def undecided_words(diagnosis: Diagnosis, job: Job, say: Wording, *, closing: bool) -> str:
+    """Say which lands are to be replaced without anything being decided; an empty text where none is."""
+    lands = undecided(diagnosis, job, closing=closing)
+    return say("estimate.undecided", lands=numbers_of(lands)) if lands else ""
+
+
+def _safe(value: object) -> object:
+    """Return a cell that no spreadsheet takes for a formula."""
+    text = isinstance(value, str) and value[:1] in ("=", "+", "-", "@", "\t", "\r")
+    return f"'{value}" if text else "" if value is None else value

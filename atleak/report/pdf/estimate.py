@@ -1,0 +1,55 @@
+"""Build the estimate of a printed report: what is to be done, what it costs, and a box to agree to each line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from operator import itemgetter
+
+from atleak.job.estimate import Line, estimate
+from atleak.report.estimate_words import EstimateWords
+from atleak.report.pdf.blocks import Block, PrintedColumn, table, text
+from atleak.report.pdf.printed_names import PrintedNames
+
+
+def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
+    """Return lines, sums and what is open; nothing where the job states no terms and no price."""
+    job, say = names.job, names.say
+    if names.diagnosis.without_sheet or not job.estimated:
+        return
+    words = EstimateWords(estimate(names.diagnosis, job), say, names.condition)
+    lines = words.estimate.lines
+    if not lines:
+        return
+    yield text(" ".join(words.chosen_by()), leads=True)
+
+    def decided(line: Line) -> object:
+        asked = line.decision.decision in (None, "proposed")
+        return {"boxes": [say("estimate.yes"), say("estimate.no")]} if asked else words.state(line)
+
+    def done(line: Line) -> str:
+        return "\n".join(filter(None, (words.work(line), line.decision.part_number, line.decision.reason)))
+
+    yield table(
+        [
+            PrintedColumn(say("columns.pair"), words.pair, width=5),
+            PrintedColumn(say("columns.work"), done, width=4),
+            PrintedColumn(say("columns.price"), lambda line: words.money(line.part), side="r"),
+            PrintedColumn(say("columns.hours"), words.hours, side="r"),
+            PrintedColumn(say("columns.labour"), lambda line: words.money(line.work), side="r"),
+            PrintedColumn(say("columns.amount"), words.amount, side="r"),
+            PrintedColumn(say("columns.lacks"), words.lacks, width=5),
+            PrintedColumn(say("columns.agreed"), decided, width=3),
+        ],
+        lines,
+    )
+    names_of_sums = ("state", "parts", "labour", "net", "tax", "gross")
+    yield table(
+        [
+            PrintedColumn(say(f"columns.{name}"), itemgetter(place), side="r" if place else "l", width=int(not place))
+            for place, name in enumerate(names_of_sums)
+        ],
+        [words.sum_row(*each) for each in words.sums],
+    )
+    for sentence in (*words.missing(), *words.ends()):
+        yield text(sentence)
+    yield text(words.rounding(), small=True)

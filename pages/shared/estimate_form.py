@@ -1,0 +1,162 @@
+"""Show the estimate as a form: its terms, its lines to decide on, its sums, and what they leave of the unit.
+
+The record of the job holds what was changed, and the lines that nobody touched follow the verdict.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, get_args
+
+import streamlit as st
+
+from atleak.diagnosis import Diagnosis
+from atleak.job.decisions import decision_faults
+from atleak.job.estimate import Estimate, Line, estimate, with_line
+from atleak.job.record import EstimateTerms, Job, RepairDecision, RepairState, clean_text
+from atleak.repair import Choice, Goal, Prices, choose
+from atleak.report.estimate_words import EstimateWords
+from atleak.wording import signed, wording
+from atleak.written_numbers import HOURS, LABOUR_RATE, PRICE, TAX
+from pages.shared import fields, show
+from pages.shared.cases import result_key
+from pages.shared.job_form import key
+from pages.shared.state import RECORD, job, session
+
+_GOALS = {
+    Goal.EVERY_LIMIT: "every flagged land repaired, and green at every condition",
+    Goal.GREEN: "green at every condition, with the repairs that are worth it",
+}
+_STATES = ("", *get_args(RepairState))
+_SEEN = "estimate-lines"  # what each line was when its fields were drawn: one that changed elsewhere gets fresh fields
+
+
+def draw(diagnosis: Diagnosis) -> Estimate:
+    """Draw terms, lines and sums; return the estimate as it now is."""
+    record = job()
+    for fault in decision_faults(record, diagnosis.controller):
+        st.error(show.plain(str(fault)))
+    changed = record.model_copy(update={"estimate": _terms(record.estimate, diagnosis)})
+    made = _estimate_of(diagnosis, changed)
+    words = EstimateWords(made, wording("en"))
+    st.subheader("Lines")
+    st.caption(show.plain(" ".join(words.chosen_by())))
+    if not made.lines:
+        st.write("No land is flagged, and nothing was decided: there is nothing to estimate.")
+    for line in made.lines:
+        changed = _line(words, line, changed)
+    if changed != record:
+        st.session_state[RECORD] = changed
+        st.rerun()  # what stands above a changed line was made without it
+    st.subheader("Sums")
+    _sums(words)
+    return made
+
+
+def _terms(terms: EstimateTerms, diagnosis: Diagnosis) -> EstimateTerms:
+    """Draw the terms; return them as they now are."""
+    goals = list(_GOALS)
+    goal = st.radio("Goal", goals, goals.index(terms.goal), format_func=_GOALS.__getitem__, key=key("estimate-goal"))
+    places = st.columns(3)
+    file_currency = next((each.currency for each in diagnosis.controller.repairs if each.price is not None), None)
+    currency = places[0].text_input(
+        "Currency",
+        **fields.kept(key("estimate-currency"), terms.currency),
+        placeholder=file_currency or "EUR",
+        help="Of every amount here. Prices of the valve body's file in another currency are not taken.",
+    )
+    with places[1]:
+        rate = fields.number("Labour rate", LABOUR_RATE, terms.labour_rate, key=key("estimate-rate"), optional=True)
+    with places[2]:
+        tax = fields.number("Tax", TAX, terms.tax_percent, key=key("estimate-tax"), optional=True)
+    return EstimateTerms(currency=currency, labour_rate=rate, tax_percent=tax, goal=goal)
+
+
+def _line(words: EstimateWords, line: Line, record: Job) -> Job:
+    """Draw one line; return the record, with the line as the workshop's own where a field of it was changed."""
+    shown = {
+        "price": line.price,
+        "hours": line.hours,
+        "decision": line.decision.decision,
+        "reason": line.decision.reason,
+    }
+    own = key(f"estimate-{line.key}-{_generation(line)}")
+    with st.container(border=True, key=own):
+        verdicts = ", ".join(dict.fromkeys(signed(land.verdict) for land in line.lands))
+        part = f" ({line.decision.part_number})" if line.decision.part_number else ""
+        needed = "" if line.chosen else " — *the goal has no need of it*"
+        st.markdown(f"**{show.plain(words.pair(line))}** · {verdicts}: {show.plain(words.work(line) + part)}{needed}")
+        places = st.columns([2, 2, 2, 4])
+        currency = words.estimate.currency
+        with places[0]:
+            price = fields.number("Price", replace(PRICE, unit=currency), line.price, key=f"{own}-price", optional=True)
+        with places[1]:
+            hours = fields.number("Work", HOURS, line.hours, key=f"{own}-hours", optional=True)
+        start = fields.kept(f"{own}-state", shown["decision"] or "")
+        state = places[2].selectbox("State", _STATES, _STATES.index(start.pop("value")), **start)
+        reason = places[3].text_input("Reason", **fields.kept(f"{own}-reason", shown["reason"]))
+        typed = {"price": price, "hours": hours, "decision": state or None, "reason": clean_text(reason).strip()}
+        asked = st.container()
+        if typed["decision"] == "declined" and not typed["reason"]:
+            asked.warning("Why was it declined? The reason is asked for at the next visit.")
+        st.caption(show.plain(_without(words, line)))
+    changes = {name: value for name, value in typed.items() if value != shown[name]}
+    if not changes:
+        return record
+    if typed["price"] is not None or typed["hours"] is not None:
+        changes |= {"price": typed["price"], "hours": typed["hours"]}
+    changed = with_line(record, line, **changes)
+    _seen()[line.key] = (_generation(line), changed.repair_decisions[-1 if line.place is None else line.place])
+    return changed
+
+
+def _without(words: EstimateWords, line: Line) -> str:
+    """Say what is worse without a line, and what then stays past a limit."""
+    said = f"Without it: {words.lacks(line)}."
+    past = words.estimate.stays_past(line)
+    return f"{said} Then past a limit: {'; '.join(map(words.past, past))}." if past else said
+
+
+def _sums(words: EstimateWords) -> None:
+    names = ("State", "Parts", "Work", "Net", "Tax", "Total")
+    rows = [dict(zip(names, words.sum_row(*each), strict=True)) for each in words.sums]
+    if rows:
+        show.table(rows)
+    st.caption(show.plain(words.rounding()))
+    for sentence in words.missing():
+        st.warning(show.plain(sentence))
+    st.subheader("What it leaves of the unit")
+    for sentence in words.ends():
+        st.write(show.plain(sentence))
+
+
+def _seen() -> dict[str, tuple[int, RepairDecision]]:
+    seen: dict[str, tuple[int, RepairDecision]] = st.session_state.setdefault(_SEEN, {})
+    return seen
+
+
+def _generation(line: Line) -> int:
+    """Return the part of the keys of a line's fields that changes when the line was changed elsewhere."""
+    number, decision = _seen().get(line.key, (0, line.decision))
+    if decision != line.decision:
+        number += 1
+    _seen()[line.key] = (number, line.decision)
+    return number
+
+
+def _estimate_of(diagnosis: Diagnosis, record: Job) -> Estimate:
+    own = record.model_dump_json(include={"estimate", "repair_decisions"})
+    return _estimate(f"{result_key(session().good)} {own}", diagnosis, record)
+
+
+@st.cache_resource(max_entries=8, show_spinner="Computing the estimate …")
+def _estimate(key: str, _diagnosis: Diagnosis, _record: Job) -> Estimate:
+    def kept_choice(diagnosis: Diagnosis, goal: Goal, prices: Prices, *, kept: Any) -> Choice:
+        return _choice(f"{result_key(session().good)} {goal} {prices} {kept}", diagnosis, goal, prices, tuple(kept))
+
+    return estimate(_diagnosis, _record, kept_choice)
+
+
+@st.cache_resource(max_entries=16, show_spinner=False)
+def _choice(key: str, _diagnosis: Diagnosis, _goal: Goal, _prices: Prices, _kept: tuple[str, ...]) -> Choice:
+    return choose(_diagnosis, _goal, _prices, kept=_kept)
