@@ -44,12 +44,18 @@ WHOLE = (
     *(f"unit/test_{name}.py" for name in ("files", "marks", "rounds", "verdicts")),
 )  # fmt: skip
 
+# What is set in every language is set in these each time, and in the others in the longer round.
+LANGUAGES = ("en", "pl")
+
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     folders = [ROOT / "tests" / name for name in WHOLE]
     for item in items:
         if any(item.path.is_relative_to(folder) for folder in folders):
             item.add_marker("whole")
+            given = getattr(item, "callspec", None)  # of a test with parameters
+            if given is not None and given.params.get("language", "en") not in LANGUAGES:
+                item.add_marker("slow")
 
 
 def pytest_unconfigure() -> None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import sqlalchemy as sa
 
+from atleak.catalogue.controller import Controller
 from atleak.errors import AtleakError
 from atleak.history.visits import Visit
-from atleak.job.case import SLOTS, Case, Reader
-from atleak.job.decisions import covered, repaired_lands
+from atleak.job.case import SLOTS, Loader, Reader
+from atleak.job.decisions import covered
 from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.book import Book, StoredJob
 from atleak.jobs.search import Query
@@ -20,26 +21,34 @@ from atleak.jobs.units import final_unit
 from atleak.rules import LandKey
 from atleak.uncertainty import LandSources
 
-MeasuredOf = Callable[[Case], tuple[LandSources, ...]]
-
 
 @dataclass(frozen=True)
 class VisitedJob:
     """A job of a unit, and what its sheet tells of wear."""
 
     stored: StoredJob
+    controller: Controller | None  # None where its file cannot be used any more
     visit: Visit  # without lands where nothing was measured, or the sheet cannot be read any more
     problem: str  # why it cannot; "" where it can
-    decisions: tuple[tuple[RepairDecision, frozenset[LandKey]], ...] = ()  # each with the lands that it covers
 
     @property
     def date(self) -> dt.date:
         """Return the day on which the unit was there, as far as anybody wrote it down."""
         return self.visit.date
 
+    @property
+    def decisions(self) -> tuple[RepairDecision, ...]:
+        """Return what the record says about repairs."""
+        return self.stored.file.job.repair_decisions
+
     def decided(self, state: RepairState) -> tuple[RepairDecision, ...]:
         """Return the repairs of which the record says that."""
-        return tuple(each for each, _ in self.decisions if each.decision == state)
+        return tuple(each for each in self.decisions if each.decision == state)
+
+    def covered(self, decision: RepairDecision) -> frozenset[LandKey]:
+        """Return the lands that a decision is about; what names no land of the valve body stands for itself."""
+        lands = frozenset() if self.controller is None else covered(decision, self.controller)
+        return lands or frozenset({(decision.component, decision.land or 0)})
 
 
 def unit_of_job(book: Book, job: str) -> int | None:
@@ -50,15 +59,15 @@ def unit_of_job(book: Book, job: str) -> int | None:
     return None if unit is None else int(unit)
 
 
-def visits_of_unit(book: Book, unit: int, measured: MeasuredOf = Case.measured) -> tuple[VisitedJob, ...]:
+def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple[VisitedJob, ...]:
     """Return the jobs of a unit that are not archived, the earliest first.
 
     Parameters
     ----------
     unit
         as `JobRow.unit` names it; jobs of units that were merged into it are among them.
-    measured
-        gives what the sheet of a case says of its lands; a caller may keep what it has read.
+    loader
+        reads the files of the jobs; unless given, each is read anew.
 
     Raises
     ------
@@ -66,22 +75,18 @@ def visits_of_unit(book: Book, unit: int, measured: MeasuredOf = Case.measured) 
         where the database cannot be used.
     """
     stored = [book.load(row.id) for row in book.rows(Query(unit=unit, limit=None))]
-    found = [_visited(each, measured) for each in stored]
+    found = [_visited(each, loader or Reader()) for each in stored]
     return tuple(sorted(found, key=lambda each: (each.date, each.stored.made_at)))
 
 
-def _visited(stored: StoredJob, measured: MeasuredOf) -> VisitedJob:
+def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
     job, case = stored.file.job, stored.file.case
+    controller: Controller | None = None
     lands: tuple[LandSources, ...] = ()
-    repaired: frozenset[LandKey] = frozenset()
-    decisions = tuple((each, frozenset[LandKey]()) for each in job.repair_decisions)
     problem = ""
     try:
-        if decisions:
-            controller = Reader().entry(SLOTS["controller"], case.controller)
-            repaired = repaired_lands(job, controller)
-            decisions = tuple((each, covered(each, controller)) for each in job.repair_decisions)
-        lands = measured(case)
+        controller = loader.entry(SLOTS["controller"], case.controller)
+        lands = case.measured(loader)
     except AtleakError as error:
         problem = str(error)
     visit = Visit(
@@ -89,29 +94,28 @@ def _visited(stored: StoredJob, measured: MeasuredOf) -> VisitedJob:
         job.vehicle.mileage_km if job.vehicle.mileage_km is not None else case.mileage,
         str(stored.file.result["controller"]["id"]),
         lands,
-        repaired,
-        job.number,
+        name=job.number,
     )
-    return VisitedJob(stored, visit, problem, decisions)
+    visited = VisitedJob(stored, controller, visit, problem)
+    repaired = frozenset(key for decision in visited.decided("done") for key in visited.covered(decision))
+    return replace(visited, visit=replace(visit, repaired=repaired))
 
 
 def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, RepairDecision], ...]:
-    """Return the repairs that were declined or deferred and not done since, each with the visit at which that was last.
+    """Return the repairs that were declined or deferred last, and neither approved nor done since, the latest first.
 
     Parameters
     ----------
     visited
         the jobs of a unit, the earliest first, as from `visits_of_unit`.
     """
-    undone: dict[tuple[str, int | None], tuple[VisitedJob, RepairDecision, frozenset[LandKey]]] = {}
+    undone: list[tuple[VisitedJob, RepairDecision, frozenset[LandKey]]] = []
     for each in visited:
-        for decision, lands in each.decisions:
-            pair = decision.component, decision.land
+        for decision in each.decisions:
+            if decision.decision in (None, "proposed"):
+                continue
+            lands = each.covered(decision)
+            undone = [(job, earlier, left - lands) for job, earlier, left in undone if left - lands]
             if decision.decision in ("declined", "deferred"):
-                undone.pop(pair, None)
-                undone[pair] = each, decision, lands
-            elif decision.decision == "done":
-                done = [key for key, (*_, left) in undone.items() if key == pair or (left and left <= lands)]
-                for key in done:
-                    del undone[key]
-    return tuple((each, decision) for each, decision, _ in reversed(undone.values()))
+                undone.append((each, decision, lands))
+    return tuple((job, decision) for job, decision, _ in reversed(undone))

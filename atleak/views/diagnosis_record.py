@@ -324,6 +324,8 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
     """Return the totals that the plan ends at, and what else than lands those may be up to that are not green."""
     return {
         "reached": plan.reached,
+        "chosen_by": plan.choice.basis,
+        "proven_best": plan.choice.proven,
         "conditions": [_end(total, judged=plan.judged) for total in plan.ends],
         "remaining": [
             {

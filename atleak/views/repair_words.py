@@ -49,6 +49,8 @@ def plan_ends(plan: RepairPlan, say: Wording | None = None, named: Named = label
         condition = named(rule.condition) if rule.condition else ""
         what = say(f"rules.{rule.kind}") + (f" ({rule.circuit.name})" if rule.circuit else "")
         yield say("plan.pressure_stays", condition=condition, what=what, level=say.level(rule.level))
+    if not plan.choice.proven:
+        yield say("estimate.not_proven", rounds=plan.choice.rounds)
     if plan.unmeasured:
         yield say("plan.unmeasured", count=plan.unmeasured)
     yield from costs(plan, say)

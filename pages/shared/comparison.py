@@ -88,9 +88,8 @@ def _visit_before(rows: dict[str, JobRow]) -> str | None:
     this = rows.get(job_id() or "")
     if this is None:
         return None
-    others = [
-        row for row in rows.values() if row.unit == this.unit and row.visit != this.visit and row.archived_at is None
-    ]
+    others = [row for row in rows.values() if (row.unit, row.controller) == (this.unit, this.controller)]
+    others = [row for row in others if row.visit != this.visit and row.archived_at is None]
     dated = [row for row in others if row.date is not None and (this.date is None or row.date <= this.date)]
     latest = max(dated or others, key=lambda row: (row.date is not None, row.date, row.changed_at), default=None)
     return None if latest is None else latest.id

@@ -12,13 +12,11 @@ from atleak.errors import AtleakError
 from atleak.figures import history_figures as figures
 from atleak.history.land_wear import WearHistory, wear_over_mileage
 from atleak.history.totals import totals_over_mileage
-from atleak.job.case import Case
 from atleak.job.record import RepairDecision, RepairState
 from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, across_units, standing
 from atleak.jobs.book import Book, JobRow
 from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
-from atleak.uncertainty import LandSources
 from atleak.views.history_rows import land_name, soonest_first, total_rows, wear_rows
 from atleak.wording import wording
 from atleak.workshop_units import PERCENT, UM
@@ -71,7 +69,7 @@ def _label(row: JobRow) -> str:
 
 def visits(jobs: Book, unit: int) -> tuple[VisitedJob, ...]:
     """Return the jobs of a unit, the earliest first, or say that there are none."""
-    visited = visits_of_unit(jobs, unit, lambda case: _measured(case.key, case))
+    visited = visits_of_unit(jobs, unit, Kept())
     if not visited:
         st.info("The job book has no job of this unit that is not archived.")
         st.stop()
@@ -85,11 +83,6 @@ def visits(jobs: Book, unit: int) -> tuple[VisitedJob, ...]:
     said = ", ".join(f"{name} **{show.plain(text)}**" for name, text in known.items() if text)
     st.markdown(said or "Neither serial, VIN nor plate is written down: this job is a unit of its own.")
     return visited
-
-
-@st.cache_resource(max_entries=64, show_spinner=False)
-def _measured(key: str, _case: Case) -> tuple[LandSources, ...]:
-    return _case.measured(Kept())
 
 
 # --- visits
@@ -138,7 +131,7 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
     if undone:
         said = (f"- {_decision(decision)} ({each.date.isoformat()})" for each, decision in undone)
         st.markdown("\n".join(["**Left undone so far:**", "", *said]))
-    every = [(each, decision) for each in reversed(visited) for decision, _ in each.decisions]
+    every = [(each, decision) for each in reversed(visited) for decision in each.decisions]
     if every:
         with st.expander(f"Every repair that was decided on ({len(every)})"):
             show.table(
@@ -205,8 +198,7 @@ def draw_wear(now: Seen) -> None:
         return
     show.table(wear_rows(now.history, now.diagnosis.controller), number=show.rounded, column_config=NARROW)
     st.caption(
-        "Wear is taken as proportional to mileage. Brackets: 90 % intervals, by the uncertainty of measuring alone; "
-        "what all readings of one instrument share moves a line and leaves its rate alone."
+        "Wear is taken as proportional to mileage. Brackets: 90 % intervals, by the uncertainty of measuring alone."
     )
 
 

@@ -543,3 +543,15 @@ def test_without_options_the_command_line_takes_every_default_of_a_job(
 
 def _with_other_defaults(make: Callable[..., None]) -> Callable[..., None]:
     return lambda case, **fields: make(case, **{"profile": "paper", **fields})
+
+
+def test_a_decision_on_a_land_that_the_valve_body_lacks_ends_with_its_name(
+    run: Run, sample_readings: Path, tmp_path: Path
+) -> None:
+    record = tmp_path / "job.toml"
+    record.write_text('[[repair_decisions]]\ncomponent = "25"\nland = 9\nwork = "sleeve"\n', encoding="utf-8")
+    status, out, err = run("diagnose", sample_readings, "--job", record)
+    assert (status, out) == (2, "")
+    assert "job.toml" in err
+    assert "repair_decisions 1" in err
+    assert "component 25 has no such land" in err

@@ -68,7 +68,7 @@ def test_a_message_survives_a_windows_code_page(tmp_path: Path, process: Process
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a closed pipe is reported otherwise on Windows")
-@pytest.mark.parametrize("arguments", [["limits", "--json", "-"], ["fluids"]])
+@pytest.mark.parametrize("arguments", [["limits", "--json", "-"], pytest.param(["fluids"], marks=pytest.mark.slow)])
 def test_a_reader_that_goes_away_is_no_verdict(arguments: list[str]) -> None:
     """Status 1 would say that a pair is past its limit."""
     read, write = os.pipe()
@@ -157,7 +157,7 @@ def test_a_record_for_a_program_keeps_every_sign(run: Run, odd_controller: Path,
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems take no such file name")
-@pytest.mark.parametrize("target", ["-", "out.json"])
+@pytest.mark.parametrize("target", ["-", pytest.param("out.json", marks=pytest.mark.slow)])
 def test_a_file_name_that_is_no_text_is_no_fault(
     process: Process, sample_log: Path, tmp_path: Path, target: str
 ) -> None:

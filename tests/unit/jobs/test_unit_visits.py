@@ -8,14 +8,16 @@ from dataclasses import replace
 
 import pytest
 
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.limits import Limits
 from atleak.errors import ReadingsError
 from atleak.history.land_wear import wear_over_mileage
-from atleak.job.case import Case
+from atleak.job.case import Case, Reader
 from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.unit_visits import left_undone, unit_of_job, visits_of_unit
+from atleak.readings import Readings
 
 MakeJob = Callable[..., JobParts]
 TCC = ("tcc_regulator", 1)
@@ -97,15 +99,18 @@ def test_what_was_declined_or_deferred_stays_undone_until_it_is_done(book: Book,
     ]
     before = [decision.land for _, decision in left_undone(visited[:1])]
     assert before == [1, 2, 1]  # the last one written down first
+    approved = book.save(small_job(**record(2026, 1.6e5, decided("tcc_regulator", None, "approved"))))
+    assert left_undone(visits_of_unit(book, unit_of_job(book, approved.id))) == ()
 
 
 def test_a_sheet_that_cannot_be_read_any_more_leaves_its_visit_without_lands(book: Book, small_job: MakeJob) -> None:
     saved = book.save(small_job(**record(2024, 100_000.0)))
 
-    def refused(case: Case) -> tuple[()]:
-        raise ReadingsError("no such column")
+    class Refusing(Reader):
+        def readings(self, case: Case, controller: Controller) -> Readings:
+            raise ReadingsError("no such column")
 
-    [visited] = visits_of_unit(book, unit_of_job(book, saved.id), refused)
+    [visited] = visits_of_unit(book, unit_of_job(book, saved.id), Refusing())
     assert visited.visit.lands == ()
     assert "no such column" in visited.problem
 

@@ -234,8 +234,13 @@ def test_every_formula_gives_what_atleak_gives(unit: Unit, clearances: LAND, cal
 
 @pytest.mark.parametrize(
     "profile",
-    [PAPER, WORKSHOP.with_options(circuits="off"), WORKSHOP.with_options(entry_loss="off", eccentricity="unknown")],
-    ids=["paper", "circuits off", "no entry loss"],
+    [
+        PAPER,
+        WORKSHOP.with_options(circuits="off"),
+        WORKSHOP.with_options(entry_loss="off", eccentricity="unknown"),
+        WORKSHOP.with_options(form="cube_of_mean", viscosity="regression", eccentricity="0.4"),
+    ],
+    ids=["paper", "circuits off", "no entry loss", "cube of mean"],
 )
 def test_every_formula_does_so_in_other_profiles(unit: Unit, profile: Any, calculator: Any) -> None:
     assert calculator(write_workbook(unit(EMPTIED, profile=profile))).wrong() == []

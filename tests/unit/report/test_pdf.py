@@ -33,6 +33,7 @@ from atleak.report.pdf.body import SECTIONS
 from atleak.report.pdf.pictures import printable_picture
 from atleak.uncertainty import Assumptions
 from atleak.views.condition_matrix import leaking_worst_first
+from atleak.wear_line import Crossing
 from atleak.wording import languages, wording
 
 TEXTS = Path(atleak.wording.__file__).parent / "texts"
@@ -156,6 +157,19 @@ def test_a_complaint_stands_on_the_first_page(worn, language):
     assert say("complaint.shows", label=complaint.label, conditions=name).replace("\u00a0", " ") in first
     assert say("complaint.first") in first
     assert first.index(say("conditions.hot_idle")) < first.index(say("conditions.driving_second"))
+
+
+def test_a_mileage_stands_beside_a_repair_only_where_one_visit_tells_it(worn):
+    step = plan_repairs(worn).steps[0].land
+    foreseen = replace(step, replace_mileage=Crossing(157_861.7, 139_204.0, 184_301.0, 106_315.0))
+    lands = tuple(foreseen if land is step else land for land in worn.lands)
+    with_it, without = (
+        text_of(write_pdf(each, sections=["repair_order"])) for each in (replace(worn, lands=lands), worn)
+    )
+    say = wording("en")
+    assert "160 000 km (140 000 to 180 000)" in with_it
+    assert say("texts.replace_at") in with_it
+    assert say("columns.replace_at") not in without
 
 
 def test_many_conditions_are_set_a_few_abreast(worn):

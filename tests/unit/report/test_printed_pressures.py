@@ -66,11 +66,15 @@ def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> Non
 
 def test_signs_that_no_font_has_are_drawn_as_boxes(worn_clutch: Diagnosis, hostile: tuple[str, ...]) -> None:
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
-    for name in hostile:
-        circuits = tuple(replace(each, circuit=replace(each.circuit, name=name)) for each in at.circuits)
+    names = iter(hostile)
+    while named := [
+        replace(each, circuit=replace(each.circuit, name=name)) for each, name in zip(at.circuits, names, strict=False)
+    ]:
+        circuits = (*named, *at.circuits[len(named) :])
         ElementTree.fromstring(pressures_chart(replace(at, circuits=circuits), wording("en")))
-        data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=((name, 10.0),))
-        ElementTree.fromstring(pump_chart(data, wording("en")))
+    marked = tuple((name, 10.0 + number) for number, name in enumerate(hostile))
+    data = replace(pump_over_speed(worn_clutch, worn_clutch.hot_idle), marked=marked)
+    ElementTree.fromstring(pump_chart(data, wording("en")))
 
 
 @pytest.mark.parametrize("low", [3.0, math.inf])

@@ -31,6 +31,14 @@ FIRST_AND_THE_REST = pytest.mark.parametrize(
     "some", [slice(1), pytest.param(slice(1, None), marks=pytest.mark.slow)], ids=["first", "rest"]
 )
 
+# test_circuits_printed.py has a small unit calculated with each of these options every time
+WITH_OPTIONS = [
+    WORKSHOP.with_options(entry_loss="off", form="cube_of_mean"),
+    WORKSHOP.with_options(eccentricity="0.4"),
+    WORKSHOP.with_options(eccentricity="unknown", entry_loss="off"),
+    WORKSHOP.with_options(viscosity="regression"),
+]
+
 
 def column_of(book: openpyxl.Workbook, sheet: str, heading: str) -> str:
     """The letter of the column under a heading."""
@@ -78,14 +86,10 @@ def test_calamine_and_openpyxl_see_the_same_cells(content):
 @pytest.mark.parametrize(
     "profile",
     [
-        WORKSHOP,
-        PAPER,
-        WORKSHOP.with_options(entry_loss="off", form="cube_of_mean"),
-        pytest.param(WORKSHOP.with_options(eccentricity="0.4"), marks=pytest.mark.slow, id="eccentricity=0.4"),
-        WORKSHOP.with_options(eccentricity="unknown", entry_loss="off"),
-        WORKSHOP.with_options(viscosity="regression"),
+        pytest.param(WORKSHOP, id="workshop"),
+        pytest.param(PAPER, id="paper"),
+        *(pytest.param(profile, id=profile.label, marks=pytest.mark.slow) for profile in WITH_OPTIONS),
     ],
-    ids=lambda profile: profile.label,
 )
 def test_every_formula_gives_its_cached_value(worn, profile, calculator):
     diagnosis = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, profile=profile)
