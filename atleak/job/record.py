@@ -274,6 +274,10 @@ class Job(Record):
         """Return what was measured of this job's pump."""
         return PumpClearances.of_um(self.pump_side_clearance_um, self.pump_tip_clearance_um)
 
+    def mileage_or(self, computed: float | None) -> float | None:
+        """Return the mileage of the vehicle [km], or that of the result where the record states none."""
+        return computed if self.vehicle.mileage_km is None else self.vehicle.mileage_km
+
     @property
     def estimated(self) -> bool:
         """Tell whether anything of an estimate was filled in: its terms, a price or hours."""

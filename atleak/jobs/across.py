@@ -88,16 +88,29 @@ class Standing:
         return (self.narrower + 0.5 * self.as_wide) / self.others if self.others else math.nan
 
 
+def day_of_job() -> sa.ColumnElement[Any]:
+    """Return the day of a job as a column: as its record states it, else that on which it was first saved."""
+    return sa.func.coalesce(jobs.c.date, sa.func.date(jobs.c.made_at))
+
+
+def measured_jobs(controller: str) -> tuple[sa.ColumnElement[bool], ...]:
+    """Return the conditions of a job that counts among those of a valve body: measured, not archived, no sample."""
+    measured = sa.exists().where(lands.c.job == jobs.c.id, lands.c.measured)
+    return (*_counting(controller), measured)
+
+
+def _counting(controller: str) -> tuple[sa.ColumnElement[bool], ...]:
+    return jobs.c.controller == controller, jobs.c.archived_at.is_(None), ~jobs.c.sample
+
+
 def latest_jobs(controller: str) -> sa.Subquery:
     """Return the latest job with a measuring sheet of every unit of a valve body: columns ``job`` and ``unit``."""
-    day = sa.func.coalesce(jobs.c.date, sa.func.date(jobs.c.made_at))
-    newest = (day.desc(), jobs.c.made_at.desc(), jobs.c.id.desc())
+    newest = (day_of_job().desc(), jobs.c.made_at.desc(), jobs.c.id.desc())
     place = sa.func.row_number().over(partition_by=final_unit(), order_by=newest)
     counting = (
         sa.select(jobs.c.id.label("job"), final_unit().label("unit"), place.label("place"))
         .join(visits, visits.c.id == jobs.c.visit)
-        .where(jobs.c.controller == controller, jobs.c.archived_at.is_(None), ~jobs.c.sample)
-        .where(sa.exists().where(lands.c.job == jobs.c.id, lands.c.measured))
+        .where(*measured_jobs(controller))
         .subquery()
     )
     return sa.select(counting.c.job, counting.c.unit).where(counting.c.place == 1).subquery()
@@ -174,8 +187,7 @@ def _replaced(controller: str) -> sa.Select[Any]:
         sa.select(decisions.c.component, decisions.c.land, units.label("units"))
         .join(jobs, jobs.c.id == decisions.c.job)
         .join(visits, visits.c.id == jobs.c.visit)
-        .where(jobs.c.controller == controller, jobs.c.archived_at.is_(None), ~jobs.c.sample)
-        .where(decisions.c.decision == "done")
+        .where(*_counting(controller), decisions.c.decision == "done")
         .group_by(decisions.c.component, decisions.c.land)
         .order_by(units.desc(), decisions.c.component, decisions.c.land)
     )

@@ -217,7 +217,7 @@ class Book:
             "vin": record.vehicle.vin[:80],
             "plate": record.vehicle.registration[:80],
             "serial": record.transmission.serial[:80],
-            "mileage_km": parts.diagnosis.mileage if record.vehicle.mileage_km is None else record.vehicle.mileage_km,
+            "mileage_km": record.mileage_or(parts.diagnosis.mileage),
             "controller": parts.diagnosis.controller.id,
             "verdict": str(parts.diagnosis.verdict),
         }

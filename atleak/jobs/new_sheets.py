@@ -15,8 +15,9 @@ from atleak.errors import BookError, InputError, Place
 from atleak.job.case import SLOTS, Case, Reader
 from atleak.job.decisions import repaired_lands
 from atleak.job.parts import JobFile
+from atleak.jobs.across import day_of_job, measured_jobs
 from atleak.jobs.book import Book
-from atleak.jobs.tables import decisions, jobs, lands, visits
+from atleak.jobs.tables import decisions, jobs, visits
 from atleak.jobs.units import final_unit
 from atleak.readings import Readings
 from atleak.rules import LandKey
@@ -113,14 +114,12 @@ def shared_instruments(sheets: Sequence[NewSheet]) -> Instruments:
 
 def _measured(controller: str) -> sa.Select[Any]:
     """Select the measured jobs of a valve body, those of one unit together, the earliest first."""
-    day = sa.func.coalesce(jobs.c.date, sa.func.date(jobs.c.made_at))
     unit = final_unit().label("unit")
     return (
         sa.select(unit, jobs.c.id, jobs.c.mileage_km)
         .join(visits, visits.c.id == jobs.c.visit)
-        .where(jobs.c.controller == controller, jobs.c.archived_at.is_(None), ~jobs.c.sample)
-        .where(sa.exists().where(lands.c.job == jobs.c.id, lands.c.measured))
-        .order_by(unit, day, jobs.c.made_at, jobs.c.id)
+        .where(*measured_jobs(controller))
+        .order_by(unit, day_of_job(), jobs.c.made_at, jobs.c.id)
     )
 
 

@@ -91,7 +91,7 @@ def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:
         problem = str(error)
     visit = Visit(
         job.date or stored.made_at.date(),
-        job.vehicle.mileage_km if job.vehicle.mileage_km is not None else case.mileage,
+        job.mileage_or(case.mileage),
         str(stored.file.result["controller"]["id"]),
         lands,
         name=job.number,

@@ -34,13 +34,12 @@ def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: i
         the visit that the job belonged to so far.
     """
     record = parts.job
-    mileage = record.vehicle.mileage_km
     values = {
         "unit": _unit(connection, unit_key(job_id, record), record),
         "vehicle": _vehicle(connection, record),
         "number": record.number[:80],
         "date": record.date,
-        "mileage_km": parts.diagnosis.mileage if mileage is None else mileage,
+        "mileage_km": record.mileage_or(parts.diagnosis.mileage),
     }
     same = sa.select(visits.c.id).where(visits.c.unit == values["unit"], visits.c.number == values["number"])
     known = connection.execute(same.order_by(visits.c.id).limit(1)).scalar() if values["number"] else None

@@ -119,8 +119,8 @@ class _Page:
         return [[say(f"facts.{name}"), value] for name, value in rows if value] + [row for row in visits if row[1]]
 
     def _visit(self, number: int) -> str:
-        job, mileage = self.jobs[number], self.diagnoses[number].mileage
-        mileage = job.vehicle.mileage_km if job.vehicle.mileage_km is not None else mileage
+        job = self.jobs[number]
+        mileage = job.mileage_or(self.diagnoses[number].mileage)
         return joined(
             (
                 job.number,
