@@ -1,10 +1,10 @@
-"""Say which errors of measuring the clearances of a unit have in common, over its lands and over its visits.
+"""Say which errors of measuring the clearances of a unit have in common, over the lands of one visit.
 
 Every clearance is uncertain by some errors that others share, each with the factor by which it acts on this one, and
-by what it has alone. What all readings of an instrument share (its zero, its ring, its scale) is the same at every
-visit at which the job names that instrument: it moves a line and leaves its rate alone. The temperature of measuring is
-shared by the lands of one visit. All else is anew at every visit, the calibration at one place of the scale too: a part
-never lies in the same place twice. These are choices of this project.
+by what it has alone. What all readings of an instrument share (its zero, its ring, its scale) and the temperature of
+measuring are shared by the lands of one visit. Nothing is taken as the same at two visits: a job names a kind of
+instrument, not the one gauge and its setting, and what is not known must be inside the intervals. Where the gauge was
+the same after all, the intervals of rates are wider than they had to be. These are choices of this project.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ def factors_of(land: LandSources, visit: int) -> Factors:
     factors: dict[Hashable, float] = defaultdict(float)
     for source in land.sources:
         if source.group == MEASURING_TEMPERATURE:
-            factors[MEASURING_TEMPERATURE, visit] += source.standard_uncertainty
+            factors[visit, MEASURING_TEMPERATURE] += source.standard_uncertainty
         elif source.group is not None and source.part is not None:
-            factors[source.group, land.instruments.of(source.part).id] += source.standard_uncertainty
+            factors[visit, source.group, land.instruments.of(source.part).id] += source.standard_uncertainty
     return dict(factors)
 
 

@@ -198,8 +198,7 @@ def draw_wear(now: Seen) -> None:
         return
     show.table(wear_rows(now.history, now.diagnosis.controller), number=show.rounded, column_config=NARROW)
     st.caption(
-        "Wear is taken as proportional to mileage. Brackets: 90 % intervals, by the uncertainty of measuring alone; "
-        "what all readings of one instrument share moves a line and leaves its rate alone."
+        "Wear is taken as proportional to mileage. Brackets: 90 % intervals, by the uncertainty of measuring alone."
     )
 
 

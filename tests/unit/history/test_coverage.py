@@ -53,9 +53,8 @@ class Gauges:
     sleeve: float
 
     @classmethod
-    def drawn(cls, stream: np.random.Generator, number: int = 0) -> Gauges:
-        kinds = load_instruments()
-        instruments = Instruments(*(replace(each, id=f"{each.id}_{number}") for each in (kinds.spool, kinds.sleeve)))
+    def drawn(cls, stream: np.random.Generator) -> Gauges:
+        instruments = load_instruments()
         spool, sleeve = (instruments.of(part).common * stream.standard_normal() for part in ("spool", "sleeve"))
         return cls(instruments, float(spool), float(sleeve))
 
@@ -81,14 +80,14 @@ class Gauges:
 
 
 def history_of(
-    truth: Truth, mileages: Sequence[float], stream: np.random.Generator, limits: Limits, *, same_gauges: bool = True
+    truth: Truth, mileages: Sequence[float], stream: np.random.Generator, limits: Limits, *, same_gauges: bool = False
 ) -> WearHistory:
-    """The history of a unit measured at these mileages: with the same gauges, or with others at each."""
+    """The history of a unit measured at these mileages: with the same gauges, or others of their kind at each."""
     gauges = Gauges.drawn(stream)
     visits = []
     for number, mileage in enumerate(mileages):
         if number and not same_gauges:
-            gauges = Gauges.drawn(stream, number)
+            gauges = Gauges.drawn(stream)
         readings = gauges.readings(truth, mileage, stream)
         states = clearances(readings, truth.controller)
         lands, _ = find_sources(states, readings, truth.controller, gauges.instruments, DEFAULTS)
@@ -103,7 +102,7 @@ def coverage(
     units: int,
     seed: int,
     *,
-    same_gauges: bool = True,
+    same_gauges: bool = False,
 ) -> tuple[float, float]:
     """How often the intervals hold the true rate, and the true mileage at which *replace* is reached."""
     stream = np.random.default_rng(seed)
@@ -131,8 +130,8 @@ def known_when_new(controller: Controller) -> Controller:
 @pytest.mark.parametrize("same_gauges", [True, False])
 def test_the_intervals_hold_the_truth_in_a_few_units(minimal: Controller, limits: Limits, same_gauges: bool) -> None:
     rates, crossings = coverage(minimal, limits, (60_000.0, 120_000.0), units=30, seed=3, same_gauges=same_gauges)
-    assert 0.82 <= rates <= 0.97
-    assert 0.82 <= crossings <= 0.97
+    assert 0.82 <= rates <= (1.0 if same_gauges else 0.97)
+    assert 0.82 <= crossings <= (1.0 if same_gauges else 0.97)
 
 
 @pytest.mark.slow
@@ -147,21 +146,27 @@ def test_the_intervals_hold_the_truth_in_a_few_units(minimal: Controller, limits
     ],
     ids=["two_visits", "three", "four", "one_and_new", "two_and_new"],
 )
-@pytest.mark.parametrize(
-    ("name", "same_gauges"), [("minimal", True), ("minimal", False), ("four_speed", True), ("four_speed", False)]
-)
+@pytest.mark.parametrize("name", ["minimal", "four_speed"])
 def test_the_intervals_hold_the_truth_in_nine_of_ten_cases(
-    request: pytest.FixtureRequest, limits: Limits, name: str, same_gauges: bool, mileages: tuple[float, ...], new: bool
+    request: pytest.FixtureRequest, limits: Limits, name: str, mileages: tuple[float, ...], new: bool
 ) -> None:
     controller: Controller = request.getfixturevalue(name)
     chosen = known_when_new(controller) if new else controller
     units = 300 if name == "minimal" else 40
-    rates, crossings = coverage(chosen, limits, mileages, units=units, seed=11, same_gauges=same_gauges)
-    print(
-        f"{name}, same gauges {same_gauges}, {mileages}, new known {new}: rates {rates:.3f}, mileages {crossings:.3f}"
-    )
+    rates, crossings = coverage(chosen, limits, mileages, units=units, seed=11)
+    print(f"{name}, {mileages}, new known {new}: rates {rates:.3f}, mileages {crossings:.3f}")
     assert 0.85 <= rates <= 0.95
     assert 0.85 <= crossings <= 0.95
+
+
+@pytest.mark.slow
+def test_gauges_that_were_the_same_after_all_make_the_intervals_wider_than_they_had_to_be(
+    minimal: Controller, limits: Limits
+) -> None:
+    rates, crossings = coverage(minimal, limits, (60_000.0, 120_000.0), units=300, seed=11, same_gauges=True)
+    print(f"the same gauges: rates {rates:.3f}, mileages {crossings:.3f}")
+    assert rates >= 0.95
+    assert crossings >= 0.90
 
 
 @pytest.mark.slow
