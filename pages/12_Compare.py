@@ -13,7 +13,7 @@ try:
     chosen = comparison.choose()
     found = None if chosen is None else comparison.compared(*chosen)
 except AtleakError as error:
-    st.error(show.error_line(error))
+    st.error(show.plain(error))
     st.stop()
 if found is None:
     st.info("Choose a job for either side, from the job book or as a job file.")

@@ -95,7 +95,7 @@ def in_order(visits: Sequence[Visit]) -> Visits:
     ordered = sorted(visits, key=lambda visit: visit.date)
     kept = [visit for visit in ordered if visit.controller == ordered[-1].controller]
     messages = [_of_another_valve_body(visit, kept[-1]) for visit in ordered if visit.controller != kept[-1].controller]
-    messages += [_without_mileage(visit) for visit in kept if visit.mileage is None]
+    messages += [_without_mileage(visit) for visit in kept if visit.mileage is None and visit.lands]
     turned_back = set()
     stated = [(place, visit) for place, visit in enumerate(kept) if visit.mileage is not None]
     for (_, before), (place, after) in pairwise(stated):
@@ -104,7 +104,7 @@ def in_order(visits: Sequence[Visit]) -> Visits:
         if after.mileage < before.mileage:
             turned_back.add(place)
             messages.append(_falling(before, after))
-        elif after.mileage == before.mileage:
+        elif after.mileage == before.mileage and before.lands and after.lands:
             messages.append(_equal(before, after))
     return Visits(tuple(kept), frozenset(turned_back), tuple(messages))
 

@@ -56,6 +56,12 @@ def covered(decision: RepairDecision, controller: Controller) -> frozenset[LandK
     return frozenset(land.key for land in lands if decision.land in (None, land.key[1]))
 
 
+def repaired_lands(job: Job, controller: Controller) -> frozenset[LandKey]:
+    """Return the lands of which the record says that their repair was done."""
+    done = (covered(each, controller) for each in job.repair_decisions if each.decision == "done")
+    return frozenset[LandKey]().union(*done)
+
+
 def undecided(diagnosis: Diagnosis, job: Job, *, closing: bool = False) -> tuple[LandDiagnosis, ...]:
     """Return the lands to be replaced about which nothing was decided, the worst first.
 

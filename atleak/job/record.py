@@ -126,6 +126,11 @@ TaxPercent = Annotated[
 ]
 
 
+def _currency(text: str) -> str:
+    """Return a currency; a code of three letters in capitals, as files of valve bodies state it."""
+    return text.upper() if re.fullmatch("[A-Za-z]{3}", text) else text
+
+
 class Record(BaseModel):
     """A table of the job: unknown keys are errors, and it never changes after it was made."""
 
@@ -232,7 +237,7 @@ class RepairDecision(Record):
 class EstimateTerms(Record):
     """The terms of the estimate: in which money, at what labour rate, with what tax, and for what goal."""
 
-    currency: CleanText = ""  # such as EUR
+    currency: Annotated[CleanText, AfterValidator(_currency)] = ""  # such as EUR
     labour_rate: LabourRate | None = None  # per hour
     tax_percent: TaxPercent | None = None
     goal: Goal = Goal.EVERY_LIMIT  # of the repairs that are proposed

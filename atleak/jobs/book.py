@@ -36,6 +36,7 @@ from atleak.version import __version__
 
 PICTURE = "picture"  # the slot of a picture
 _TRIES = 3  # at a save that another one crossed
+_DEADLOCK = "40P01"  # PostgreSQL's code of it
 _LAND_COLUMNS = [column.name for column in lands.c if column.name not in ("id", "job", "measured")]
 
 
@@ -123,6 +124,9 @@ class Book:
 
     def __init__(self, engine: sa.Engine, name: str) -> None:
         self.engine, self.name = engine, name
+        # PostgreSQL shows each statement of a transaction another state of the book unless it is asked not to
+        one_moment = {"isolation_level": "REPEATABLE READ"} if engine.dialect.name == "postgresql" else {}
+        self._reader = engine.execution_options(**one_moment)
 
     @contextmanager
     def reading(self) -> Iterator[sa.Connection]:
@@ -133,7 +137,7 @@ class Book:
         BookError
             where the database cannot be used.
         """
-        with in_words(self.name), self.engine.begin() as connection:
+        with in_words(self.name), self._reader.begin() as connection:
             yield connection
 
     @contextmanager
@@ -167,17 +171,20 @@ class Book:
         Raises
         ------
         ChangedElsewhere
-            the book holds another version of the job.
+            the book holds another version of the job, or does not hold it any more.
         BookError
-            the job is not in the book, or the database cannot be used.
+            the database cannot be used.
         """
+        with self.reading() as connection:
+            known = id is not None and _has_result(connection, id, parts)
+        if not known:
+            _ = parts.result  # takes a second: computed before anybody has to wait for this transaction
         for left in reversed(range(_TRIES)):
             try:
                 with self.writing() as connection:
                     return self.save_in(connection, parts, id, version, sample)
             except BookError as error:
-                crossed = isinstance(error.__cause__, exc.IntegrityError)  # a file that another save has just dropped
-                if not crossed or not left:
+                if not _crossed(error) or not left:
                     raise
         raise AssertionError("the last try raises")
 
@@ -268,8 +275,10 @@ class Book:
             .where(results.c.job == row.id)
             .order_by(results.c.made_at.desc(), results.c.id.desc())
             .limit(1)
-        ).one()
+        ).one_or_none()
         called = _called(row)
+        if result is None:
+            raise BookError(f"the stored result of {called} is missing", place=Place(file=self.name))
         contents = {(each.slot, each.name): self._whole(each, called) for each in kept}
         return HeldJob(
             self.unpacked(row.choices, called),
@@ -331,7 +340,8 @@ class Book:
         wanted = sa.select(jobs).where(jobs.c.id == id)
         row = connection.execute(wanted.with_for_update() if lock else wanted).one_or_none()
         if row is None:
-            raise BookError("the job book has no such job", place=Place(file=self.name), value=id)
+            missing = ChangedElsewhere if lock else BookError  # what is to be saved was opened once: it is gone since
+            raise missing("the job book has no such job", place=Place(file=self.name), value=id)
         return row
 
     def _whole(self, row: Any, called: str) -> bytes:
@@ -357,6 +367,13 @@ class Book:
 def packed(content: bytes) -> bytes:
     """Return content as the book keeps it: compressed."""
     return zlib.compress(content)
+
+
+def _crossed(error: BookError) -> bool:
+    """Tell whether a save failed by another one: it has just dropped a file, or each waited for the other."""
+    cause = error.__cause__
+    waited = isinstance(cause, exc.OperationalError) and getattr(cause.orig, "sqlstate", None) == _DEADLOCK
+    return waited or isinstance(cause, exc.IntegrityError)
 
 
 def _called(row: Any) -> str:
@@ -397,13 +414,18 @@ def _decision(row: Mapping[str, Any]) -> dict[str, Any]:
     return {**values, "decision": row["decision"] or ""}
 
 
-def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
-    """Write down what this version of atleak says, unless it said so before of the same files and choices."""
-    mine = (results.c.job == id) & (results.c.atleak == __version__)
+def _has_result(connection: sa.Connection, id: str, parts: JobParts) -> bool:
+    """Tell whether the last result of a job is by this version of atleak, of the same files and choices."""
     newest = sa.select(results.c.atleak, results.c.key).where(results.c.job == id)
     newest = newest.order_by(results.c.made_at.desc(), results.c.id.desc()).limit(1)
-    if connection.execute(newest).one_or_none() == (__version__, parts.case.key):
+    return bool(connection.execute(newest).one_or_none() == (__version__, parts.case.key))
+
+
+def _keep_result(connection: sa.Connection, id: str, parts: JobParts, now: dt.datetime) -> None:
+    """Write down what this version of atleak says, unless it said so before of the same files and choices."""
+    if _has_result(connection, id, parts):
         return
+    mine = (results.c.job == id) & (results.c.atleak == __version__)
     record = parts.result
     connection.execute(results.delete().where(mine))
     connection.execute(

@@ -44,7 +44,7 @@ def job_of(name: str, book: Book | None = None) -> JobFile:
     """
     if Path(name).is_file():
         return read_job_file(name)
-    if Path(name).suffix or "/" in name or "\\" in name:
+    if Path(name).suffix.lower() == ".zip":
         raise InputError("there is no such job file", place=Place(file=name), expected="a job file (zip)")
     book = book or open_book()
     return book.load(named_job(book, name)).file

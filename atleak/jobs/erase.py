@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import defaultdict
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -97,7 +98,7 @@ def erase(book: Book, ids: Sequence[str], *, delete: bool = False) -> list[Erase
             others=list(stuck.values()),
         )
     with book.writing() as connection:
-        families: dict[int, list[str]] = {units_of[id]: [] for id in (*bare, *stuck)}
+        families: defaultdict[int, list[str]] = defaultdict(list, {units_of[id]: [] for id in (*bare, *stuck)})
         for id, (stored, left) in bare.items():
             families[stored.unit].append(id)
             _erase(book, connection, id, stored.version, left.parts, sample=stored.sample)

@@ -138,12 +138,11 @@ def key_stated(job_id: str, *, serial: str, vin: str, plate: str) -> str:
 
 
 def _root(connection: sa.Connection, book: Book, unit: int) -> int:
-    root = connection.execute(
-        sa.select(sa.func.coalesce(units.c.merged_into, units.c.id)).where(units.c.id == unit)
-    ).scalar()
-    if root is None:
+    """Return the unit that a unit leads to, held until the transaction ends: nobody merges it meanwhile."""
+    row = connection.execute(sa.select(units).where(units.c.id == unit).with_for_update()).one_or_none()
+    if row is None:
         raise BookError("the job book has no such unit", place=Place(file=book.name), value=unit)
-    return int(root)
+    return int(row.id) if row.merged_into is None else _root(connection, book, row.merged_into)
 
 
 # --- which units may be one

@@ -10,6 +10,7 @@ from atleak.jobs.tables import jobs, key_of, search_words
 
 _SHOWN = 8  # of several that fit
 _FEWEST = 4  # characters of an id
+_BEHIND = "g"  # sorts behind every further character of an id
 
 
 def named_job(book: Book, name: str) -> str:
@@ -30,8 +31,10 @@ def named_job(book: Book, name: str) -> str:
             numbered = connection.execute(sa.select(*columns).where(jobs.c.id.in_(words))).all()
             found = [row for row in numbered if key_of(row.number) == key_of(name)]
             if len(name) >= _FEWEST:
-                begun = jobs.c.id.startswith(name.lower(), autoescape=True)
-                found += [row for row in connection.execute(sa.select(*columns).where(begun)) if row not in found]
+                start = name.lower()
+                near = jobs.c.id.between(start, start + _BEHIND)  # which the index of ids answers
+                begun = sa.select(*columns).where(near, jobs.c.id.startswith(start, autoescape=True))
+                found += [row for row in connection.execute(begun) if row not in found]
     place = Place(file=book.name)
     if not found:
         expected = "an id as `atleak jobs list` shows it, its first characters, or the number of a job"

@@ -13,17 +13,18 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Instruments
 from atleak.errors import BookError, InputError, Place
 from atleak.job.case import SLOTS, Case, Reader
+from atleak.job.decisions import repaired_lands
+from atleak.job.parts import JobFile
 from atleak.jobs.book import Book
 from atleak.jobs.tables import decisions, jobs, lands, visits
 from atleak.jobs.units import final_unit
 from atleak.readings import Readings
+from atleak.rules import LandKey
 from atleak.uncertainty.sources import PARTS
 
 NEW_UNTIL = 1000.0  # [km] up to which a unit, or what was repaired, is new: choice of this project
 
 _INSTRUMENTS = tuple(f"{part}_instrument" for part in PARTS)
-
-Pair = tuple[str, int | None]  # component and land; None: all of its lands
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class NewSheet:
     job: str  # id
     name: str  # of the job and its file, each another one
     case: Case
-    repaired: frozenset[Pair] | None  # None: the unit was new, and all of its lands count
+    repaired: frozenset[LandKey] | None  # None: the unit was new, and all of its lands count
 
     def readings(self, controller: Controller) -> Readings:
         """Return the readings that are of new pairs of a valve body.
@@ -53,7 +54,7 @@ class NewSheet:
 
     def _was_repaired(self, controller: Controller, component: str, plane: str) -> bool:
         land = controller.land_of_plane(component, plane)
-        return land is not None and bool({land.key, (component, None)} & (self.repaired or frozenset()))
+        return land is not None and land.key in (self.repaired or ())
 
 
 def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
@@ -74,18 +75,16 @@ def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
     """
     with book.reading() as connection:
         every = connection.execute(_measured(controller)).all()
-        done = connection.execute(_done(controller)).all()
-    by_job = {
-        job: frozenset((row.component, row.land) for row in rows) for job, rows in groupby(done, lambda row: row.job)
-    }
-    chosen = [found for _, rows in groupby(every, lambda row: row.unit) for found in _of_unit(list(rows), by_job)]
+        done = set(connection.execute(_done(controller)).scalars())
+    chosen = [found for _, rows in groupby(every, lambda row: row.unit) for found in _of_unit(list(rows), done)]
     if not chosen:
         expected = f"a job at up to {NEW_UNTIL:g} km, or one measured after a repair that an earlier job calls done"
         problem = f"the job book has no measuring sheet of a new or repaired {controller}"
         raise BookError(problem, place=Place(file=book.name), expected=expected)
     sheets: list[NewSheet] = []
-    for job, repaired in chosen:
+    for job, repaired_at in chosen:
         file = book.load(job).file
+        repaired = None if repaired_at is None else _repaired(book.load(repaired_at).file)
         name = f"job {file.job.number or job}"
         taken = any(sheet.name == name for sheet in sheets)
         sheets.append(NewSheet(job, f"{name} ({job})" if taken else name, file.case, repaired))
@@ -126,17 +125,24 @@ def _measured(controller: str) -> sa.Select[Any]:
 
 
 def _done(controller: str) -> sa.Select[Any]:
-    """Select the repairs that were done on a valve body, those of one job together."""
+    """Select the jobs at which repairs were done on a valve body."""
     return (
-        sa.select(decisions.c.job, decisions.c.component, decisions.c.land)
+        sa.select(decisions.c.job)
         .join(jobs, jobs.c.id == decisions.c.job)
         .where(jobs.c.controller == controller, decisions.c.decision == "done")
-        .order_by(decisions.c.job)
+        .distinct()
     )
 
 
-def _of_unit(rows: Sequence[Any], done: dict[str, frozenset[Pair]]) -> Iterator[tuple[str, frozenset[Pair] | None]]:
-    """Yield the one sheet of a unit that shows the most new pairs: all of them, or what was repaired last."""
+def _repaired(file: JobFile) -> frozenset[LandKey]:
+    return repaired_lands(file.job, Reader().entry(SLOTS["controller"], file.case.controller))
+
+
+def _of_unit(rows: Sequence[Any], done: set[str]) -> Iterator[tuple[str, str | None]]:
+    """Yield the one sheet of a unit that shows the most new pairs: all of them, or what was repaired last.
+
+    With it the job at which that was repaired; None for all of them.
+    """
     new = [row for row in rows if row.mileage_km is not None and row.mileage_km <= NEW_UNTIL and row.id not in done]
     if new:
         yield new[-1].id, None
@@ -144,5 +150,5 @@ def _of_unit(rows: Sequence[Any], done: dict[str, frozenset[Pair]]) -> Iterator[
     for before, after in reversed(list(pairwise(rows))):
         known = before.mileage_km is not None and after.mileage_km is not None
         if known and before.id in done and 0.0 <= after.mileage_km - before.mileage_km <= NEW_UNTIL:
-            yield after.id, done[before.id]
+            yield after.id, before.id
             return

@@ -38,7 +38,12 @@ _FAULTS = (  # what a database says, and what that means
     ("could not translate host", "the database server is not known"),
     ("password authentication failed", "the database server refuses the password"),
     ("no module named", "the driver of that database is not installed"),
+    ("int too large", "a number is larger than any that it can hold"),
+    ("surrogates not allowed", "a text or file name cannot be written as UTF-8"),
 )
+
+# what SQLAlchemy and the drivers raise, and what a driver of SQLite says of a value before the database sees it
+_REPORTED = (exc.DBAPIError, exc.NoSuchModuleError, exc.TimeoutError, sqlite3.Error, OverflowError, UnicodeEncodeError)
 
 
 def database_url(url: str | None = None) -> sa.URL:
@@ -55,11 +60,11 @@ def database_url(url: str | None = None) -> sa.URL:
     expected = "sqlite:///C:/folder/book.sqlite or postgresql://user:password@server/name"
     try:
         parsed = sa.make_url(url)
-    except exc.ArgumentError as error:
+    except (exc.ArgumentError, ValueError) as error:  # a port that is no number
         raise BookError("names no database", place=Place(file=DATABASE_URL), expected=expected) from error
     kind = parsed.get_backend_name()
     if kind == "sqlite" and parsed.database not in (None, "", ":memory:"):
-        return parsed
+        return parsed.set(drivername="sqlite")
     if kind == "postgresql":
         return parsed.set(drivername="postgresql+psycopg")
     raise BookError("a database that cannot hold the job book", place=Place(file=DATABASE_URL), expected=expected)
@@ -109,7 +114,7 @@ def in_words(name: str, problem: str = "the job book cannot be used") -> Iterato
     """Turn what a database reports into a `BookError` that says what it means."""
     try:
         yield
-    except (exc.DBAPIError, exc.NoSuchModuleError, exc.TimeoutError, sqlite3.Error) as error:
+    except _REPORTED as error:
         said = str(getattr(error, "orig", None) or error).strip()
         meaning = next((words for sign, words in _FAULTS if sign in said.lower()), said.splitlines()[0][:200])
         raise BookError(f"{problem}: {meaning}", place=Place(file=name)) from error

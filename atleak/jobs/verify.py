@@ -67,7 +67,7 @@ def problems_of(book: Book, id: str) -> Iterator[str]:
         stored = book.load(id)
         yield from _result_problems(book, stored)
     except exc.NoResultFound:
-        yield "its stored result or its visit is missing"
+        yield "its visit is missing"
     except (AtleakError, ValueError, KeyError, TypeError) as error:
         if _is_there(book, id):  # and was not erased meanwhile
             yield str(error) if isinstance(error, AtleakError) else f"its stored result cannot be read: {error}"

@@ -122,14 +122,14 @@ def write_over() -> None:
     in_book = now.in_book
     in_book.conflict = None
     if in_book.id is not None:
-        _save_or_say(now, in_book.id, book().version(in_book.id))
+        _save_or_say(now, in_book.id)
 
 
 def keep_as_another() -> None:
     """Save this session's job as one of its own, beside what somebody else saved meanwhile; for a callback."""
     now = session()
     now.in_book.conflict = None
-    _save_or_say(now, None, None)
+    _save_or_say(now, None)
 
 
 def show_theirs() -> None:
@@ -138,9 +138,10 @@ def show_theirs() -> None:
         open_from_book(id)
 
 
-def _save_or_say(now: Session, id: str | None, version: int | None) -> None:
+def _save_or_say(now: Session, id: str | None) -> None:
+    """Save a job in the place of the version that the book holds, or as a new one; keep what went wrong."""
     try:
-        _save(now, id, version)
+        _save(now, id, None if id is None else book().version(id))
     except ChangedElsewhere as error:
         now.in_book.conflict = error
     except AtleakError as error:

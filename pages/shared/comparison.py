@@ -15,6 +15,7 @@ from atleak.job.parts import JobFile
 from atleak.jobs.book import JobRow
 from atleak.jobs.compared import ComparedJobs, compare_jobs, compared_record
 from atleak.jobs.search import Query
+from atleak.jobs.unit_visits import unit_of_job
 from atleak.paper import PAPERS
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.verdicts import Verdict
@@ -49,7 +50,7 @@ def choose() -> Chosen | None:
     AtleakError
         a job file that is none, or a job that is not in the book.
     """
-    rows = {row.id: row for row in book().rows(Query(limit=LISTED))}
+    rows = _offered()
     earlier = _visit_before(rows)
     sides = []
     for column, side, usual in zip(st.columns(2), ("before", "after"), (earlier or FILE, THIS), strict=True):
@@ -69,13 +70,26 @@ def choose() -> Chosen | None:
     return None if first is None or second is None else (first, second)
 
 
+def _offered() -> dict[str, JobRow]:
+    """Return the jobs to choose from: the latest, and however old all of the units of this job and of those named."""
+    jobs = book()
+    asked = [id for side in ("before", "after") if (id := st.query_params.get(side)) is not None]
+    for id in asked:
+        jobs.version(id)  # one that the book does not have is refused
+    named = (unit_of_job(jobs, id) for id in (*asked, job_id()) if id is not None)
+    rows = jobs.rows(Query(limit=LISTED))
+    for unit in dict.fromkeys(each for each in named if each is not None):
+        rows += jobs.rows(Query(unit=unit, archived=None, limit=None))
+    return {row.id: row for row in rows}
+
+
 def _visit_before(rows: dict[str, JobRow]) -> str | None:
     """Return the id of the job of the same unit's visit before this session's job; None without one."""
     this = rows.get(job_id() or "")
     if this is None:
         return None
     others = [row for row in rows.values() if (row.unit, row.controller) == (this.unit, this.controller)]
-    others = [row for row in others if row.visit != this.visit]
+    others = [row for row in others if row.visit != this.visit and row.archived_at is None]
     dated = [row for row in others if row.date is not None and (this.date is None or row.date <= this.date)]
     latest = max(dated or others, key=lambda row: (row.date is not None, row.date, row.changed_at), default=None)
     return None if latest is None else latest.id

@@ -171,8 +171,8 @@ def seen(visited: tuple[VisitedJob, ...]) -> Seen | None:
     except AtleakError as error:
         st.error(f"The last sheet cannot be computed: {show.plain(error)}")
         return None
-    visits_seen = [each.visit for each in measured]
-    return Seen(wear_over_mileage(visits_seen, diagnosis.limits), diagnosis)
+    # one without a sheet tells the mileage, and what was repaired at it
+    return Seen(wear_over_mileage([each.visit for each in visited], diagnosis.limits), diagnosis)
 
 
 def draw_clearance(now: Seen) -> None:

@@ -113,6 +113,12 @@ def test_amounts_are_rounded_half_up_and_what_is_unknown_is_named_and_in_no_sum(
     assert line_of(yen, ACC).part == Decimal("1201")
 
 
+def test_a_currency_is_the_files_whether_its_code_is_typed_in_capitals_or_not(worn: Diagnosis) -> None:
+    job = Job(estimate={"currency": " eur"})
+    assert line_of(estimate(worn, job), "sleeve").part == Decimal("10.01")
+    assert Job(estimate={"currency": "zł"}).estimate.currency == "zł"
+
+
 def test_what_stays_past_a_limit_without_a_line_is_what_the_engine_computes(worn: Diagnosis) -> None:
     made = estimate(worn, Job())
     assert made.past == ()

@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import shutil
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 
+from atleak.catalogue.entries import catalogue_files
 from atleak.diagnosis import Diagnosis
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
@@ -111,3 +113,26 @@ def small_job() -> Callable[..., JobParts]:
         return job_parts(diagnosis, Job(**record), case)
 
     return make
+
+
+@pytest.fixture
+def with_repair() -> Callable[[Case], Case]:
+    """Puts a repair into the valve body's file of a case: it changes the first of the regulator's two lands."""
+    repair = """
+[[repairs]]
+id = "oversize"
+component = "pressure_regulator"
+lands = [1]
+kind = "oversize_valve"
+name = "oversize regulator valve"
+nominal_diameter_mm = 15.8
+mounting_clearance_um = [10.0, 14.0]
+source = "made up for this test"
+evidence = "representative"
+"""
+    content = catalogue_files("controllers")["minimal_example"].read_bytes() + repair.encode()
+
+    def changed(case: Case) -> Case:
+        return replace(case, controller=SourceFile("own.toml", content))
+
+    return changed

@@ -219,7 +219,7 @@ DAMAGE = {
         "small.csv of job whole was damaged"
     ),
     "UPDATE jobs SET choices = x'00'": "damaged",
-    "DELETE FROM results": "its stored result or its visit is missing",
+    "DELETE FROM results": "the stored result of job whole is missing",
     "UPDATE results SET record = (SELECT choices FROM jobs)": "its stored result cannot be read",
     "UPDATE results SET verdict = 'ok'": "its stored result says critical, its row ok",
     "UPDATE results SET readings_sha256 = 'x'": "rests on another measuring sheet than the one it holds",

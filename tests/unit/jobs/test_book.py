@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -16,8 +17,9 @@ from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
 from atleak.jobs.judged_anew import judged_otherwise
+from atleak.jobs.opening import database_url
 from atleak.jobs.search import Query
-from atleak.jobs.tables import files, lands, log_tables, results, units, visits
+from atleak.jobs.tables import files, jobs, lands, log_tables, results, units, visits
 from atleak.version import __version__
 
 MakeJob = Callable[..., JobParts]
@@ -210,10 +212,15 @@ def test_a_verdict_that_differs_is_named_with_what_it_was(small_job: MakeJob) ->
     assert "not judged, today" in str(judged_otherwise({}, worn)[0])
 
 
-@pytest.mark.parametrize("url", ["mysql://server/book", "sqlite://", "no url"])
+@pytest.mark.parametrize("url", ["mysql://server/book", "sqlite://", "no url", "postgresql://u:p@server:port/book"])
 def test_a_database_that_holds_no_book_is_refused_in_words(url: str) -> None:
     with pytest.raises(BookError, match="expected sqlite:///"):
         open_book(url)
+
+
+def test_whatever_driver_a_url_names_the_one_that_is_installed_is_taken() -> None:
+    urls = [database_url(f"{name}:///book") for name in ("sqlite+aiosqlite", "postgresql+asyncpg")]
+    assert [url.drivername for url in urls] == ["sqlite", "postgresql+psycopg"]
 
 
 def test_a_password_is_never_shown() -> None:
@@ -228,3 +235,78 @@ def test_damaged_bytes_are_noticed(book: Book, small_job: MakeJob) -> None:
         connection.execute(files.update().values(content=b"x"))
     with pytest.raises(BookError, match=r"damaged in the database"):
         book.load(saved.id)
+
+
+def test_a_job_is_loaded_as_it_was_at_one_moment(
+    book: Book, small_job: MakeJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saved = book.save(small_job(11.04, number="before"))
+    held = Book._held
+
+    def saved_meanwhile(self: Book, connection: Any, row: Any) -> Any:
+        monkeypatch.undo()
+        book.save(small_job(11.06, number="after"), id=saved.id, version=saved.version)
+        return held(self, connection, row)
+
+    monkeypatch.setattr(Book, "_held", saved_meanwhile)
+    stored = book.load(saved.id)
+    assert stored.file.job.number == "before"
+    assert stored.file.case.readings == small_job(11.04).case.readings
+    assert stored.file.result["readings"]["sha256"] == stored.file.case.readings.sha256
+    assert book.load(saved.id).file.job.number == "after"
+
+
+def test_a_save_that_waited_for_one_that_waited_for_it_is_tried_again(
+    book: Book, small_job: MakeJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Deadlock(Exception):
+        sqlstate = "40P01"
+
+    save_in = Book.save_in
+
+    def crossed(self: Book, connection: Any, *given: Any) -> Any:
+        monkeypatch.undo()
+        save_in(self, connection, *given)
+        raise sa.exc.OperationalError("UPDATE vehicles", None, Deadlock("deadlock detected"))
+
+    monkeypatch.setattr(Book, "save_in", crossed)
+    saved = book.save(small_job(number="once"))
+    assert [(row.id, row.number) for row in book.rows()] == [(saved.id, "once")]
+
+
+def test_a_job_that_is_gone_since_it_was_opened_was_changed_elsewhere(book: Book, small_job: MakeJob) -> None:
+    saved = book.save(small_job())
+    with book.writing() as connection:
+        connection.execute(jobs.delete())
+    with pytest.raises(ChangedElsewhere, match="no such job"):
+        book.save(small_job(number="17"), id=saved.id, version=saved.version)
+    assert book.count() == 0
+
+
+def test_a_job_without_its_result_is_refused_in_words(book: Book, small_job: MakeJob) -> None:
+    saved = book.save(small_job(number="17"))
+    with book.writing() as connection:
+        connection.execute(results.delete())
+    with pytest.raises(BookError, match="the stored result of job 17 is missing"):
+        book.load(saved.id)
+
+
+def test_what_no_database_can_hold_is_refused_in_words(book: Book) -> None:
+    for asked in (Query(unit=10**30), Query(controller="\ud800")):
+        with pytest.raises(BookError, match="the job book cannot be used"):
+            book.rows(asked)
+
+
+def test_a_result_is_computed_before_a_transaction_makes_others_wait(
+    book: Book, small_job: MakeJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save_in, computed = Book.save_in, []
+
+    def watched(self: Book, connection: Any, parts: JobParts, *given: Any) -> Any:
+        computed.append("result" in vars(parts))
+        return save_in(self, connection, parts, *given)
+
+    monkeypatch.setattr(Book, "save_in", watched)
+    saved = book.save(small_job())
+    book.save(small_job(number="17"), id=saved.id, version=saved.version)  # of the same files and choices: not needed
+    assert computed == [True, False]

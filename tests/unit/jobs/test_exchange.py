@@ -12,6 +12,7 @@ from atleak.errors import BookError, InputError
 from atleak.job.file import packed_job, read_job_file
 from atleak.job.parts import JobParts
 from atleak.jobs.book import Book
+from atleak.jobs.compared import job_of
 from atleak.jobs.exchange import exported, import_job, job_file, job_file_name, table_bytes
 from atleak.jobs.named import named_job
 
@@ -90,6 +91,8 @@ def test_a_job_is_named_by_id_its_beginning_or_its_number(book: Book, small_job:
     book.archive(two)
     assert named_job(book, one) == named_job(book, one[:8]) == named_job(book, "2026-117") == one
     assert named_job(book, "12") == two
+    assert named_job(book, two[:5].upper()) == two
+    assert job_of("2026/117", book).job.number == "2026/117"
     with pytest.raises(BookError, match="no such job"):
         named_job(book, "2026")
     with pytest.raises(BookError, match="no such job"):

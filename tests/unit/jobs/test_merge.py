@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
 from atleak.errors import BookError
 from atleak.job.parts import JobParts
+from atleak.jobs import merge as module
 from atleak.jobs.book import Book
 from atleak.jobs.merge import duplicates, merge, merged_rows, part
 
@@ -43,6 +46,25 @@ def test_what_was_merged_into_a_unit_follows_it(book: Book, small_job: Small) ->
     merge(book, units[1], units[2])
     merge(book, units[0], units[1])
     assert {row.unit for row in book.rows()} == {units[0]}
+
+
+def test_two_who_merge_at_the_same_moment_leave_no_unit_between(
+    book: Book, small_job: Small, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second, third = (unit_of(book, put(book, small_job, vin=vin)) for vin in ("AAAA", "BBBB", "CCCC"))
+    root_of, other = module._root, threading.Thread(target=merge, args=(book, third, second))
+
+    def crossed(*given: Any) -> int:
+        root = root_of(*given)
+        if given[-1] == first and not other.ident:
+            other.start()
+            other.join(0.3)  # it waits, or else it is through by now
+        return root
+
+    monkeypatch.setattr(module, "_root", crossed)
+    merge(book, second, first)
+    other.join()
+    assert {row.unit for row in book.rows()} == {third}
 
 
 @pytest.mark.parametrize("database", ["sqlite"], indirect=True)

@@ -74,6 +74,25 @@ def test_a_repair_of_a_whole_component_makes_all_of_its_lands_new(
     assert keys == {TCC, PISTON}
 
 
+def test_of_a_component_whose_repair_changes_one_land_only_that_land_is_new(
+    book: Book, small_job: MakeJob, with_repair: Callable[[Case], Case], minimal: Controller
+) -> None:
+    rows = [
+        f"pressure_regulator,{part},{land},{at},{size}"
+        for land, sizes in ((1, ("15.000", "15.030")), (2, ("12.500", "12.530")))
+        for part, size in zip(("spool", "sleeve"), sizes, strict=True)
+        for at in (0, 90)
+    ]
+    content = "\n".join(["component,part,plane,direction,diameter [mm]", *rows])
+    case = with_repair(replace(small_job().case, readings=SourceFile("two.csv", content.encode())))
+    done = {"component": "pressure_regulator", "repair": "oversize", "decision": "done"}
+    for record in (told("A", 2024, 120_000.0, done), told("A", 2025, 120_004.0)):
+        book.save(job_parts(case.diagnose(), Job(**record), case))
+    [sheet] = new_sheets(book, case.diagnose().controller.id)
+    keys = {minimal.land_of_plane(each.component, each.plane).key for each in sheet.readings(minimal).readings}
+    assert keys == {("pressure_regulator", 1)}
+
+
 def test_without_any_such_sheet_that_is_said(book: Book, small_job: MakeJob) -> None:
     book.save(small_job(**told("worn", 2024, 120_000.0)))
     with pytest.raises(BookError, match="no measuring sheet of a new or repaired minimal_example"):

@@ -13,7 +13,8 @@ from atleak.catalogue.limits import Limits
 from atleak.errors import ReadingsError
 from atleak.history.land_wear import wear_over_mileage
 from atleak.job.case import Case, Reader
-from atleak.job.parts import JobParts
+from atleak.job.parts import JobParts, job_parts
+from atleak.job.record import Job
 from atleak.jobs.book import Book
 from atleak.jobs.unit_visits import left_undone, unit_of_job, visits_of_unit
 from atleak.readings import Readings
@@ -60,6 +61,18 @@ def test_what_was_done_is_repaired_and_a_decision_without_a_land_is_about_all_of
     saved = book.save(small_job(**record(2024, 100_000.0, *done, {"component": "accumulator", "decision": "proposed"})))
     [visited] = visits_of_unit(book, unit_of_job(book, saved.id))
     assert visited.visit.repaired == {("pressure_regulator", 1), ("pressure_regulator", 2), TCC}
+
+
+def test_a_repair_of_the_valve_bodys_file_is_about_those_lands_alone_that_it_changes(
+    book: Book, with_repair: Callable[[Case], Case], small_job: MakeJob
+) -> None:
+    case = with_repair(small_job().case)
+    declined = [{"component": "pressure_regulator", "land": land, "decision": "declined"} for land in (1, 2)]
+    done = {"component": "pressure_regulator", "repair": "oversize", "decision": "done"}
+    saved = book.save(job_parts(case.diagnose(), Job(**record(2024, 100_000.0, *declined, done)), case))
+    visited = visits_of_unit(book, unit_of_job(book, saved.id))
+    assert visited[0].visit.repaired == {("pressure_regulator", 1)}
+    assert [decision.land for _, decision in left_undone(visited)] == [2]
 
 
 def test_what_was_declined_or_deferred_stays_undone_until_it_is_done(book: Book, small_job: MakeJob) -> None:

@@ -68,3 +68,24 @@ def test_two_valve_bodies_are_refused_in_words(app: AppTest, kept: Callable[...,
     app.run()
     assert not app.exception
     assert "two different valve bodies" in texts(app)
+
+
+@pytest.mark.page("12_Compare")
+def test_jobs_that_the_address_names_are_compared_however_old_they_are(
+    app: AppTest, kept: Callable[..., str], sample_log: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pages.shared.comparison.LISTED", 1)
+    before, after = kept(11.09, "2026-03-02", sample_log), kept(11.04, "2026-03-09", sample_log)
+    book = open_book()
+    book.save(job_parts((case := Case(controller="minimal_example")).diagnose(), Job(number="newest"), case))
+    book.archive(before)
+    app.query_params["before"], app.query_params["after"] = before, after
+    app.run()
+    assert not app.exception
+    assert {widget.label: widget.value for widget in app.selectbox if widget.label in ("Before", "After")} == {
+        "Before": before,
+        "After": after,
+    }
+    app.query_params["before"] = "feed"
+    app.run()
+    assert "has no such job" in texts(app)

@@ -51,7 +51,9 @@ def test_a_job_is_kept_from_its_first_digit_on_and_its_address_brings_it_back(ap
     assert book.version(row.id) == 2, "opening a job saves nothing"
 
 
-def test_the_second_of_two_browsers_is_told_and_chooses(app: AppTest, book: Book) -> None:
+def test_the_second_of_two_browsers_is_told_and_chooses(
+    app: AppTest, book: Book, monkeypatch: pytest.MonkeyPatch
+) -> None:
     field(app, "Technician").set_value("first").run()
     other = reloaded(app)
     field(other, "Technician").set_value("second").run()
@@ -60,6 +62,12 @@ def test_the_second_of_two_browsers_is_told_and_chooses(app: AppTest, book: Book
     assert "by second at" in texts(app)
     (row,) = book.rows()
     assert book.load(row.id).file.job.vehicle.make == ""
+    monkeypatch.setenv("ATLEAK_DATABASE_URL", "postgresql://shop:secret@127.0.0.1:1/book")
+    app.button(key="book-over").click().run()  # the book is away just then
+    assert not app.exception
+    assert "Not saved." in texts(app)
+    monkeypatch.delenv("ATLEAK_DATABASE_URL")
+    assert "Changed elsewhere." in texts(app.run().run())
     app.button(key="book-another").click().run()
     assert "Changed elsewhere." not in texts(app)
     kept = {row.id: book.load(row.id).file.job for row in book.rows()}

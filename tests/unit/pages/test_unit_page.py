@@ -7,12 +7,14 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.history.series import Restart
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
-from atleak.jobs.unit_visits import unit_of_job
+from atleak.jobs.unit_visits import unit_of_job, visits_of_unit
 from atleak.wording import signed
+from pages.shared import unit
 
 from .conftest import go, texts
 
@@ -34,9 +36,9 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     declined = {"component": "tcc_regulator", "land": 1, "decision": "declined", "reason": "too dear", "work": "sleeve"}
     first = saved(book, 11.036, 2024, 100_000.0)
     last = saved(book, 11.042, 2026, 160_000.0, repair_decisions=[declined])
-    unit = unit_of_job(book, last)
+    this = unit_of_job(book, last)
     book.engine.dispose()
-    app.query_params["unit"] = str(unit)
+    app.query_params["unit"] = str(this)
     go(app, "11_Unit")
     assert not app.exception
     said = texts(app)
@@ -57,3 +59,18 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     other = next(widget for widget in app.text_input if widget.label == "Look for another unit")
     other.set_value("no such thing").run()
     assert "No job of the book is found by that." in texts(app)
+
+
+def test_a_visit_without_a_sheet_tells_the_mileage_and_what_was_repaired_at_it() -> None:
+    book = open_book()
+    saved(book, 11.036, 2022, 100_000.0)
+    saved(book, 11.042, 2024, 160_000.0)
+    case = Case(controller="minimal_example")
+    done = {"component": "tcc_regulator", "land": 1, "decision": "done"}
+    record = {"date": "2026-05-01", "vehicle": {"mileage_km": 170_000.0}, "transmission": {"serial": "0147"}}
+    last = book.save(job_parts(case.diagnose(), Job(**record, repair_decisions=[done]), case)).id
+    seen = unit.seen(visits_of_unit(book, unit_of_job(book, last)))
+    book.engine.dispose()
+    assert seen.history.present == 170_000.0
+    land = seen.history.land(("tcc_regulator", 1))
+    assert (land.line, land.series.restart) == (None, Restart.REPAIRED)
