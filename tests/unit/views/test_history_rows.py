@@ -29,7 +29,7 @@ REGULATOR, SECOND, TCC, SOLENOID = (
 VISITS = (  # year, mileage, clearances [µm]
     (2022, 60_000.0, {REGULATOR: 30.0, TCC: 17.0, SECOND: 18.5, SOLENOID: 23.0}),
     (2024, 100_000.0, {REGULATOR: 20.0, TCC: 17.2, SECOND: 19.0, SOLENOID: 25.0}),
-    (2026, 160_000.0, {REGULATOR: 23.0, TCC: 17.1, SECOND: 19.6, SOLENOID: 28.0}),
+    (2026, 160_000.0, {REGULATOR: 26.0, TCC: 17.1, SECOND: 19.6, SOLENOID: 28.0}),
 )
 WATCH, REPLACE = f"{signed('watch')} at", f"{signed('replace')} at"
 
@@ -55,9 +55,9 @@ def test_every_land_has_its_rate_and_when_it_reaches_each_level(
     history, _ = unit
     rows = {row["Pair"].split(" ")[0]: row for row in wear_rows(history, minimal)}
     worn = rows["pressure_regulator/1"]
-    assert worn["µm per 10 000 km"].startswith("0.50 (0.")
+    assert worn["µm per 10 000 km"].startswith("1.00 (0.")
     assert (worn[WATCH], worn["Visits"], worn["Since"]) == ("reached", 2, "2022-05-01: repaired")
-    assert worn[REPLACE].replace("\u00a0", " ").startswith("240 000 km (")
+    assert worn[REPLACE].replace("\u00a0", " ").startswith("170 000 km (")
     assert rows["solenoid_modulator/1"][REPLACE] == "reached"
     unworn = rows["tcc_regulator/1"]
     assert unworn["µm per 10 000 km"].startswith(f"{NO_WEAR} (−0.")
