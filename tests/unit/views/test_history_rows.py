@@ -91,7 +91,7 @@ def test_the_figure_of_a_land_shows_its_points_its_band_and_its_limits(unit: tup
     figure = figures.clearance_over_mileage(land, history.visits, history.present)
     traces = {trace.name: trace for trace in figure.data}
     assert list(traces["measured"].x) == [100_000.0, 160_000.0]
-    assert list(traces["measured"].y) == pytest.approx([20.0, 23.0], abs=1e-6)
+    assert list(traces["measured"].y) == pytest.approx([20.0, 26.0], abs=1e-6)
     assert list(traces["before"].y) == pytest.approx([30.0], abs=1e-6)
     assert traces["measured"].error_y.array[0] == pytest.approx(
         1.6448536 * land.series.counted[0].standard_uncertainty * 1e6, abs=1e-6
