@@ -52,11 +52,6 @@ class Line:
         """Tell whether it counts as a repair of the unit: it is neither declined nor deferred nor left open."""
         return self.decision.decision in CARRIED_OUT
 
-    @property
-    def reason_asked(self) -> bool:
-        """Tell whether it was declined and nobody wrote why."""
-        return self.decision.decision == "declined" and not self.decision.reason
-
 
 @dataclass(frozen=True)
 class Sum:

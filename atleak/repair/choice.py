@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from atleak.repair.bounds import Target
 from atleak.repair.money import decimals
 from atleak.repair.moves import Move, MoveKey, Moves, Prices, together
 from atleak.repair.options import Options
-from atleak.repair.search import ROUNDS, Best, Search
+from atleak.repair.search import ROUNDS, Search
 from atleak.repair.totals import LandChoice, RepairableUnit, Total
 from atleak.rules import LandKey, Rule
 from atleak.verdicts import Verdict
@@ -137,6 +137,7 @@ def choose(
     lands = [land for land in diagnosis.lands if land.state.judged]
     options = Options(diagnosis)
     flagged = [land.key for land in lands if land.verdict.flagged]
+    ended = False
     for as_new in (False, True):
         moves = Moves(options, lands, prices, kept=kept, as_new=as_new)
         unit = moves.unit()
@@ -147,16 +148,13 @@ def choose(
             targets = _targets(unit, end)
             for basis in _bases(moves, flagged):
                 allowed = [move for move in moves.all if basis is Basis.FEWEST or prices.cost(move) is not None]
-                search = Search(moves, unit, targets, required, _objectives(moves, basis, unit), allowed, rounds)
+                objectives = partial(_objectives, moves, basis, unit)
+                search = Search(moves, unit, targets, required, objectives, allowed, rounds)
                 best = search.best()
+                ended |= search.ended
                 if best is not None:
-                    return _choice(goal, basis, best, moves, unit)
-    nothing = Best((), proven=False, rounds=rounds)
-    return _choice(goal, Basis.FEWEST, nothing, moves, unit)
-
-
-def _choice(goal: Goal, basis: Basis, best: Best, moves: Moves, unit: RepairableUnit) -> Choice:
-    return Choice(goal, basis, best.moves, moves, unit, best.proven, best.rounds)
+                    return Choice(goal, basis, best.moves, moves, unit, best.proven and not ended, best.rounds)
+    return Choice(goal, Basis.FEWEST, (), moves, unit, False, rounds)
 
 
 def _bases(moves: Moves, flagged: Sequence[LandKey]) -> tuple[Basis, ...]:

@@ -7,7 +7,7 @@ for.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -50,7 +50,7 @@ class Search:
     required
         lands that must be repaired.
     objectives
-        what a choice is to have least of, in the order of importance: a whole number for each repair.
+        returns what a choice is to have least of, in the order of importance: a whole number for each repair.
     allowed
         the repairs that may be chosen, of those that are offered.
     """
@@ -59,7 +59,7 @@ class Search:
     unit: RepairableUnit
     targets: Sequence[Target]
     required: Sequence[LandKey]
-    objectives: Sequence[Sequence[int]]
+    objectives: Callable[[], Sequence[Sequence[int]]]
     allowed: Sequence[Move]
     rounds: int = ROUNDS
     _rows: list[tuple[dict[int, float], float]] = field(default_factory=list)  # Σ factor · variable ≥ least
@@ -77,16 +77,22 @@ class Search:
                 self._add_sum(target.sum)
             self._add_draw(target, ())
         chosen: list[Move] | None = None
-        for objective in self.objectives:
+        objectives = self.objectives()
+        for objective in objectives:
             found = self._least(objective)
             if found is None:
                 break
             chosen = found
             spent = sum(objective[self._place[move.key]] for move in chosen)
             self._rows.append(({place: -float(cost) for place, cost in enumerate(objective)}, -spent - 0.5))
-        if chosen is None and self._used >= self.rounds:
-            chosen = self._enough()
-        return None if chosen is None else Best(tuple(chosen), self._used < self.rounds, self._used)
+        if chosen is None and self.ended:
+            chosen = self._enough(objectives[0])
+        return None if chosen is None else Best(tuple(chosen), not self.ended, self._used)
+
+    @property
+    def ended(self) -> bool:
+        """Tell whether no further proposal may be computed, whatever there is still to learn."""
+        return self._used >= self.rounds
 
     @cached_property
     def _place(self) -> Mapping[Any, int]:
@@ -117,7 +123,7 @@ class Search:
 
     def _least(self, objective: Sequence[int]) -> list[Move] | None:
         """Return the choice that has least of one thing; None where there is none, or no round is left."""
-        while self._used < self.rounds:
+        while not self.ended:
             chosen = self._proposed(objective)
             if chosen is None:
                 return None
@@ -272,13 +278,12 @@ class Search:
 
     # --- where it takes too long
 
-    def _enough(self) -> list[Move] | None:
+    def _enough(self, costs: Sequence[int]) -> list[Move] | None:
         """Return repairs that keep every limit, without those that can be left out; None where none are at hand."""
         chosen = together(self.allowed)
         if not self._repairs_all(chosen) or self._unkept(chosen):
             return None
-        first, place_of = self.objectives[0], self._place
-        for move in sorted(chosen, key=lambda move: -first[place_of[move.key]]):
+        for move in sorted(chosen, key=lambda move: -costs[self._place[move.key]]):
             fewer = [each for each in chosen if each is not move]
             if self._repairs_all(fewer) and not self._unkept(fewer):
                 chosen = fewer

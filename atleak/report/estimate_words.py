@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.job.decisions import undecided
+from atleak.job.decisions import undecided, without_reason
 from atleak.job.estimate import CARRIED_OUT, Estimate, Line, Sum
-from atleak.job.record import Job
+from atleak.job.record import Job, RepairDecision
 from atleak.repair.money import decimals
 from atleak.rules import Rule
 from atleak.views.repair_words import Named, label_of
@@ -123,9 +123,6 @@ class EstimateWords:
             yield self.say("estimate.without_price", lines="; ".join(map(self._unpriced, due.without_price)))
         if due.without_work:
             yield self.say("estimate.without_work", lines="; ".join(map(self.pair, due.without_work)))
-        asked = [line for line in self.estimate.lines if line.reason_asked]
-        if asked:
-            yield self.say("estimate.reason_asked", lines="; ".join(map(self.pair, asked)))
 
     def _unpriced(self, line: Line) -> str:
         other = line.other_currency
@@ -163,10 +160,20 @@ def numbers_of(lands: Iterable[LandDiagnosis]) -> str:
     return ", ".join(f"{component}/{number}" for component, number in (land.key for land in lands))
 
 
-def undecided_words(diagnosis: Diagnosis, job: Job, say: Wording, *, closing: bool) -> str:
-    """Say which lands are to be replaced without anything being decided; an empty text where none is."""
+def open_words(diagnosis: Diagnosis, job: Job, say: Wording, *, closing: bool) -> Iterator[str]:
+    """Say which lands are to be replaced without anything being decided, and what was declined without a reason."""
     lands = undecided(diagnosis, job, closing=closing)
-    return say("estimate.undecided", lands=numbers_of(lands)) if lands else ""
+    if lands:
+        yield say("estimate.undecided", lands=numbers_of(lands))
+    declined = without_reason(job)
+    if declined:
+        yield say("estimate.reason_asked", lines="; ".join(map(_called, declined)))
+
+
+def _called(decision: RepairDecision) -> str:
+    """Name a decision by its component and land, or by its work."""
+    land = "" if decision.land is None else f"/{decision.land}"
+    return f"{decision.component}{land}" or decision.repair or decision.work
 
 
 def _safe(value: object) -> object:

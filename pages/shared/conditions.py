@@ -13,7 +13,7 @@ import streamlit as st
 from atleak.diagnosis import Diagnosis
 from atleak.look import look_of
 from atleak.repair import RepairPlan, Total
-from atleak.report.estimate_words import undecided_words
+from atleak.report.estimate_words import open_words
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
@@ -151,10 +151,10 @@ def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
 
 
 def undecided(diagnosis: Diagnosis, *, closing: bool) -> None:
-    """Point out the lands that are to be replaced and about which nothing was decided."""
-    said = undecided_words(diagnosis, job(), wording("en"), closing=closing)
+    """Point out the lands that are to be replaced and about which nothing was decided, and reasons that lack."""
+    said = " ".join(open_words(diagnosis, job(), wording("en"), closing=closing))
     if said:
-        st.warning(f"{plain(said)} Decide on the page Estimate.")
+        st.warning(f"{plain(said)} The page Estimate is the place for it.")
 
 
 def _options(diagnosis: Diagnosis, plan: RepairPlan) -> None:

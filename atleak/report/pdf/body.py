@@ -10,7 +10,7 @@ from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.engine.profile import UNKNOWN
 from atleak.errors import unknown
 from atleak.job.record import RepairDecision
-from atleak.report.estimate_words import undecided_words
+from atleak.report.estimate_words import open_words
 from atleak.report.pdf.blocks import Block, PrintedColumn, facts, joined, table, text
 from atleak.report.pdf.conditions import Conditions
 from atleak.report.pdf.estimate import estimate_blocks
@@ -221,9 +221,8 @@ class Body:
             PrintedColumn(say("columns.date"), lambda each: say.date(each.date) if each.date else "", width=2),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
-        open_ones = undecided_words(self.diagnosis, self.job, say, closing=True)
-        if open_ones:
-            yield text(open_ones)
+        for sentence in open_words(self.diagnosis, self.job, say, closing=True):
+            yield text(sentence)
 
     def _repaired_pair(self, decision: RepairDecision) -> str:
         name = self.diagnosis.controller.components.get(decision.component, "")

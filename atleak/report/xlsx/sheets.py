@@ -11,7 +11,7 @@ from atleak.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.job.record import Job, Record
 from atleak.repair import RepairPlan, RepairStep, plan_repairs
-from atleak.report.estimate_words import undecided_words
+from atleak.report.estimate_words import open_words
 from atleak.report.xlsx.book import Book, cell, formula, put, put_text, span
 from atleak.report.xlsx.conditions_sheet import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.live import LiveSheets
@@ -241,8 +241,7 @@ class Sheets:
             book.colour_words(sheet, (first, 2), (row, 2), VERDICTS)
             book.colour_words(sheet, (first, 6), (row, 6), BANDS)
             row = self._options(sheet, row + 1, plan)
-        open_ones = undecided_words(self.diagnosis, self.job, wording("en"), closing=True)
-        for sentence in filter(None, (*plan_ends(plan), open_ones)):
+        for sentence in (*plan_ends(plan), *open_words(self.diagnosis, self.job, wording("en"), closing=True)):
             put(sheet, row, 0, sentence)
             row += 1
         return row

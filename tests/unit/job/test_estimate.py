@@ -24,7 +24,7 @@ from atleak.job.decisions import check_decisions, undecided
 from atleak.job.estimate import Estimate, estimate, with_line
 from atleak.job.record import Job
 from atleak.readings import Readings
-from atleak.report.estimate_words import EstimateWords
+from atleak.report.estimate_words import EstimateWords, open_words
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.xlsx import write_workbook
@@ -107,7 +107,8 @@ def test_amounts_are_rounded_half_up_and_what_is_unknown_is_named_and_in_no_sum(
     declined = with_line(job, line_of(made, f"{PR}/2"), decision="declined")
     apart = estimate(worn, declined)
     assert apart.sums["declined"].net is None
-    assert f"Declined, and no reason is given: {PR}/2" in " ".join(EstimateWords(apart, wording("en")).missing())
+    said = " ".join(open_words(worn, declined, wording("en"), closing=True))
+    assert f"Declined, and no reason is given: {PR}/2." in said
     yen = estimate(worn, Job(estimate={"currency": "JPY"}, repair_decisions=[{"component": ACC, "price": 1200.5}]))
     assert line_of(yen, ACC).part == Decimal("1201")
 

@@ -29,7 +29,7 @@ REGULATOR, SECOND, TCC, SOLENOID = (
 VISITS = (  # year, mileage, clearances [µm]
     (2022, 60_000.0, {REGULATOR: 30.0, TCC: 17.0, SECOND: 18.5, SOLENOID: 23.0}),
     (2024, 100_000.0, {REGULATOR: 20.0, TCC: 17.2, SECOND: 19.0, SOLENOID: 25.0}),
-    (2026, 160_000.0, {REGULATOR: 23.0, TCC: 17.1, SECOND: 19.6, SOLENOID: 28.0}),
+    (2026, 160_000.0, {REGULATOR: 26.0, TCC: 17.1, SECOND: 19.6, SOLENOID: 28.0}),
 )
 WATCH, REPLACE = f"{signed('watch')} at", f"{signed('replace')} at"
 
@@ -55,9 +55,9 @@ def test_every_land_has_its_rate_and_when_it_reaches_each_level(
     history, _ = unit
     rows = {row["Pair"].split(" ")[0]: row for row in wear_rows(history, minimal)}
     worn = rows["pressure_regulator/1"]
-    assert worn["µm per 10 000 km"].startswith("0.50 (0.")
+    assert worn["µm per 10 000 km"].startswith("1.00 (0.")
     assert (worn[WATCH], worn["Visits"], worn["Since"]) == ("reached", 2, "2022-05-01: repaired")
-    assert worn[REPLACE].replace("\u00a0", " ").startswith("240 000 km (")
+    assert worn[REPLACE].replace("\u00a0", " ").startswith("170 000 km (")
     assert rows["solenoid_modulator/1"][REPLACE] == "reached"
     unworn = rows["tcc_regulator/1"]
     assert unworn["µm per 10 000 km"].startswith(f"{NO_WEAR} (−0.")
@@ -91,7 +91,7 @@ def test_the_figure_of_a_land_shows_its_points_its_band_and_its_limits(unit: tup
     figure = figures.clearance_over_mileage(land, history.visits, history.present)
     traces = {trace.name: trace for trace in figure.data}
     assert list(traces["measured"].x) == [100_000.0, 160_000.0]
-    assert list(traces["measured"].y) == pytest.approx([20.0, 23.0], abs=1e-6)
+    assert list(traces["measured"].y) == pytest.approx([20.0, 26.0], abs=1e-6)
     assert list(traces["before"].y) == pytest.approx([30.0], abs=1e-6)
     assert traces["measured"].error_y.array[0] == pytest.approx(
         1.6448536 * land.series.counted[0].standard_uncertainty * 1e6, abs=1e-6
