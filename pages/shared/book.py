@@ -60,15 +60,15 @@ def open_from_book(id: str) -> bool:
     try:
         stored = book().load(id)
         case = replace(opened_case(stored.file.case), sample=stored.sample)
-        diagnosis_of(case)
+        parts = job_parts(diagnosis_of(case), stored.file.job, case_with_columns(case))
+        otherwise = judged_otherwise(stored.file.result, parts.result)
     except AtleakError as error:
         now.refused["job"] = Refusal(f"job {id} of the job book", error)
         now.in_book.unknown = id
         return False
     in_book = InBook(id, stored.version, archived=stored.archived_at is not None, result_by=stored.result_by)
+    in_book.judged_otherwise = otherwise
     show_job(case, stored.file.job, in_book)
-    parts = job_parts(diagnosis_of(case), stored.file.job, case_with_columns(case))
-    in_book.judged_otherwise = judged_otherwise(stored.file.result, parts.result)
     return True
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.errors import InputError
 from atleak.job.case import Case
-from atleak.job.parts import job_parts
+from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
 
@@ -74,12 +75,26 @@ def test_the_second_of_two_browsers_is_told_and_chooses(
     assert sorted((job.technician, job.vehicle.make) for job in kept.values()) == [("first", "BMW"), ("second", "")]
 
 
-def test_an_address_of_no_job_is_refused_in_words(app: AppTest, book: Book) -> None:
+def test_an_address_of_no_job_or_of_one_that_cannot_be_taken_is_refused_in_words(
+    app: AppTest, book: Book, monkeypatch: pytest.MonkeyPatch
+) -> None:
     app.query_params["job"] = "feed"
     app.run()
     assert not app.exception
     assert "job feed of the job book" in texts(app)
     assert "has no such job" in texts(app)
+
+    def refused(*_: object) -> JobParts:
+        raise InputError("the file of the fluid is no longer there")
+
+    case = Case(controller="minimal_example")
+    saved = book.save(job_parts(case.diagnose(), Job(number="17"), case))
+    monkeypatch.setattr("pages.shared.book.job_parts", refused)
+    app.query_params["job"] = saved.id
+    app.run()
+    assert not app.exception
+    assert "the file of the fluid is no longer there" in texts(app)
+    assert field(app, "Job number").value == ""
 
 
 def test_a_book_that_cannot_be_used_costs_no_work(app: AppTest, monkeypatch: pytest.MonkeyPatch) -> None:
