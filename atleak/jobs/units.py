@@ -17,10 +17,12 @@ from atleak.jobs.tables import jobs, key_of, units, vehicles, visits
 
 
 def unit_key(job_id: str, record: Job) -> str:
-    """Return the key by which a job's unit is told."""
+    """Return the key by which a job's unit is told; a serial or VIN without a digit, as "unknown", tells none."""
     vehicle = record.vehicle
-    told_by = {"serial": record.transmission.serial, "vin": vehicle.vin, "plate": vehicle.registration}
-    return next((f"{kind}:{key_of(text)}"[:80] for kind, text in told_by.items() if key_of(text)), f"job:{job_id}")
+    numbers = {"serial": record.transmission.serial, "vin": vehicle.vin}
+    keys = {kind: key_of(text) for kind, text in numbers.items() if any(letter.isdigit() for letter in text)}
+    keys["plate"] = key_of(vehicle.registration)
+    return next((f"{kind}:{key}"[:80] for kind, key in keys.items() if key), f"job:{job_id}")
 
 
 def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: int | None) -> int:

@@ -192,7 +192,7 @@ class _Page:
         works: dict[str, list[str]] = defaultdict(list)
         for each in decisions:
             if each.decision == "done":
-                works[each.work or "–"].append(self._named(each.component, each.land))
+                works[each.work or each.repair or say("estimate.as_new")].append(self._named(each.component, each.land))
         if works:
             items = [say("comparison.done_item", work=work, pairs=joined(pairs, "; ")) for work, pairs in works.items()]
             yield {"kind": "list", "items": items}

@@ -21,7 +21,7 @@ DONE = {"component": "tcc_regulator", "land": 1, "decision": "done"}
 
 
 def unit(serial: object, year: int = 2026, **more: Any) -> dict[str, Any]:
-    return {"transmission": {"serial": str(serial)}, "date": f"{year}-05-01", "number": f"{serial}-{year}", **more}
+    return {"transmission": {"serial": f"00 {serial}"}, "date": f"{year}-05-01", "number": f"{serial}-{year}", **more}
 
 
 def of_tcc(across: AcrossUnits) -> LandAcross:

@@ -172,6 +172,7 @@ def test_a_unit_is_told_by_serial_else_vin_else_plate(book: Book, small_job: Mak
     assert unit(vin="WDB 1") == unit(vin="wdb1", plate="KR 1") != unit(vin="WDB 2")
     assert unit(plate="KR 1") == unit(plate="kr1")
     assert unit() != unit()
+    assert unit(serial="unknown", vin="WDB 7") != unit(serial="unknown", vin="WDB 8"), "which is no number"
 
 
 def test_correcting_a_vin_leaves_no_unit_or_visit_behind(book: Book, small_job: MakeJob) -> None:

@@ -27,7 +27,7 @@ def told(serial: str, year: int, mileage: float | None, *decisions: dict[str, An
         "number": f"{serial}-{year}",
         "date": f"{year}-05-01",
         "vehicle": {"mileage_km": mileage},
-        "transmission": {"serial": serial},
+        "transmission": {"serial": f"00 {serial}"},
         "repair_decisions": list(decisions),
     }
 
