@@ -18,6 +18,7 @@ from atleak.equations.uncertainty import normal_quantile
 COVERAGE = 0.90  # of the intervals of rates and of mileages
 FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
 _LEAST = 1e-12  # [m] that a clearance is uncertain at least: without any error a weight would be infinite
+_LEAST_WAY = 1.0  # [km] over which a rate can be told at all: a choice of this project
 _BENT = 0.99  # probability that the points of a straight line scatter less than those of one called bent
 
 
@@ -123,7 +124,7 @@ class WearLine:
 def wear_line(
     mileages: Sequence[float], clearances: Sequence[float], covariance: NDArray[np.float64]
 ) -> WearLine | None:
-    """Return the straight line that explains clearances best; None through fewer than two mileages.
+    """Return the straight line that explains clearances best; None where all mileages are within a kilometre.
 
     Parameters
     ----------
@@ -142,7 +143,7 @@ def wear_line(
     Aitken A. C., Proc. R. Soc. Edinburgh 55 (1936) 42-48; Birge R. T., Phys. Rev. 40 (1932) 207-227.
     """
     x, y = np.asarray(mileages, float), np.asarray(clearances, float)
-    if np.unique(x).size < 2:
+    if x.size < 2 or np.ptp(x) < _LEAST_WAY:
         return None
     origin = float(x[-1])
     design = np.column_stack([np.ones(x.size), x - origin])

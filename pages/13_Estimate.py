@@ -5,7 +5,7 @@ import streamlit as st
 from atleak.report.estimate_words import EstimateWords
 from atleak.report.pdf import write_pdf
 from atleak.wording import languages, wording
-from pages.shared import estimate_form, panel
+from pages.shared import estimate_form, files, panel
 from pages.shared.state import job
 
 case, diagnosis = panel.shown()
@@ -23,7 +23,7 @@ st.subheader("Take it along")
 named = {language: wording(language).texts["language"] for language in languages()}
 language = st.selectbox("Language", list(named), list(named).index("en"), named.__getitem__, key="estimate-language")
 record = job()
-name = f"estimate_{record.number}" if record.number.isalnum() else "estimate"
+name = files.named("estimate", record.number)
 with st.container(horizontal=True):
     st.download_button(
         "PDF",

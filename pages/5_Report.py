@@ -14,7 +14,7 @@ from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import languages, wording
-from pages.shared import conditions, job_form, panel, show
+from pages.shared import conditions, files, job_form, panel, show
 from pages.shared.cases import case_with_columns
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
@@ -24,7 +24,7 @@ case, diagnosis = panel.shown()
 st.title("Report")
 st.write("Everything here is optional; the report leaves out what is not filled in.")
 record = job_form.draw(diagnosis.controller)
-name = f"atleak_{record.number}" if record.number.isalnum() else "atleak"
+name = files.named("atleak", record.number)
 
 conditions.undecided(diagnosis, closing=True)
 st.subheader("Take it along")

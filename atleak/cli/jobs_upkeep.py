@@ -42,6 +42,7 @@ def add_upkeep(group: Any) -> None:
     restore = add_command(group, "restore", _restore, "bring a backup back")
     restore.add_argument("file", metavar="FILE")
     restore.add_argument("--force", action="store_true", help="in the place of a book that holds jobs")
+    restore.add_argument("--damaged", action="store_true", help="take what is left of damaged jobs of the backup too")
     add_command(group, "verify", _verify, "whether every job opens and its stored result is whole")
 
 
@@ -211,9 +212,13 @@ def _backup(options: argparse.Namespace) -> int:
 def _restore(options: argparse.Namespace) -> int:
     from atleak.jobs.backup import restore
     from atleak.jobs.book import open_book
+    from atleak.jobs.search import Query
 
-    count = restore(Path(options.file), open_book(), force=options.force)
-    print(f"restored: {count} job{'s' * (count != 1)}")
+    book = open_book()
+    before = book.count(Query(archived=None))
+    count = restore(Path(options.file), book, force=options.force, damaged=options.damaged)
+    instead = f", in the place of {before}" if before else ""
+    print(f"restored: {count} job{'s' * (count != 1)}{instead}")
     return 0
 
 

@@ -275,8 +275,8 @@ class Job(Record):
         return PumpClearances.of_um(self.pump_side_clearance_um, self.pump_tip_clearance_um)
 
     def mileage_or(self, computed: float | None) -> float | None:
-        """Return the mileage of the vehicle [km], or that of the result where the record states none."""
-        return computed if self.vehicle.mileage_km is None else self.vehicle.mileage_km
+        """Return the mileage with which the result was computed [km], or else the one that the record states."""
+        return self.vehicle.mileage_km if computed is None else computed
 
     @property
     def estimated(self) -> bool:

@@ -65,7 +65,7 @@ def backup(book: Book, path: str | Path) -> int:
             return int(copy.execute("SELECT count(*) FROM jobs").fetchone()[0])
 
 
-def restore(path: str | Path, book: Book, *, force: bool = False) -> int:
+def restore(path: str | Path, book: Book, *, force: bool = False, damaged: bool = False) -> int:
     """Fill a book with all that a backup holds, or leave it as it is.
 
     Parameters
@@ -75,7 +75,9 @@ def restore(path: str | Path, book: Book, *, force: bool = False) -> int:
     book
         on either database.
     force
-        whether a book that holds jobs loses them, and a backup with damaged jobs is taken as it is.
+        whether a book that holds jobs loses them.
+    damaged
+        whether a backup with damaged jobs is taken as it is.
 
     Returns
     -------
@@ -90,12 +92,12 @@ def restore(path: str | Path, book: Book, *, force: bool = False) -> int:
     source = Path(path)
     _refuse_the_book_itself(book, source)
     with _opened(source) as held:
-        if not force and (faults := verify(held)):
+        if not damaged and (faults := verify(held)):
             others = [BookError(str(fault)) for fault in faults]
             raise BookError(
                 "jobs of the backup are damaged, and nothing was restored",
                 place=Place(file=str(source)),
-                expected="another backup, or --force to take this one with what is left of them",
+                expected="another backup, or --damaged to take this one with what is left of them",
                 others=others,
             )
         with held.reading() as rows, book.writing() as connection:

@@ -29,7 +29,7 @@ class VisitedJob:
     stored: StoredJob
     controller: Controller | None  # None where its file cannot be used any more
     visit: Visit  # without lands where nothing was measured, or the sheet cannot be read any more
-    problem: str  # why it cannot; "" where it can
+    problem: str  # why it cannot or does not count; "" where it does
 
     @property
     def date(self) -> dt.date:
@@ -75,8 +75,18 @@ def visits_of_unit(book: Book, unit: int, loader: Loader | None = None) -> tuple
         where the database cannot be used.
     """
     stored = [book.load(row.id) for row in book.rows(Query(unit=unit, limit=None))]
-    found = [_visited(each, loader or Reader()) for each in stored]
-    return tuple(sorted(found, key=lambda each: (each.date, each.stored.made_at)))
+    found = sorted(
+        (_visited(each, loader or Reader()) for each in stored), key=lambda each: (each.date, each.stored.made_at)
+    )
+    sheets: dict[str, str] = {}
+    for number, each in enumerate(found):
+        sheet = each.stored.file.case.readings
+        if sheet is not None and each.visit.lands:
+            first = sheets.setdefault(sheet.sha256, each.stored.id)
+            if first != each.stored.id:  # one measurement, which would count as two
+                again = f"its measuring sheet is that of job {first}, and counts once"
+                found[number] = replace(each, visit=replace(each.visit, lands=()), problem=again)
+    return tuple(found)
 
 
 def _visited(stored: StoredJob, loader: Loader) -> VisitedJob:

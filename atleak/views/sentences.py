@@ -65,15 +65,18 @@ def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
 def crossing_in_words(at: Crossing, say: Wording) -> str:
     """Say at which mileage a limit is reached, to two digits, or before which it is not; no number nobody can foresee.
 
-    ``160 000 km (140 000 to 180 000)``, ``not before 140 000 km``, ``not foreseeable``.
+    ``160 000 km (140 000 to 180 000)``, ``not before 140 000 km``, ``not foreseeable``. What two digits would put
+    before the vehicle's present mileage stands in full.
     """
     if at.foreseeable:
-        value, low, high = (say.number(float(f"{each:.2g}"), 0) for each in (at.value, at.low, at.high))
+        ends = ((each, float(f"{each:.2g}")) for each in (at.value, at.low, at.high))
+        value, low, high = (say.number(each if short < at.present else short, 0) for each, short in ends)
         return say("texts.replace_between", value=value, low=low, high=high)
     if at.not_before is None:
         return say("texts.not_foreseeable")
     step = 10.0 ** (math.floor(math.log10(at.not_before)) - 1)
-    return say("texts.not_before", mileage=say.number(math.floor(at.not_before / step) * step, 0))
+    short = math.floor(at.not_before / step) * step
+    return say("texts.not_before", mileage=say.number(at.not_before if short < at.present else short, 0))
 
 
 def when_new(diagnosis: Diagnosis, projection: Projection) -> str:

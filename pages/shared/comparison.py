@@ -23,7 +23,7 @@ from atleak.views.comparison_rows import condition_rows, event_rows, land_rows
 from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
 from atleak.views.diagnosis_record import to_json
 from atleak.wording import languages, signed, wording
-from pages.shared import log_form, show
+from pages.shared import files, log_form, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key
 from pages.shared.show import plain
@@ -203,6 +203,7 @@ def downloads(found: ComparedJobs) -> None:
         language=language,
         paper=paper,
     )
+    name = files.named("before_and_after", found.after.job.number)
     with st.container(horizontal=True):
-        st.download_button("Page for the customer (PDF)", printed, "before_and_after.pdf", on_click="ignore")
-        st.download_button("JSON", lambda: to_json(compared_record(found)), "before_and_after.json", on_click="ignore")
+        st.download_button("Page for the customer (PDF)", printed, f"{name}.pdf", on_click="ignore")
+        st.download_button("JSON", lambda: to_json(compared_record(found)), f"{name}.json", on_click="ignore")

@@ -23,3 +23,9 @@ def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> 
         st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
         st.download_button("Excel workbook", lambda: write_workbook(diagnosis), f"{name}.xlsx", on_click="ignore")
     show.basis(diagnosis, record)
+
+
+def named(what: str, number: str) -> str:
+    """Return a file's name without its ending: what it is, and the workshop's number as far as it can stand."""
+    kept = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in number.strip())
+    return f"{what}_{kept}" if kept else what

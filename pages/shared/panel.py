@@ -316,12 +316,15 @@ def _in_book() -> None:
     if in_book.id is None:
         st.caption("Kept in the job book from the first file or entry on.")
     else:
-        st.caption(f"In the job book: **{show.plain(job().number or in_book.id)}**{' (archived)' * in_book.archived}")
+        state = " · **not saved**" if any(in_book.news) and book.unsaved() else " (archived)" * in_book.archived
+        st.caption(f"In the job book: **{show.plain(job().number or in_book.id)}**{state}")
 
 
 def _book_notices() -> None:
     """Say where the job in the book is another one than that which is shown, or could not be saved."""
     in_book = session().in_book
+    if any(in_book.news) and book.unsaved():  # seen from wherever on the page somebody types
+        st.toast("**Not saved.** The head of the page says why, and what can be done.")
     if in_book.fault is not None:
         st.error(
             f"**Not saved.** {show.plain(in_book.fault)}. The job stays in this window, and is saved as soon as it can "

@@ -153,7 +153,7 @@ def test_a_book_is_backed_up_verified_and_restored(
     status, _, err = run("jobs", "restore", copy)
     assert status == 2
     assert "holds 1 job, and nothing was restored" in err
-    assert run("jobs", "restore", copy, "--force") == (0, "restored: 1 job\n", "")
+    assert run("jobs", "restore", copy, "--force") == (0, "restored: 1 job, in the place of 1\n", "")
     assert [row["customer"] for row in listed(run)] == ["Ana Lima"]  # a backup made earlier still holds it
 
 

@@ -190,9 +190,9 @@ def test_a_backup_with_a_damaged_job_names_it_and_is_taken_only_where_that_is_sa
     changed(kept, "UPDATE results SET record = x'00' WHERE job = (SELECT id FROM jobs WHERE number = '2')")
     mine = new_book_on("sqlite")
     with pytest.raises(BookError, match=r"(?s)jobs of the backup are damaged, and nothing was restored.*\n  job 2 \("):
-        restore(kept, mine)
+        restore(kept, mine, force=True)
     assert mine.count() == 0
-    assert restore(kept, mine, force=True) == 2
+    assert restore(kept, mine, damaged=True) == 2
     assert [fault.number for fault in verify(mine)] == ["2"]
 
 

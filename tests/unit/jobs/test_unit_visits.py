@@ -126,3 +126,11 @@ def test_a_case_measures_what_it_diagnoses(small_job: MakeJob) -> None:
         assert land.state == by_draws[land.key].sources.state
         assert land.sources == by_draws[land.key].sources.sources
     assert replace(case, readings=None).measured() == ()
+
+
+def test_a_sheet_that_is_in_two_jobs_counts_as_one_measurement(book: Book, small_job: MakeJob) -> None:
+    first = book.save(small_job(11.038, **record(2024, 100_000.0)))
+    book.save(small_job(11.038, **record(2025, 100_000.0)))
+    visited = visits_of_unit(book, book.load(first.id).unit)
+    assert [bool(each.visit.lands) for each in visited] == [True, False]
+    assert visited[1].problem == f"its measuring sheet is that of job {first.id}, and counts once"

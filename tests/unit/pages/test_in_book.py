@@ -10,6 +10,7 @@ from atleak.job.case import Case
 from atleak.job.parts import JobParts, job_parts
 from atleak.job.record import Job
 from atleak.jobs.book import Book, open_book
+from pages.shared.files import named
 
 from .conftest import go, number, texts
 
@@ -122,3 +123,9 @@ def test_a_job_that_is_judged_otherwise_today_says_so(
     app.run()
     assert "Judged otherwise than when it was stored" in texts(app)
     assert "the unit: ok" in texts(app)
+
+
+def test_files_are_named_after_the_workshops_number() -> None:
+    assert [named("atleak", number) for number in ("2026-0417", "17/4", " ", "../x")] == [
+        "atleak_2026-0417", "atleak_17_4", "atleak", "atleak____x",
+    ]  # fmt: skip

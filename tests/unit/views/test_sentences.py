@@ -40,6 +40,8 @@ def reaching_of(land: LandDiagnosis, at: Crossing | None) -> LandDiagnosis:
         (Crossing(432_853.9, 270_000.0, 1_000_000.0, NOW), "430 000 km (270 000 to 1 000 000)"),
         (Crossing(1_144_394.0, 408_000.0, 5_000_000.0, NOW), "not before 400 000 km"),
         (Crossing(5e6, 3e6, INFINITE, NOW), "not before 1 000 000 km"),
+        (Crossing(5e6, 203_456.0, INFINITE, 201_900.0), "not before 203 456 km"),  # 200 000 km are behind it
+        (Crossing(260_000.0, 201_900.0, 380_000.0, 201_900.0), "260 000 km (201 900 to 380 000)"),
         (Crossing(800_000.0, NOW, INFINITE, NOW), "not foreseeable"),
         (None, None),
     ],
