@@ -82,7 +82,7 @@ class WearLine:
         return self.rate - reach, self.rate + reach
 
     @property
-    def told(self) -> bool:
+    def certain(self) -> bool:
         """Return whether wear can be told from measurement: the interval of the rate is above zero."""
         return self.rate_interval()[0] > 0.0
 
@@ -102,7 +102,7 @@ class WearLine:
         """
         z = _deviate(coverage)
         most, least = (self._crosses(limit, present, deviate) for deviate in (z, -z))
-        return Crossing(self._crosses(limit, present, 0.0), most, least if self.told else math.inf, present)
+        return Crossing(self._crosses(limit, present, 0.0), most, least if self.certain else math.inf, present)
 
     def _crosses(self, limit: float, present: float, deviate: float) -> float:
         """Return from which mileage the line, or the edge of its band so many deviations above it, is past a limit."""

@@ -42,6 +42,7 @@ from atleak.paper import find_paper
 from atleak.readings import Reading, Readings
 from atleak.report import pdf
 from atleak.report.batch import write_reports
+from atleak.report.pdf import compiling
 from atleak.report.xlsx import write_workbook
 from atleak.wording import wording
 
@@ -104,14 +105,15 @@ def bare_typst(diagnosis: Diagnosis, job: Job, folder: Path) -> Callable[[], byt
     say = wording("en")
     pictures = pdf.write_pictures(job, folder)
     data = pdf.report_data(diagnosis, job, say, find_paper("a4"), pdf.chosen_sections(None), pictures)
-    shutil.copy(pdf.TEMPLATE, folder)
+    for path in compiling.TEMPLATES.glob("*.typ"):
+        shutil.copy(path, folder)
     inputs = {"data": json.dumps(data, ensure_ascii=False)}
-    fonts = pdf.bundled_fonts()
+    fonts = compiling.bundled_fonts()
     moment = dt.datetime(2026, 3, 14, tzinfo=dt.UTC)
 
     def run() -> bytes:
-        compiler = typst.Compiler(folder / pdf.TEMPLATE.name, root=folder, font_paths=fonts, sys_inputs=inputs)
-        return compiler.compile(format="pdf", pdf_standards=list(pdf.STANDARDS), timestamp=moment)  # type: ignore
+        compiler = typst.Compiler(folder / "report.typ", root=folder, font_paths=fonts, sys_inputs=inputs)
+        return compiler.compile(format="pdf", pdf_standards=list(compiling.STANDARDS), timestamp=moment)  # type: ignore
 
     return run
 

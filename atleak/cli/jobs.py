@@ -154,7 +154,7 @@ def _print_rows(rows: list[JobRow], count: int) -> None:
         }
         for row in rows
     ]
-    print_table(["id", "date", "number", "customer", "vehicle", "unit", "verdict"], shown)
+    print_table(["id", "date", "number", "customer", "vehicle", "unit", "verdict"], shown, whole=["date", "unit"])
     if count > len(rows):
         print(f"{len(rows)} of {count} jobs; --limit shows more, --text and the others look one up")
 

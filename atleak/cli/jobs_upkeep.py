@@ -139,7 +139,8 @@ def _duplicates(options: argparse.Namespace) -> int:
 
     pairs = duplicates(open_book())
     for pair in pairs:
-        print(f"atleak jobs merge {pair.one.id} {pair.other.id}   # {pair.why}: {pair.one.told} | {pair.other.told}")
+        both = f"{pair.one.in_words} | {pair.other.in_words}"
+        print(f"atleak jobs merge {pair.one.id} {pair.other.id}   # {pair.why}: {both}")
     if not pairs:
         print("No two units of the job book look like one.")
     return 0
@@ -167,10 +168,10 @@ def _erase(options: argparse.Namespace) -> int:
             raise InputError("no job is of this customer", place=place, value=options.customer, expected=expected)
     rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
     for row in rows:
-        print(f"{row.id}  {row.told}")
+        print(f"{row.id}  {row.in_words}")
     print(WHAT_GOES)
     for row in same_vehicle(book, ids):
-        print(f"Not erased, of the same vehicle or transmission: {row.id}  {row.told}")
+        print(f"Not erased, of the same vehicle or transmission: {row.id}  {row.in_words}")
     if not options.yes and not _agreed(len(rows)):
         return 2
     for done in erase(book, ids, delete=options.delete):

@@ -130,13 +130,13 @@ def _messages(lands: Sequence[LandWear], visits: Visits) -> Iterator[Message]:
 
 def _restarts(lands: Sequence[LandWear], visits: Visits) -> Iterator[Message]:
     for why, level, text in (
-        (Restart.REPAIRED, "info", "was repaired at the visit of {visit}: its series begins there."),
-        (Restart.FITTED, "info", "has another part since the visit of {visit}: its series begins there."),
+        (Restart.REPAIRED, "info", "repaired at the visit of {visit}: the series begins there."),
+        (Restart.FITTED, "info", "another part since the visit of {visit}: the series begins there."),
         (
             Restart.NARROWER,
             "warning",
-            "is narrower at the visit of {visit} than at the one before, by more than measuring can be off: a repair "
-            "that no record names, or a slip. Its series begins there.",
+            "measured narrower at the visit of {visit} than at the one before, by more than measuring can be off: "
+            "a repair that no record names, or a slip. The series begins there.",
         ),
     ):
         numbers = {land.series.since for land in lands if land.series.restart is why}

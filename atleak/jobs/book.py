@@ -69,7 +69,7 @@ class JobRow:
     sample: bool
 
     @property
-    def told(self) -> str:
+    def in_words(self) -> str:
         """Return whose job it is, in words."""
         parts = (self.number, self.customer, self.date, self.plate, self.vin, self.serial)
         return ", ".join(str(part) for part in parts if part) or f"job {self.id}, which names nobody"

@@ -58,11 +58,11 @@ def _customer_number(book: Book, row: JobRow) -> str:
 def same_vehicle(book: Book, ids: Collection[str]) -> list[JobRow]:
     """Return further jobs, archived ones too, that name a VIN, plate or serial which one of these jobs names."""
     every = book.rows(Query(archived=None, limit=None))
-    told = {key for row in every if row.id in ids for key in _told_by(row)}
-    return [row for row in every if row.id not in ids and told & _told_by(row)]
+    keys = {key for row in every if row.id in ids for key in _keys_of(row)}
+    return [row for row in every if row.id not in ids and keys & _keys_of(row)]
 
 
-def _told_by(row: JobRow) -> set[tuple[str, str]]:
+def _keys_of(row: JobRow) -> set[tuple[str, str]]:
     texts = {"vin": row.vin, "plate": row.plate, "serial": row.serial}
     return {(name, key_of(text)) for name, text in texts.items() if key_of(text)}
 

@@ -40,7 +40,7 @@ class UnitSeen:
     customers: set[str] = field(default_factory=set)
 
     @property
-    def told(self) -> str:
+    def in_words(self) -> str:
         """Return the unit in words."""
         named = (("serial", self.serials), ("VIN", self.vins), ("plate", self.plates))
         said = [f"{name} {', '.join(sorted(texts))}" for name, texts in named if texts]
@@ -115,12 +115,12 @@ def part(book: Book, row: int) -> None:
         if found is None or found.merged_into is None:
             raise BookError("no unit that was merged into another one", place=Place(file=book.name), value=row)
         connection.execute(units.update().where(units.c.id == row).values(merged_into=None))
-        told: dict[int, set[str]] = defaultdict(set)
+        stated: dict[int, set[str]] = defaultdict(set)
         columns = jobs.c.id, jobs.c.serial, jobs.c.vin, jobs.c.plate, jobs.c.visit
         of_unit = visits.c.unit.in_(rows_of_unit(found.merged_into))
         for job in connection.execute(sa.select(*columns).join(visits, visits.c.id == jobs.c.visit).where(of_unit)):
-            told[job.visit].add(key_stated(job.id, serial=job.serial, vin=job.vin, plate=job.plate))
-        own = [visit for visit, keys in told.items() if keys == {found.key}]
+            stated[job.visit].add(key_stated(job.id, serial=job.serial, vin=job.vin, plate=job.plate))
+        own = [visit for visit, keys in stated.items() if keys == {found.key}]
         connection.execute(visits.update().where(visits.c.id.in_(own)).values(unit=row))
 
 

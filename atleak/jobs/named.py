@@ -40,14 +40,14 @@ def named_job(book: Book, name: str) -> str:
         expected = "an id as `atleak jobs list` shows it, its first characters, or the number of a job"
         raise BookError("the job book has no such job", place=place, value=name, expected=expected)
     if len(found) > 1:
-        told = [
+        several = [
             " ".join(str(part) for part in (row.id, row.number, row.customer, row.date or "") if part) for row in found
         ]
-        more = f" and {len(told) - _SHOWN} more" if len(told) > _SHOWN else ""
+        more = f" and {len(several) - _SHOWN} more" if len(several) > _SHOWN else ""
         raise BookError(
             f"{len(found)} jobs of the job book are called so",
             place=place,
             value=name,
-            expected=f"one of {'; '.join(told[:_SHOWN])}{more}",
+            expected=f"one of {'; '.join(several[:_SHOWN])}{more}",
         )
     return str(found[0].id)

@@ -84,7 +84,8 @@ def opened_engine(url: sa.URL) -> sa.Engine:
             engine = sa.create_engine(url, **_options(url))
         except ImportError as error:
             problem = "cannot be opened: the driver of PostgreSQL is not installed"
-            raise BookError(problem, place=Place(file=name), expected="pip install psycopg[binary]") from error
+            expected = "python -m pip install psycopg[binary], or atleak with its extra postgres"
+            raise BookError(problem, place=Place(file=name), expected=expected) from error
         if url.get_backend_name() == "sqlite":
             sa.event.listen(engine, "connect", _prepare_sqlite)
             sa.event.listen(engine, "begin", _begin_sqlite)
@@ -130,7 +131,7 @@ def shown(url: sa.URL) -> str:
 def _options(url: sa.URL) -> dict[str, Any]:
     if url.get_backend_name() == "sqlite":
         return {"connect_args": {"timeout": _WAITING, "check_same_thread": False, "isolation_level": None}}
-    return {"pool_pre_ping": True, "connect_args": {"connect_timeout": 10}}
+    return {"pool_pre_ping": True, "connect_args": {"connect_timeout": 5}}
 
 
 def _prepare_sqlite(connection: Any, _record: Any) -> None:

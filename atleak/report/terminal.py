@@ -176,12 +176,19 @@ def _short(value: float | None) -> str:
     return "–" if value is None else f"{value:.4g}"
 
 
-def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
-    """Print records as a table."""
+def print_table(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:
+    """Print records as a table.
+
+    Parameters
+    ----------
+    whole
+        columns that are never cut, besides the first: a user must be able to copy a whole id.
+    """
     table = Table(*(column.replace("_", " ") for column in columns))
-    table.columns[0].no_wrap = True  # a user must be able to copy a whole id
-    table.columns[0].overflow = "fold"
-    table.columns[0].min_width = max((len(str(row[columns[0]])) for row in rows), default=0)
+    for name, column in zip(columns, table.columns, strict=True):
+        if name in (columns[0], *whole):
+            column.no_wrap, column.overflow = True, "fold"
+            column.min_width = max((len(_cell(row[name])) for row in rows), default=0)
     for row in rows:
         table.add_row(*(Text(_cell(row[column])) for column in columns))
     TerminalConsole().print(table)

@@ -46,7 +46,7 @@ def _soonest(land: LandWear) -> tuple[float, float]:
     limit = land.next_limit
     if limit is None or limit.at is None:
         return math.inf, math.inf
-    return (limit.at.value, limit.at.low) if land.line is not None and land.line.told else (math.inf, limit.at.low)
+    return (limit.at.value, limit.at.low) if land.line is not None and land.line.certain else (math.inf, limit.at.low)
 
 
 def rate_in_words(line: WearLine | None) -> str | None:
@@ -54,7 +54,7 @@ def rate_in_words(line: WearLine | None) -> str | None:
     if line is None:
         return None
     value, low, high = (f"{each * PER_10_000 * UM:z.2f}" for each in (line.rate, *line.rate_interval()))
-    said = f"{value} ({low} to {high})" if line.told else f"{NO_WEAR} ({low} to {high})"
+    said = f"{value} ({low} to {high})" if line.certain else f"{NO_WEAR} ({low} to {high})"
     return said.replace("-", "−")
 
 

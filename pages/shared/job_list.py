@@ -198,10 +198,10 @@ def erasing(book: Book) -> None:
             if others:
                 more = f"Take {len(others)} more of {name} too"
                 st.button(more, on_click=_begin, args=([*ids, *(row.id for row in others)],), key=f"job-more-{name}")
-        whose = "\n".join(f"- {show.plain(row.told)}" for row in rows)
+        whose = "\n".join(f"- {show.plain(row.in_words)}" for row in rows)
         st.warning(f"**{WHAT_GOES}**\n\n{whose}")
         for row in same_vehicle(book, ids):
-            st.caption(f"Not erased, of the same vehicle or transmission: {show.plain(row.told)}")
+            st.caption(f"Not erased, of the same vehicle or transmission: {show.plain(row.in_words)}")
         with st.container(horizontal=True):
             st.button("Erase", type="primary", on_click=_done, args=(partial(_erase, book, ids),), key="job-erase-now")
             st.button("Keep them", on_click=_begin, args=([],), key="job-erase-not")
@@ -260,7 +260,7 @@ def suggestions(book: Book, picked: Sequence[JobRow]) -> None:
             st.write("No two units look like one.")
         for pair in (pairs or [])[:PAGE]:
             words, button = st.columns([4, 1], vertical_alignment="center")
-            words.markdown(f"{show.plain(pair.one.told)}  \n{show.plain(pair.other.told)}  \n*{pair.why}*")
+            words.markdown(f"{show.plain(pair.one.in_words)}  \n{show.plain(pair.other.in_words)}  \n*{pair.why}*")
             act = partial(_merged, book, pair.one.id, pair.other.id)
             button.button("Merge", on_click=_done, args=(act,), key=f"job-merge-{pair.one.id}-{pair.other.id}")
 

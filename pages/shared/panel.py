@@ -360,7 +360,7 @@ def _notices() -> None:
             hint = f"What was read of it, and how to have it read otherwise: page {WHERE[slot]}."
             show.refusal(label.lower(), now.refused[slot], f"{still} {hint}")
     if "job" in now.refused:
-        show.refusal("job file", now.refused["job"], "The job is as it was.")
+        show.refusal("job", now.refused["job"], "The job is as it was.")
     for slot in ("catalogue", "settings"):
         if slot in now.refused:
             show.refusal("These choices cannot be computed.", now.refused[slot], "Shown is the last job that could.")

@@ -83,6 +83,7 @@ def test_sorting_by_verdict_goes_by_severity(visit: Visit) -> None:
     assert [text.strip() for text in order] == ["✖ critical", "■ replace", "▲ watch", "● ok"]
 
 
+@pytest.mark.slow
 def test_both_files_give_the_flagged_table(page: Page, sample_readings: Path, sample_log: Path) -> None:
     wait_until_idle(page)
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
@@ -167,6 +168,7 @@ def test_a_file_that_ends_its_reader_ends_nothing_else(
     status(other, "mine.xlsx")
 
 
+@pytest.mark.slow
 def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
@@ -205,6 +207,7 @@ TWO_PRESSURES = (
 )
 
 
+@pytest.mark.slow
 def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, sample_readings: Path) -> None:
     upload(page, SHEET, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")

@@ -48,6 +48,7 @@ def type_into(page: Page, table: int, row: int, column: int, text: str) -> None:
     expect(cell).to_have_text(text)
 
 
+@pytest.mark.slow
 def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     page: Page, server: str, server_home: Path
 ) -> None:

@@ -29,7 +29,7 @@ def test_two_points_give_their_own_line_and_the_rate_is_as_sure_as_both() -> Non
     assert line.at(150_000.0) / UM == pytest.approx(34.0, abs=1e-9)
     low, high = (end * 1e4 / UM for end in line.rate_interval())
     assert (high - low) / 2.0 == pytest.approx(Z * math.sqrt(2.0) / 5.0, abs=1e-6)
-    assert line.told
+    assert line.certain
     assert line.straight
 
 
@@ -59,7 +59,7 @@ def test_the_interval_of_a_crossing_is_that_of_drawn_lines() -> None:
 def test_a_rate_that_may_be_zero_has_no_end() -> None:
     line = line_of({5e4: 24.0, 1e5: 25.0})
     at = line.reaches(40e-6, 1e5)
-    assert not line.told
+    assert not line.certain
     assert at.high == math.inf
     assert 1e5 < at.low == at.not_before < FARTHEST
 

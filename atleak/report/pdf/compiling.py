@@ -25,7 +25,7 @@ from atleak.version import __version__
 from atleak.wording import Wording
 
 STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
-_TEMPLATES = Path(__file__).parent.parent / "templates"
+TEMPLATES = Path(__file__).parent.parent / "templates"
 _UNDATED = dt.date(2000, 1, 1)  # PDF/A requires a date; today's date would make two files of one job differ
 _MISSING_NAMED = 8
 
@@ -102,7 +102,7 @@ def compile_pdf(template: str, folder: Path, data: dict[str, Any], date: dt.date
     date
         of the file; a fixed one where none is given.
     """
-    for path in _TEMPLATES.glob("*.typ"):
+    for path in TEMPLATES.glob("*.typ"):
         shutil.copy(path, folder)
     data = _cleaned(data)
     moment = dt.datetime.combine(date or _UNDATED, dt.time(), dt.UTC)

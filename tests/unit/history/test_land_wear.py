@@ -145,7 +145,7 @@ def test_a_clearance_that_falls_beyond_its_uncertainty_begins_it_anew_and_is_que
     history = wear_over_mileage(visits, limits)
     assert counted(history.land(REGULATOR)) == [(180_000.0, 19.0), (240_000.0, 22.0)]
     assert len(counted(history.land(TCC))) == 4  # 1 µm less is within what measuring can be off
-    assert text_of(history, "series_narrower").startswith("pressure_regulator/1 is narrower")
+    assert text_of(history, "series_narrower").startswith("pressure_regulator/1 measured narrower")
 
 
 def test_a_mileage_that_falls_counts_from_there_and_is_said(
@@ -182,7 +182,7 @@ def test_visits_without_mileage_or_of_another_valve_body_are_left_out_and_named(
 def test_wear_that_cannot_be_told_has_no_finite_end(visit_at: VisitAt, limits: Limits) -> None:
     visits = [visit_at(2024, 1e5, {PISTON: 20.0}), visit_at(2026, 1.1e5, {PISTON: 20.4})]
     land = wear_over_mileage(visits, limits).land(PISTON)
-    assert not land.line.told
+    assert not land.line.certain
     assert {limit.at.high for limit in land.limits} == {math.inf}
 
 

@@ -233,7 +233,7 @@ def test_what_is_no_job_file_is_refused_and_the_job_stays(app: AppTest, content:
     before = shown(app)
     open_job(app, bad, "photo.zip")
     assert not app.exception
-    assert any("photo.zip was not taken as job file" in error.value.replace("\\", "") for error in app.error)
+    assert any("photo.zip was not taken as job" in error.value.replace("\\", "") for error in app.error)
     assert shown(app) == before
     app.run()
     assert any("photo.zip" in error.value.replace("\\", "") for error in app.error)

@@ -281,6 +281,7 @@ def test_hot_idle_of_a_unit_as_mounted_stays_below_20_percent(four_speed: Contro
         assert min(gap.pressure_drop for gap in projection.gaps) > 0.0
 
 
+@pytest.mark.slow
 def test_fit_gives_the_shipped_files_again(root: Path) -> None:
     command = [sys.executable, str(root / "tools" / "fit_source_study.py"), "--check"]
     utf8 = {**os.environ, "PYTHONUTF8": "1"}
