@@ -89,20 +89,7 @@ def _picture_beside(record: Path, name: str) -> bytes:
 def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
     """Return the bytes of the zip: job record, measuring sheet, log, gauges, pictures, catalogue files, result.
 
-    Parameters
-    ----------
-    diagnosis
-        the result.
-    job
-        what the workshop wrote down.
-    case
-        the files and choices that the result follows from, the log's columns as `with_log_choices` gives them; none for
-        a unit that nobody measured or drove.
-
-    Raises
-    ------
-    InputError
-        files that are missing, or not those that the diagnosis rests on.
+    Parameters and errors are those of `job_parts`.
     """
     parts = job_parts(diagnosis, job, case)
     choices = parts.choices.model_dump_json(indent=2, exclude_defaults=True).encode()

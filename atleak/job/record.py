@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import datetime as dt
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import PurePosixPath
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
+from annotated_types import Ge, GroupedMetadata, Le
+from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
 from atleak.catalogue.pump import PumpClearances
 from atleak.repair import Goal
@@ -64,6 +66,18 @@ def _number(asked: AskedNumber, value: Any) -> Any:
     return number.value
 
 
+@dataclass(frozen=True)
+class _Asked(GroupedMetadata):
+    """A number of the record as people are asked for it: read as in a field of a page, and within its limits."""
+
+    number: AskedNumber
+
+    def __iter__(self) -> Iterator[object]:
+        low, high = self.number.limits
+        yield BeforeValidator(partial(_number, self.number))
+        yield from (Ge(low), Le(high), AllowInfNan(False))
+
+
 def picture_name(name: str) -> str:
     """Return a picture's name inside the job: relative, with ``/``, never out of the job's folder.
 
@@ -82,48 +96,14 @@ def picture_name(name: str) -> str:
 
 CleanText = Annotated[str, BeforeValidator(_text)]
 Picture = Annotated[CleanText, AfterValidator(picture_name)]
-Kilometres = Annotated[
-    float,
-    BeforeValidator(partial(_number, MILEAGE)),
-    Field(ge=MILEAGE.limits[0], le=MILEAGE.limits[1], allow_inf_nan=False),
-]
-MeasuringCelsius = Annotated[
-    float,
-    BeforeValidator(partial(_number, MEASURING_TEMPERATURE)),
-    Field(ge=MEASURING_TEMPERATURE.limits[0], le=MEASURING_TEMPERATURE.limits[1], allow_inf_nan=False),
-]
-
-
-PumpSideMicrometres = Annotated[
-    float,
-    BeforeValidator(partial(_number, PUMP_SIDE_CLEARANCE)),
-    Field(ge=PUMP_SIDE_CLEARANCE.limits[0], le=PUMP_SIDE_CLEARANCE.limits[1], allow_inf_nan=False),
-]
-PumpTipMicrometres = Annotated[
-    float,
-    BeforeValidator(partial(_number, PUMP_TIP_CLEARANCE)),
-    Field(ge=PUMP_TIP_CLEARANCE.limits[0], le=PUMP_TIP_CLEARANCE.limits[1], allow_inf_nan=False),
-]
-Price = Annotated[
-    float,
-    BeforeValidator(partial(_number, PRICE)),
-    Field(ge=PRICE.limits[0], le=PRICE.limits[1], allow_inf_nan=False),
-]
-Hours = Annotated[
-    float,
-    BeforeValidator(partial(_number, HOURS)),
-    Field(ge=HOURS.limits[0], le=HOURS.limits[1], allow_inf_nan=False),
-]
-LabourRate = Annotated[
-    float,
-    BeforeValidator(partial(_number, LABOUR_RATE)),
-    Field(ge=LABOUR_RATE.limits[0], le=LABOUR_RATE.limits[1], allow_inf_nan=False),
-]
-TaxPercent = Annotated[
-    float,
-    BeforeValidator(partial(_number, TAX)),
-    Field(ge=TAX.limits[0], le=TAX.limits[1], allow_inf_nan=False),
-]
+Kilometres = Annotated[float, _Asked(MILEAGE)]
+MeasuringCelsius = Annotated[float, _Asked(MEASURING_TEMPERATURE)]
+PumpSideMicrometres = Annotated[float, _Asked(PUMP_SIDE_CLEARANCE)]
+PumpTipMicrometres = Annotated[float, _Asked(PUMP_TIP_CLEARANCE)]
+Price = Annotated[float, _Asked(PRICE)]
+Hours = Annotated[float, _Asked(HOURS)]
+LabourRate = Annotated[float, _Asked(LABOUR_RATE)]
+TaxPercent = Annotated[float, _Asked(TAX)]
 
 
 def _currency(text: str) -> str:

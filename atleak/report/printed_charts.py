@@ -223,16 +223,7 @@ def two_visits_chart(rows: Sequence[TwoBars], label: str, say: Wording) -> str:
             for band, begins in row.levels:
                 if begins < right:
                     _sign(axes, band, begins, place - 0.5)
-            axes.annotate(
-                _drawable(shortened(row.label, _LETTERS)),
-                (0.0, place),
-                xytext=(-5, 0),
-                textcoords="offset points",
-                ha="right",
-                va="center",
-                fontsize=7.5,
-                parse_math=False,
-            )
+            _row_name(axes, row.label, place)
         axes.set_yticks([])
         axes.set_ylim(-0.65, len(rows) - 0.55)
         axes.set_xlim(0.0, right)
@@ -343,16 +334,7 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
                 fontsize=7,
             )
             name = say("held.line") if each.circuit is None else each.circuit.name
-            axes.annotate(
-                _drawable(shortened(name, _LETTERS)),
-                (0.0, place),
-                xytext=(-5, 0),
-                textcoords="offset points",
-                ha="right",
-                va="center",
-                fontsize=7.5,
-                parse_math=False,
-            )
+            _row_name(axes, name, place)
         axes.set_yticks([])
         axes.set_ylim(-0.6, len(held) - 0.4)
         largest = max(max(each.now, each.new, *(each.interval or ()), *_permissible(each)) for each in held)
@@ -382,6 +364,20 @@ def _marks(axes: Axes, held: HeldPressure, place: float) -> None:
     for level, pressure in held.limits if held.circuit else ():
         if pressure > 0.0:
             _sign(axes, level, pressure * KPA, place)
+
+
+def _row_name(axes: Axes, name: str, place: float) -> None:
+    """Write the name of a row to the left of the axis."""
+    axes.annotate(
+        _drawable(shortened(name, _LETTERS)),
+        (0.0, place),
+        xytext=(-5, 0),
+        textcoords="offset points",
+        ha="right",
+        va="center",
+        fontsize=7.5,
+        parse_math=False,
+    )
 
 
 def _sign(axes: Axes, level: Verdict | Band | str, x: float, y: float) -> None:

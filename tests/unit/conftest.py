@@ -256,3 +256,17 @@ def worn_clutch(
     clearances = {("2", 1): 35e-6, ("2", 2): 35e-6}
     readings = with_clearances(three_circuits, readings_of, clearances)
     return diagnose(three_circuits, hipol, limits, readings=readings)
+
+
+def at_wear(controller: Controller, **wear: float) -> dict[tuple[str, int], tuple[float, float]]:
+    """Diameters of the first land of some components at a given wear."""
+    diameters = {}
+    for component, fraction in wear.items():
+        land = controller.land(component, 1)
+        clearance = land.mounting_clearance * (1.0 + fraction)
+        diameters[component, 1] = (land.nominal_diameter, land.nominal_diameter + 2.0 * clearance)
+    return diameters
+
+
+def codes(diagnosis: Diagnosis) -> set[str]:
+    return {message.code for message in diagnosis.messages}
