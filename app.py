@@ -9,13 +9,14 @@ from pages.shared import book, panel
 HERE = Path(__file__).parent
 
 st.set_page_config("atleak", page_icon=HERE / "pages" / "shared" / "icon.svg", layout="wide")
-# A page's number gives its place. Those from ten on are about the job book, and those in BESIDE about no job at all.
-BESIDE = (6, 7, 9)
+# A page's number gives its place: a job's way up to nine, from ten on the job book, from twenty on the rare ones.
+GROUPS = ("", "Job book", "More")
 page_files = {int(path.stem.partition("_")[0]): path for path in (HERE / "pages").glob("[0-9]*_*.py")}
-groups: dict[str, list[st.Page]] = {"": [], "Job book": [], "Reference": []}
+groups: dict[str, list[st.Page]] = {group: [] for group in GROUPS}
 for number, path in sorted(page_files.items()):
-    group = "Reference" if number in BESIDE else "" if number < 10 else "Job book"
-    groups[group].append(st.Page(path, title=path.stem.partition("_")[2].replace("_", " ")))
+    title = path.stem.partition("_")[2].replace("_", " ")
+    shown = "visible" if number else "hidden"  # the first is where the bare address leads
+    groups[GROUPS[number // 10]].append(st.Page(path, title=title, default=not number, visibility=shown))
 page = st.navigation(groups, position="top")
 panel.draw()
 try:

@@ -1,4 +1,4 @@
-"""Give words and numbers in a reader's language, from one file of texts per language."""
+"""Give words and numbers in a reader's language, from one folder of texts per language."""
 
 from __future__ import annotations
 
@@ -93,8 +93,8 @@ class Wording:
 
 
 def languages() -> tuple[str, ...]:
-    """Return the codes of the languages that reports are written in."""
-    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+    """Return the codes of the languages that atleak speaks."""
+    return tuple(sorted(path.name for path in _FOLDER.iterdir() if path.is_dir()))
 
 
 @cache
@@ -109,7 +109,13 @@ def wording(language: str) -> Wording:
     known = languages()
     if language not in known:
         raise unknown("no report in this language", language, known)
-    return Wording(language, tomllib.loads((_FOLDER / f"{language}.toml").read_text(encoding="utf-8")))
+    texts: dict[str, Any] = {}
+    for path in sorted((_FOLDER / language).glob("*.toml")):
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        twice = texts.keys() & tables.keys()
+        assert not twice, f"{path.name} of {language} names tables of another file: {sorted(twice)}"
+        texts |= tables
+    return Wording(language, texts)
 
 
 def value_names(names: Iterable[str]) -> str:

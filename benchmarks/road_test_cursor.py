@@ -45,7 +45,7 @@ def main(chosen: argparse.Namespace) -> None:
         start = Path(folder) / "main.py"  # the harness takes a script beside pages/ for an app without navigation
         start.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
         page = AppTest.from_file(str(start), default_timeout=60).run()
-        page.switch_page(str(ROOT / "pages" / "4_Road_test.py")).run()
+        page.switch_page(str(ROOT / "pages" / "3_Road_test.py")).run()
         _measure(page, SMALL if chosen.small else ROUNDS)
 
 

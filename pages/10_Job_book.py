@@ -20,7 +20,7 @@ try:
         st.switch_page(panel.PAGES / f"{page}.py", query_params=parameters)
     job_list.erasing(jobs)
     if st.button("New job", on_click=new_job, help="An empty job; this one stays in the book."):
-        st.switch_page(panel.PAGES / "1_Diagnosis.py")
+        st.switch_page(panel.PAGES / "4_Diagnosis.py")
     job_list.taken_in(jobs)
     job_list.suggestions(jobs, picked)
 except BookError as error:

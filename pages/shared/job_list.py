@@ -139,7 +139,7 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
         )
         st.button("Erase the customer …", on_click=_begin, args=(ids,), disabled=not ids, key="job-erase")
     if opened and job_id() in ids:
-        return "1_Diagnosis", {}
+        return "4_Diagnosis", {}
     if unit:
         return "11_Unit", {"unit": str(picked[0].unit)}
     if both:

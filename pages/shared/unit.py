@@ -118,7 +118,7 @@ def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
         compared = st.button("Compare with the visit before", disabled=place == 0)
     if compared:
         return "12_Compare", {"before": list(jobs)[place - 1], "after": id}
-    return ("1_Diagnosis", {}) if opened and job_id() == id else None
+    return ("4_Diagnosis", {}) if opened and job_id() == id else None
 
 
 def _open(id: str) -> None:

@@ -147,6 +147,6 @@ def page(
 ) -> playwright_api.Page:
     """The dashboard, freshly opened on the sample job: on the page of the test's mark, else on the diagnosis."""
     mark = request.node.get_closest_marker("page")
-    opened = visit(server if mark is None else f"{server}/{mark.args[0][2:]}")
+    opened = visit(f"{server}/{mark.args[0].partition('_')[2] if mark else 'Diagnosis'}")
     opened.get_by_text("Sample job: representative data").wait_for()
     return opened

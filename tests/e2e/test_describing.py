@@ -52,7 +52,7 @@ def type_into(page: Page, table: int, row: int, column: int, text: str) -> None:
 def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     page: Page, server: str, server_home: Path
 ) -> None:
-    from_menu(page, "Reference", "Transmission")
+    from_menu(page, "More", "Transmission")
     page.get_by_role("combobox", name="Start from").click()
     page.keyboard.type(EXAMPLE)
     page.keyboard.press("Enter")
@@ -71,7 +71,7 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
 
     page.get_by_role("link", name="Readings").click()
     expect(page.get_by_role("heading", name="Readings")).to_be_visible()
-    from_menu(page, "Reference", "Transmission")
+    from_menu(page, "More", "Transmission")
     expect(page.get_by_text("our_box_2012")).to_be_visible()
     page.reload()  # a new session
     expect(page.get_by_text("our_box_2012")).to_be_visible()

@@ -96,7 +96,7 @@ def write(fold: Locator, label: str, text: str) -> None:
     box.press("Enter")
 
 
-@pytest.mark.page("5_Report")
+@pytest.mark.page("6_Report")
 @pytest.mark.parametrize("delay", [60, pytest.param(100, marks=pytest.mark.slow)])
 def test_a_vehicle_typed_with_tab_stands_in_its_fields(page: Page, delay: int) -> None:
     wait_until_idle(page)
@@ -132,7 +132,7 @@ def test_a_vehicle_typed_in_another_order_is_printed_where_it_belongs(page: Page
     assert "Fault codes" not in first
 
 
-@pytest.mark.page("5_Report")
+@pytest.mark.page("6_Report")
 def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
     wait_until_idle(page)
     field(page, "Make").click()
@@ -272,7 +272,7 @@ def gauge(page: Page, cell: str) -> Locator:
     return page.get_by_role("textbox", name=f"{cell} [kPa]", exact=True)
 
 
-@pytest.mark.page("8_Pressures")
+@pytest.mark.page("20_Pressures")
 def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page) -> None:
     wait_until_idle(page)
     values = {

@@ -98,7 +98,7 @@ def test_a_level_is_added_in_three_places_and_every_renderer_shows_it(root: Path
         ("verdicts.py", '    WATCH = "watch"\n', ADDED_LEVEL),
         ("look.py", "    Verdict.REPLACE: Look(", ADDED_LOOK),
         *(
-            (f"texts/{name}.toml", f"[{table}]\n", f'[{table}]\nsoon = "{words}"\n')
+            (f"texts/{name}/report.toml", f"[{table}]\n", f'[{table}]\nsoon = "{words}"\n')
             for name in languages()
             for table, words in (("verdicts", "repair soon"), ("sentences", "Soon: {flagged} of {measured}, {total}."))
         ),

@@ -13,16 +13,18 @@ import pypdfium2
 from atleak.wording import languages
 
 
-def test_a_language_is_added_as_one_file_and_the_command_line_prints_it(root: Path, tmp_path: Path) -> None:
+def test_a_language_is_added_as_one_folder_and_the_command_line_prints_it(root: Path, tmp_path: Path) -> None:
     added = "xx"
     assert added not in languages()
     copy = tmp_path / "copy"
     shutil.copytree(root / "atleak", copy / "atleak", ignore=shutil.ignore_patterns("__pycache__"))
-    english = (root / "atleak" / "texts" / "en.toml").read_text(encoding="utf-8")
+    spoken = copy / "atleak" / "texts" / added
+    shutil.copytree(root / "atleak" / "texts" / "en", spoken)
+    english = (spoken / "report.toml").read_text(encoding="utf-8")
     old = 'report = "Internal leakage of a valve body"'
     assert english.count(old) == 1
     texts = english.replace(old, 'report = "Fugas internas de la caja de válvulas"')
-    (copy / "atleak" / "texts" / f"{added}.toml").write_text(texts, encoding="utf-8")
+    (spoken / "report.toml").write_text(texts, encoding="utf-8")
     report = tmp_path / "report.pdf"
     sheet = root / "sample_data" / "measuring_sheet_four_speed.xlsx"
     command = [sys.executable, "-m", "atleak", "diagnose", str(sheet), "--pdf", str(report), "--language", added]

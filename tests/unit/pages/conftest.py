@@ -35,7 +35,7 @@ def app(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_pat
     main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
     opened = AppTest.from_file(str(main), default_timeout=240)
     mark = request.node.get_closest_marker("page")
-    return opened.run() if mark is None else go(opened, *mark.args)
+    return go(opened, *(mark.args if mark else ("4_Diagnosis",)))
 
 
 def go(app: AppTest, page: str) -> AppTest:

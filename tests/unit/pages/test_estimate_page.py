@@ -35,7 +35,7 @@ def test_what_is_typed_of_a_line_stays_on_every_page_and_counts_in_the_sums(app:
     (sums,) = [table.value for table in app.dataframe if "Net" in table.value]
     assert list(sums["Parts"]) == ["≥ 61.55", "–"]  # of the lines that are only proposed no price is known
     assert list(sums["Work"]) == ["≥ 119.38", "–"]
-    go(app, "5_Report")
+    go(app, "6_Report")
     assert app.session_state["job-record"].repair_decisions == job.repair_decisions
     assert "To be replaced, and nothing is decided yet" in texts(app)  # the first is only proposed
     go(app, "13_Estimate")
@@ -44,7 +44,7 @@ def test_what_is_typed_of_a_line_stays_on_every_page_and_counts_in_the_sums(app:
     assert [fields(app, name)[0].value for name in ("Price", "Work", "Labour rate")] == ["61,55", "1,25", "95,50"]
 
 
-@pytest.mark.page("5_Report")
+@pytest.mark.page("6_Report")
 def test_a_record_with_a_decision_on_a_land_that_the_valve_body_lacks_is_refused_by_name(app: AppTest) -> None:
     uploader = next(widget for widget in app.file_uploader if widget.label == "Job record")
     record = b'[[repair_decisions]]\ncomponent = "25"\nland = 9\n'

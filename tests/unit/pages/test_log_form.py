@@ -11,7 +11,7 @@ from atleak.job.case import SourceFile
 
 from .conftest import ROOT, go, texts, uploader
 
-pytestmark = pytest.mark.page("4_Road_test")
+pytestmark = pytest.mark.page("3_Road_test")
 
 TWO_PRESSURES = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
@@ -106,7 +106,7 @@ def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
     less = largest()
     assert less < 2.6
     go(app, "2_Readings")
-    go(app, "4_Road_test")
+    go(app, "3_Road_test")
     assert app.main.slider[0].value == (8.0, 12.0)
     assert largest() == less
 
@@ -118,7 +118,7 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
     assert not app.exception
     go(app, "2_Readings")
-    go(app, "4_Road_test")
+    go(app, "3_Road_test")
     assert "after.csv" in texts(app)
     assert next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").value == "1,25"
     next(widget for widget in app.button if widget.label == "Take it away").click().run()
@@ -132,7 +132,7 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     "page",
     [
         pytest.param(page, marks=pytest.mark.page(page))
-        for page in ("1_Diagnosis", "4_Road_test", "5_Report", "2_Readings", "3_Uncertainty")
+        for page in ("4_Diagnosis", "3_Road_test", "6_Report", "2_Readings", "21_Uncertainty")
     ],
 )
 @pytest.mark.parametrize("kept", [6, 2], ids=["whole", "without main pressure"])
@@ -148,7 +148,7 @@ def columns_of(log: Path, kept: int) -> bytes:
     return "\n".join(";".join(line.split(";")[:kept]) for line in lines).encode()
 
 
-@pytest.mark.page("1_Diagnosis")
+@pytest.mark.page("4_Diagnosis")
 def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Path) -> None:
     low = [line.split(";") for line in sample_log.read_text(encoding="utf-8").splitlines()]
     rows = [";".join(low[0]), *(";".join([*row[:2], f"{0.4 * float(row[2]):.2f}", *row[3:]]) for row in low[1:])]
@@ -162,13 +162,13 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     assert "Main pressure is low in every gear and state that was judged" in texts(app)
     assert "(choice of this project)" in texts(app)
     assert "that of a unit with every pair new" in texts(app)
-    go(app, "4_Road_test")
+    go(app, "3_Road_test")
     assert "✖ critical" in texts(app)
     assert app.dataframe[1].value["state"].tolist() == ["idle", *["driving"] * 4]
     assert "minimum-acceleration test" in app.dataframe[2].value["event"].tolist()
 
 
-@pytest.mark.page("1_Diagnosis")
+@pytest.mark.page("4_Diagnosis")
 def test_a_log_without_main_pressure_is_taken_and_says_what_to_gauge(app: AppTest, sample_log: Path) -> None:
     uploader(app, "Road-test log").upload("phone.csv", columns_of(sample_log, 2), "text/csv").run()
     assert not app.exception

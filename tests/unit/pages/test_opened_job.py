@@ -156,7 +156,7 @@ def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content:
     assert not [error.value for error in app.error if "not taken" in error.value]
     expected = diagnosis_record(diagnosis)
     assert shown(app) == expected
-    go(app, "1_Diagnosis")
+    go(app, "4_Diagnosis")
     app.run()
     assert shown(app) == expected
 

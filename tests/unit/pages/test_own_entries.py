@@ -23,7 +23,7 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     choice(app, "Valve body").select("my_box").run()
     assert not app.exception
     assert "no land is measured" in texts(app)
-    go(app, "7_Catalogue")
+    go(app, "26_Catalogue")
     assert not app.exception
     assert "torn.toml: is not valid TOML" in texts(app)
 
@@ -33,6 +33,6 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     assert "my_box.toml: is not valid TOML" in texts(app)
     assert "Shown is the last job that could." in texts(app)
     path.unlink()
-    go(app, "1_Diagnosis")
+    go(app, "4_Diagnosis")
     assert not app.exception
     assert "no land is measured" in texts(app)

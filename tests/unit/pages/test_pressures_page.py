@@ -15,7 +15,7 @@ from pages.shared.pressure_form import UNITS
 
 from .conftest import choice, go, texts, uploader
 
-PAGE = "8_Pressures"
+PAGE = "20_Pressures"
 pytestmark = pytest.mark.page(PAGE)
 
 
@@ -55,7 +55,7 @@ def test_what_is_typed_is_a_job_of_its_own_and_the_sample_goes(page: AppTest) ->
     assert case.readings is None
     assert case.road_test is None
     assert b"R;stall;line;1500" in case.pressures.content
-    go(page, "1_Diagnosis")
+    go(page, "4_Diagnosis")
     assert not page.exception
 
 

@@ -31,7 +31,7 @@ def five_speed(app: AppTest, root: Path) -> AppTest:
     choice(app, "Valve body").select("five_speed_2005").run()
     sheet = root / "sample_data" / "measuring_sheet_five_speed.xlsx"
     uploader(app, "Measuring sheet").upload(sheet.name, sheet.read_bytes(), "application/x").run()
-    return go(app, "1_Diagnosis")
+    return go(app, "4_Diagnosis")
 
 
 def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed: AppTest) -> None:
@@ -84,13 +84,13 @@ def test_the_flow_is_drawn_and_stands_as_a_table(five_speed: AppTest) -> None:
     assert rows["From"].str.startswith("main pressure p_g").any()
 
 
-@pytest.mark.page("1_Diagnosis")
+@pytest.mark.page("4_Diagnosis")
 def test_a_valve_body_without_circuits_says_so_in_one_sentence(app: AppTest) -> None:
     assert "This valve body's file describes no circuits: only the line is judged." in texts(app)
     assert not any("Lands that cost it" in frame.value for frame in app.dataframe)
 
 
-@pytest.mark.page("1_Diagnosis")
+@pytest.mark.page("4_Diagnosis")
 def test_without_a_sheet_no_pressure_is_green(app: AppTest) -> None:
     choice(app, "Valve body").select("five_speed_2005").run()
     assert not app.exception

@@ -17,7 +17,7 @@ from atleak.report.pdf.body import SECTIONS
 
 from .conftest import ROOT, go
 
-pytestmark = pytest.mark.page("5_Report")
+pytestmark = pytest.mark.page("6_Report")
 
 
 def field(app: AppTest, label: str):
@@ -36,7 +36,7 @@ def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
     field(app, "Complaint").set_value("late 1-2 shift: 12.715")
     app.run()
     go(app, "2_Readings")
-    go(app, "5_Report")
+    go(app, "6_Report")
     assert not app.exception
     assert field(app, "Job number").value == "A-17"
     assert field(app, "Complaint").value == "late 1-2 shift: 12.715"
@@ -48,7 +48,7 @@ def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTes
     def measured() -> str:
         go(app, "2_Readings")
         (said,) = [caption.value for caption in app.caption if "Temperature of measuring" in caption.value]
-        go(app, "5_Report")
+        go(app, "6_Report")
         return said
 
     assert "assumed 20 °C" in measured()
@@ -79,7 +79,7 @@ def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
     assert job.fault_codes == ("P0730", "P0741")
     assert job.repair_decisions[0].reason == "too dear"
     go(app, "2_Readings")
-    go(app, "5_Report")
+    go(app, "6_Report")
     assert app.session_state["job-record"].repair_decisions == job.repair_decisions
 
 
@@ -137,7 +137,7 @@ def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     job: Job = app.session_state["job-record"]
     assert list(job.pictures) == ["photos/a.png"]
     go(app, "2_Readings")
-    go(app, "5_Report")
+    go(app, "6_Report")
     assert list(app.session_state["job-record"].pictures) == ["photos/a.png"]
 
 

@@ -13,7 +13,7 @@ testing = pytest.importorskip("streamlit.testing.v1")
 
 @pytest.fixture
 def page(root: Path):
-    app = testing.AppTest.from_file(str(root / "pages" / "6_Source_study.py"), default_timeout=240)
+    app = testing.AppTest.from_file(str(root / "pages" / "28_Source_study.py"), default_timeout=240)
     app.session_state["framed"] = True  # as app.py has it before it runs a page
     return app
 

@@ -16,7 +16,7 @@ from pages.shared.transmission_tables import STEPS
 from .conftest import choice, go, texts
 from .test_learn_form import sheets
 
-PAGE = "9_Transmission"
+PAGE = "27_Transmission"
 
 
 def labelled(elements: Any, label: str) -> Any:
@@ -54,7 +54,7 @@ def test_a_copy_is_named_kept_saved_used_and_edited_again(app: AppTest) -> None:
     labelled(app.text_input, "Gears *").set_value("x").run()
     assert "cannot be read (found 'x')" in texts(app)
     assert labelled(app.button, "Save as own file").disabled
-    go(app, "1_Diagnosis")
+    go(app, "4_Diagnosis")
     go(app, PAGE)
     assert labelled(app.text_input, "Gears *").value == "x"
     labelled(app.text_input, "Gears *").set_value("R 1 2 3 4").run()

@@ -30,7 +30,7 @@ def saved(book: Book, sleeve: float, year: int, mileage: float, **record: Any) -
     return book.save(job_parts(case.diagnose(), job, case)).id
 
 
-@pytest.mark.page("7_Catalogue")
+@pytest.mark.page("26_Catalogue")
 def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest) -> None:
     book = open_book()
     declined = {"component": "tcc_regulator", "land": 1, "decision": "declined", "reason": "too dear", "work": "sleeve"}

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import io
 import re
-import tomllib
 import unicodedata
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -19,7 +17,6 @@ import pypdfium2
 import pytest
 from PIL import Image
 
-import atleak.wording
 from atleak.catalogue.controller_reading import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.diagnosis import diagnose
@@ -35,8 +32,6 @@ from atleak.uncertainty import Assumptions
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.wear_line import Crossing
 from atleak.wording import languages, wording
-
-TEXTS = Path(atleak.wording.__file__).parent / "texts"
 
 # the first of the hostile texts at once, the others in the longer round
 FIRST_AND_THE_REST = pytest.mark.parametrize(
@@ -317,7 +312,7 @@ def test_the_method_says_what_the_profile_counts(worn, language, profile, said):
 
 
 def test_languages_have_the_same_keys_and_places():
-    english = tomllib.loads((TEXTS / "en.toml").read_text(encoding="utf-8"))
+    english = wording("en").texts
 
     def places(texts: dict) -> dict[tuple[str, str], list[str]]:
         tables = {name: table for name, table in texts.items() if isinstance(table, dict)}
@@ -328,7 +323,7 @@ def test_languages_have_the_same_keys_and_places():
         }
 
     for language in languages():
-        assert places(tomllib.loads((TEXTS / f"{language}.toml").read_text(encoding="utf-8"))) == places(english)
+        assert places(wording(language).texts) == places(english)
 
 
 def test_hostile_text_stays_text(worn, hostile):
