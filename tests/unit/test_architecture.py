@@ -61,7 +61,7 @@ FLOORS = (
         "report.controller_workbook",
         "report.lands_sheet",
     ),
-    ("job.decisions",),
+    ("job.decisions", "job.kinds", "job.steps"),
     ("job.estimate",),
     ("report.estimate_words",),
     ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet", "report.comparison_terminal"),
