@@ -60,10 +60,10 @@ def table_kind(data: bytes, controller: Controller) -> Table:
         sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)))
     except ReadingsError:
         return Table.READINGS if is_workbook else Table.ROAD_TEST
-    if any(map(diameters, sheets)):
-        return Table.READINGS
     if describes_controller(sheets):
         return Table.CONTROLLER
+    if any(map(diameters, sheets)):
+        return Table.READINGS
     if gauge_table.find_tabs(sheets, controller).tables:
         return Table.PRESSURES
     return Table.ROAD_TEST if any(sheet.rows for sheet in sheets) else Table.READINGS

@@ -53,8 +53,9 @@ def is_workbook(path: str | Path) -> bool:
 
 
 def describes_controller(sheets: Sequence[Sheet]) -> bool:
-    """Return whether these sheets of a workbook are those that describe a valve body."""
-    return bool(_matched([sheet for sheet in sheets if not sheet.is_text], Description()).keys() - {HEAD.name})
+    """Return whether these sheets of a workbook describe a valve body: every sheet is there that one needs."""
+    matched = _matched([sheet for sheet in sheets if not sheet.is_text], Description())
+    return all(sheet.name in matched for sheet in SHEETS if sheet.needed)
 
 
 def read_controller_workbook(source: str | Path | bytes, *, name: str | None = None) -> DescribedController:

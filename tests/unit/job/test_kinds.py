@@ -10,8 +10,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import KINDS, catalogue_files
-from atleak.diagnosis import Diagnosis
-from atleak.job.case import SourceFile
+from atleak.job.case import Case, SourceFile
 from atleak.job.file import write_job_file
 from atleak.job.kinds import Kind, kind_of, slots_of
 from atleak.report.controller_workbook import write_controller_workbook
@@ -58,8 +57,9 @@ def test_templates_and_samples_are_told(minimal: Controller, sample_readings: Pa
     assert kind_of(SourceFile("a", sample_log.read_bytes()), minimal) is Kind.ROAD_TEST
 
 
-def test_a_job_file_is_told(worn: Diagnosis, minimal: Controller) -> None:
-    assert kind_of(SourceFile("a.xlsx", write_job_file(worn)), minimal) is Kind.JOB
+def test_a_job_file_is_told(minimal: Controller) -> None:
+    job_file = write_job_file(Case(controller="minimal_example").diagnose())
+    assert kind_of(SourceFile("a.xlsx", job_file), minimal) is Kind.JOB
 
 
 @pytest.mark.parametrize("folder", KINDS)
