@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from pages.shared import book, panel
+from pages.shared import book, panel, reader
 
 HERE = Path(__file__).parent
 
@@ -20,6 +20,7 @@ for number, path in sorted(page_files.items()):
     else:  # where the bare address leads
         groups[""].append(st.Page(path, title=title, default=True, visibility="hidden"))
 page = st.navigation(groups, position="top")
+reader.mark_page()
 panel.draw()
 try:
     page.run()
