@@ -42,8 +42,7 @@ class Typed:
     entries: Mapping[Cell, Entry] = field(default_factory=dict)
     plan: Plan = Plan()  # noqa: RUF009  frozen, so safe to share
     unit: str = BASE_UNIT  # of the entries that name none
-    sheet: Readings | None = (
-        None  # its head, its lands' lengths and its unworn ends stay; its readings are in the cells
+    sheet: Readings | None = None  # gone on from: its head, lengths and unworn ends; its readings are in the cells
     )
     earlier: tuple[Mapping[Cell, Entry], ...] = field(default=(), compare=False)
 

@@ -1,7 +1,7 @@
 """Typed entries as the measuring sheet in which a job keeps them: text, every sign as it was typed.
 
-`atleak.intake.readings.read_readings` reads it as any other sheet. A column says of every row whether it counts, so that
-nothing doubtful enters a verdict, and nothing typed is lost.
+`atleak.intake.readings.read_readings` reads it as any other sheet. A column says of every row whether it counts, so
+that nothing that cannot be a reading enters a verdict, and nothing typed is lost.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
         TypeError,
         StopIteration,
         csv.Error,
-    ):  # somebody has edited it: a sheet as any other
+    ):  # somebody has edited it
         return None
     if any(controller.land_of_plane(cell.component, cell.plane) is None for cell in entries):
         return None

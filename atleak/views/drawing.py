@@ -120,11 +120,9 @@ def _measured_spool(
     for land, left, width in _places(lands, centre, scale):
         for number, plane in enumerate(land.planes):
             x = left + width * (number + 1) / (len(land.planes) + 1)
-            parts.append(
-                f'<g data-plane="{escape(plane)}"><path d="M{x:.1f} {middle - reach - 26:.1f}V{middle + reach + 26:.1f}" '
-                f'stroke="{PAPER.ink}" stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
-            )
-            parts.append(svg_text(x, middle - reach - 34, plane, 18, bold=True) + "</g>")
+            line = _axis_line(f"{x:.1f} {middle - reach - 26:.1f}", f"{x:.1f} {middle + reach + 26:.1f}")
+            label = svg_text(x, middle - reach - 34, plane, 18, bold=True)
+            parts.append(f'<g data-plane="{escape(plane)}">{line}{label}</g>')
         parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
     parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
     parts.append(_end_view(directions, _WIDTH - room / 2.0, middle))
@@ -139,12 +137,13 @@ def _end_view(directions: Sequence[float], x: float, y: float) -> str:
     for angle in directions:
         across, up = math.sin(math.radians(angle)), math.cos(math.radians(angle))
         ends = [f"{x + far * across:.1f} {y - far * up:.1f}" for far in (-62.0, 62.0)]
-        parts.append(
-            f'<g data-direction="{angle:g}"><path d="M{ends[0]}L{ends[1]}" stroke="{PAPER.ink}" stroke-width="1.2" '
-            'stroke-dasharray="10 3 2 3"/>'
-        )
-        parts.append(svg_text(x + 80.0 * across, y + 6.0 - 80.0 * up, f"{angle:g}°", 18, bold=True) + "</g>")
+        label = svg_text(x + 80.0 * across, y + 6.0 - 80.0 * up, f"{angle:g}°", 18, bold=True)
+        parts.append(f'<g data-direction="{angle:g}">{_axis_line(*ends)}{label}</g>')
     return "".join(parts)
+
+
+def _axis_line(start: str, end: str) -> str:
+    return f'<path d="M{start}L{end}" stroke="{PAPER.ink}" stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
 
 
 def on_dark(drawing: str) -> str:

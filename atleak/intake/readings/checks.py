@@ -146,7 +146,7 @@ def _off_problem(readings: Readings, reading: Reading, land: Land, ratio: float,
         what,
         place=reading.place,
         value=_written(readings, reading.diameter),
-        expected=f"about {_written(readings, land.nominal_of(reading.part))} (component {land.component} land {land.land})",
+        expected=_about(readings, land, reading),
     )
 
 
@@ -167,9 +167,13 @@ def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, c
         f"{text}: a wrong unit{f' ({fits}?)' if fits else ''}",
         place=first.place,
         value=_written(readings, first.diameter),
-        expected=f"about {_written(readings, land.nominal_of(first.part))} (component {land.component} land {land.land}); "
+        expected=f"{_about(readings, land, first)}; "
         f"{f'if the numbers are in {fits}, state that unit' if fits else 'check the unit in the heading'}",
     )
+
+
+def _about(readings: Readings, land: Land, reading: Reading) -> str:
+    return f"about {_written(readings, land.nominal_of(reading.part))} (component {land.component} land {land.land})"
 
 
 def _times(factor: float) -> str:
