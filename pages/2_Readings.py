@@ -4,9 +4,9 @@ import streamlit as st
 
 from atleak.figures import diagnosis_figures as figures
 from atleak.report.measuring_sheet import write_template
-from atleak.views.clearances import clearance_rows
+from atleak.views.clearances import CLEARANCE_COLUMNS, clearance_rows
 from atleak.views.sentences import measuring_temperature
-from pages.shared import measuring_form, panel, reader, sheet_form, show, words
+from pages.shared import measuring_form, panel, reader, sheet_form, show
 
 case, diagnosis = panel.shown()
 say, controller, readings = reader.say(), diagnosis.controller, diagnosis.readings
@@ -22,7 +22,7 @@ with st.container():  # one element whatever is said: the grid below keeps its p
         st.caption(show.plain(say("readings.measured_at", temperature=measuring_temperature(diagnosis, say))))
 
 typing, clearances = st.tabs(
-    [say("readings.typing"), say("readings.clearances")], key=f"readings-{reader.say().language}", on_change="rerun"
+    [say("readings.typing"), say("readings.clearances")], key=f"readings-{say.language}", on_change="rerun"
 )
 if typing.open:
     with typing:
@@ -47,11 +47,11 @@ if clearances.open:
             "not_fully_measured": [land for land in diagnosis.lands if land.state.status != "measured"],
         }.get(kind or "all", diagnosis.lands)
         if chosen:
-            show.rows_table(words.clearance_cells(controller, clearance_rows(chosen), say), words.CLEARANCE_COLUMNS)
+            show.rows_table(clearance_rows(chosen, controller, say), CLEARANCE_COLUMNS)
             st.caption(say("readings.columns"))
             st.subheader(say("readings.wear"))
             show.chart(figures.wear(diagnosis, chosen), "wear")
         else:
             st.write(say("readings.no_lands"))
 if controller.representative:
-    st.info(f"**Representative:** {show.plain(controller.representative)}")
+    st.info(f"**{say('readings.representative')}** {show.plain(controller.representative)}")

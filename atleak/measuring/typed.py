@@ -43,7 +43,6 @@ class Typed:
     plan: Plan = Plan()  # noqa: RUF009  frozen, so safe to share
     unit: str = BASE_UNIT  # of the entries that name none
     sheet: Readings | None = None  # gone on from: its head, lengths and unworn ends; its readings are in the cells
-    )
     earlier: tuple[Mapping[Cell, Entry], ...] = field(default=(), compare=False)
 
     @classmethod

@@ -113,7 +113,12 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
         )
         most = max(len(land.planes) for land in controller.lands)
         if most > 1:
-            ask(st, "planes", [None, *range(1, most)], lambda count: say("measuring.all") if count is None else str(count))
+            ask(
+                st,
+                "planes",
+                [None, *range(1, most)],
+                lambda count: say("measuring.all") if count is None else str(count),
+            )
         st.multiselect(
             say("measuring.lands"),
             [land.key for land in controller.lands],
