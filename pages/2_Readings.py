@@ -21,6 +21,7 @@ with st.container():  # one element whatever is said: the grid below keeps its p
         st.markdown(f"**{show.plain(readings.file)}** {show.plain(readings.sheet or '')} · {show.plain(said)}")
         st.caption(show.plain(say("readings.measured_at", temperature=measuring_temperature(diagnosis, say))))
 
+sheet_form.draw(case)
 typing, clearances = st.tabs(
     [say("readings.typing"), say("readings.clearances")], key=f"readings-{say.language}", on_change="rerun"
 )
@@ -34,7 +35,6 @@ if typing.open:
             on_click="ignore",
             help=say("readings.template_help"),
         )
-        sheet_form.draw(case)
 if clearances.open:
     with clearances:
         show.sheet_messages(diagnosis)

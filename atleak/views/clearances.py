@@ -13,9 +13,9 @@ from atleak.workshop_units import MM, PERCENT, UM
 
 CLEARANCE_COLUMNS = (
     Column("verdict", VERDICT, width=104),
-    Column("component", width=96),
-    Column("land", digits=0, width=52),
-    Column("wear", "percent", 1, width=74),
+    Column("component", width=140),
+    Column("land", digits=0, width=64),
+    Column("wear", "percent", 1, width=82),
     Column("clearance", "clearance", width=104),
     Column("mounting", "clearance", width=104),
     Column("spool_diameter", "length", 4),

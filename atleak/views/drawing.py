@@ -85,7 +85,7 @@ def measuring_svg(
     directions: Sequence[float],
     verdicts: Mapping[tuple[str, int], str] | None = None,
 ) -> str:
-    """Draw the same with the directions of measuring beside it, seen along the axis.
+    """Draw the same without its name, with the directions of measuring beside it, seen along the axis.
 
     Every plane bears its name as ``data-plane`` and every direction its angle as ``data-direction``, so that a page can
     light the ones that are measured now.
@@ -124,7 +124,8 @@ def _measured_spool(
             label = svg_text(x, middle - reach - 34, plane, 18, bold=True)
             parts.append(f'<g data-plane="{escape(plane)}">{line}{label}</g>')
         parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
-    parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
+    if not directions:  # a page that lights planes and directions has a heading of its own
+        parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
     parts.append(_end_view(directions, _WIDTH - room / 2.0, middle))
     return "".join((*parts, "</svg>"))
 

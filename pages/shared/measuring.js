@@ -204,6 +204,12 @@ class Grid {
             else this.undo()
         } else if (held) return
         else if (event.key === "Escape") this.restore(input, name)
+        else if (event.key === "F8") {
+            event.preventDefault()
+            this.commit(name)
+            const doubtful = this.doubtful()
+            this.go(doubtful.find(other => this.order.indexOf(other) > this.order.indexOf(name)) ?? doubtful[0])
+        }
         else if (event.key === "Enter" || event.key === "Tab") {
             this.commit(name)
             if (this.step(event.shiftKey ? -1 : 1) || event.key === "Enter") event.preventDefault()
@@ -308,9 +314,9 @@ class Grid {
             }
             if (input.value.trim() === text) input.shown = input.value
             const cell = this.cells.get(name)
-            const judged = !this.own.has(name) && cell?.doubt
-            input.className = judged ? (cell.counts ? "doubted" : "refused") : ""
-            input.setAttribute("aria-invalid", judged && !cell.counts ? "true" : "false")
+            const doubtful = this.is_doubtful(name)
+            input.className = doubtful ? (cell.counts ? "doubted" : "refused") : ""
+            input.setAttribute("aria-invalid", doubtful && !cell.counts ? "true" : "false")
         }
         this.refresh_components()
         this.refresh_lands()
@@ -324,8 +330,7 @@ class Grid {
         const buttons = this.data.components.map((component, number) => {
             const names = this.order.filter(name => this.cells.get(name).component === number)
             const done = names.filter(name => this.text_of(name)).length
-            const doubtful = names.some(name => this.cells.get(name).doubt && !this.own.has(name))
-            const sign = doubtful ? "⚠ " : done === names.length ? "✓ " : ""
+            const sign = names.some(name => this.is_doubtful(name)) ? "⚠ " : done === names.length ? "✓ " : ""
             return made(
                 "button",
                 {
@@ -380,42 +385,65 @@ class Grid {
     }
 
     refresh_doubts() {
-        const doubtful = this.order.filter(name => this.cells.get(name).doubt && !this.own.has(name))
+        const doubtful = this.doubtful()
         const buttons = doubtful.map(name => {
-            const cell = this.cells.get(name)
-            const { name: component } = this.data.components[cell.component]
-            const where = [component, cell.part, cell.place, `${this.data.words.repeat} ${cell.repeat}`].join(", ")
-            const text = `${where}: ${this.text_of(name)}`
-            return made("li", {}, made("button", { type: "button", onclick: () => this.go(name) }, text))
+            const go = made("button", { type: "button", onclick: () => this.go(name) }, this.where(name))
+            go.append(made("small", {}, this.doubt(name)))
+            return made("li", {}, go)
         })
         this.part("doubts").replaceChildren(...buttons)
         this.part("doubted").hidden = !doubtful.length
         this.part("doubted-title").textContent = `${this.data.words.doubtful} (${doubtful.length})`
     }
 
+    doubtful() {
+        return this.order.filter(name => this.is_doubtful(name))
+    }
+
+    is_doubtful(name) {
+        return Boolean(this.cells.get(name).doubt) && !this.own.has(name)
+    }
+
+    doubt(name) {
+        const cell = this.cells.get(name)
+        return `${this.text_of(name)}: ${cell.doubt}${cell.counts ? "" : ` ${this.data.words.counts_not}`}`
+    }
+
+    where(name) {
+        const cell = this.cells.get(name)
+        const { name: component } = this.data.components[cell.component]
+        return [component, cell.part, cell.place, `${this.data.words.repeat} ${cell.repeat}`].join(", ")
+    }
+
     refresh_state() {
         const done = this.order.filter(name => this.text_of(name)).length
         const { words, readonly } = this.data
-        const kept = readonly ? "" : this.under_way || this.steps.length ? words.under_way : words.kept
-        this.part("state").textContent = `${done}/${this.order.length} · ${kept}`
+        const kept = this.under_way || this.steps.length ? words.under_way : words.kept
+        this.part("state").textContent = [`${done}/${this.order.length}`, ...(readonly ? [] : [kept])].join(" · ")
         this.part("state").dataset.kept = String(!this.under_way && !this.steps.length)
     }
 
     light() {
         const cell = this.cells.get(this.now)
         if (!cell) return
-        for (const [name, input] of this.inputs) input.closest("tr").classList.toggle("now", false)
+        for (const input of this.inputs.values()) input.closest("tr").classList.remove("now")
         this.inputs.get(this.now)?.closest("tr").classList.add("now")
         const [, , plane, direction] = cell.key
         for (const line of this.part("drawing").querySelectorAll("[data-plane]"))
             line.classList.toggle("lit", line.dataset.plane === plane)
         for (const line of this.part("drawing").querySelectorAll("[data-direction]"))
             line.classList.toggle("lit", line.dataset.direction === String(direction))
-        const judged = !this.own.has(this.now) && cell.doubt
-        const said = judged ? `${this.text_of(this.now)}: ${cell.doubt}` : `${cell.part}, ${cell.place}`
+        this.say_doubt()
+    }
+
+    say_doubt() {
+        // of the cell that is measured now, or else of the first that waits to be looked at
+        const name = this.is_doubtful(this.now) ? this.now : this.doubtful()[0]
         const place = this.part("said")
-        const more = judged && !cell.counts ? ` ${this.data.words.counts_not}` : ""
-        if (place.textContent !== said + more) place.textContent = said + more
-        place.className = `said ${judged ? (cell.counts ? "doubted" : "refused") : ""}`
+        const cell = name && this.cells.get(name)
+        const text = !cell ? "" : name === this.now ? this.doubt(name) : `${this.where(name)}: ${this.doubt(name)}`
+        if (place.textContent !== text) place.textContent = text
+        place.className = `said ${cell ? (cell.counts ? "doubted" : "refused") : ""}`
+        place.onclick = () => name && this.go(name)
     }
 }
