@@ -127,9 +127,7 @@ def test_what_a_sheet_says_beside_its_diameters_stays(careful_entries: Typed, mi
     )
 
 
-def test_coordinates_of_an_uploaded_sheet_stay_until_their_cell_is_typed_in(
-    four_speed: Controller, sample_readings
-) -> None:
+def test_coordinates_of_an_uploaded_sheet_stay_in_the_file(four_speed: Controller, sample_readings) -> None:
     sheet = read_readings(sample_readings, four_speed)
     typed = Typed.going_on_from(sheet)
     again, back = kept(typed, four_speed)
