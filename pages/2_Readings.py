@@ -18,7 +18,8 @@ with st.container():  # one element whatever is said: the grid below keeps its p
         unit = f"{readings.unit} ({say('readings.unit_assumed')})" if readings.unit_assumed else readings.unit
         counts = {"count": len(readings.readings), "measured": diagnosis.measured, "lands": len(diagnosis.lands)}
         said = say("readings.holds", unit=unit, **counts)
-        st.markdown(f"**{show.plain(readings.file)}** {show.plain(readings.sheet or '')} · {show.plain(said)}")
+        where = f", {say('readings.sheet', sheet=readings.sheet)}" if readings.sheet else ""
+        st.markdown(f"**{show.plain(readings.file)}**{show.plain(where)}: {show.plain(said)}")
         st.caption(show.plain(say("readings.measured_at", temperature=measuring_temperature(diagnosis, say))))
 
 sheet_form.draw(case)
