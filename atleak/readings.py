@@ -50,7 +50,7 @@ class Reading:
     coordinates: tuple[float, float] | None = None  # [m]
 
     @property
-    def station(self) -> tuple[str, str, str, float | None]:
+    def station(self) -> tuple[str, Part, str, float | None]:
         """Return what repeats have in common: component, part, plane and direction."""
         return self.component, self.part, self.plane, self.direction
 

@@ -26,7 +26,9 @@ from pages.shared.state import new_job, put_file, remember, session
 _HERE = Path(__file__).parent
 _GRID = st.components.v2.component(
     "atleak_measuring",
-    **{kind: (_HERE / f"measuring.{kind}").read_text(encoding="utf-8") for kind in ("html", "css", "js")},
+    html=(_HERE / "measuring.html").read_text(encoding="utf-8"),
+    css=(_HERE / "measuring.css").read_text(encoding="utf-8"),
+    js=(_HERE / "measuring.js").read_text(encoding="utf-8"),
 )
 _WORDS = (
     *("hint", "back", "next", "undo", "repeat", "kept", "under_way", "doubtful", "counts_not"),
