@@ -60,19 +60,19 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> None:
 
 
 def _take(key: str) -> None:
-    """Take a batch of what was typed, once, and answer it; for the grid's callback."""
+    """Take what was typed, each step once, and answer; for the grid's callback."""
     batch = st.session_state[key]["batch"]
-    name = batch["page"], batch["number"]
-    if st.session_state.get(f"{key}-taken") == name:
+    last = st.session_state.get(f"{key}-answer") or {}
+    done_before = last["number"] if last.get("page") == batch["page"] else 0
+    steps = [step for step in batch["steps"] if step["number"] > done_before]
+    case = session().case
+    if not steps or case.sample:
         return  # sent once more, before the answer arrived
-    st.session_state[f"{key}-taken"] = name
-    case, answer = session().case, {"page": name[0], "number": name[1], "at": None}
+    answer = {"page": batch["page"], "number": steps[-1]["number"], "at": None}
     st.session_state[f"{key}-answer"] = answer
-    if case.sample:
-        return
     typed = _typed(case)
     controller = diagnosis_of(session().good).controller
-    done = typed.after(batch["steps"], typed.plan.cells(controller, typed.entries))
+    done = typed.after(steps, typed.plan.cells(controller, typed.entries))
     _put(done.typed)
     answer["at"] = None if done.at is None else list(done.at.key)
     if done.left_over:
