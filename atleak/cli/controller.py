@@ -99,7 +99,7 @@ def _write_workbook(options: argparse.Namespace, source: str | None, data: Mappi
 
 
 def _from_workbook(options: argparse.Namespace) -> int:
-    from atleak.catalogue.controller_toml import written_toml
+    from atleak.catalogue.catalogue_toml import written_toml
 
     if options.output != "-":
         _check_name(options.output, ".toml", "the description")

@@ -10,8 +10,8 @@ from typing import Any
 
 import streamlit as st
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import checked_controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import own_files, read_tables, write_own
 from atleak.controller_sheets.units import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.errors import CatalogueError, OutputError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import streamlit as st
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.diagnosis import Diagnosis, diagnose
 from atleak.errors import AtleakError
 from atleak.report.controller_workbook.picture import spool_picture

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from atleak.catalogue.catalogue_toml import written_toml
 from atleak.catalogue.controller_reading import checked_controller
-from atleak.catalogue.controller_toml import written_toml
 from atleak.catalogue.entries import read_tables, shipped_files
 from atleak.controller_sheets.units import Units
 from atleak.errors import CatalogueError
