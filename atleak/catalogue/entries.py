@@ -267,8 +267,3 @@ def _resolve(kind: str, id_or_path: str | Path) -> Path:
     looks_like_path = path.suffix.lower() == ".toml" or len(path.parts) > 1
     problem = "is a folder" if folder else "no such file" if looks_like_path else f"no such entry among the {kind}"
     raise unknown(problem, str(id_or_path), known, kind=CatalogueError, otherwise="the path of a TOML file")
-
-
-def catalogue_error(path: Path, table: str, key: str | None, problem: str, **more: Any) -> CatalogueError:
-    """Return an error of meaning (two keys that do not fit each other) in the same form as an error of type."""
-    return CatalogueError(problem, place=Place(file=path.name, table=table or None, key=key), **more)

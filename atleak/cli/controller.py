@@ -116,6 +116,8 @@ def _check(options: argparse.Namespace) -> int:
 
     controller = _described(options.file)[1]
     print(f"{_summary(controller)}; nothing is wrong with it")
+    for doubt in controller.doubts:
+        print(f"in doubt: {doubt.place}: {doubt.text}")
     if not controller.gaps_described:
         print(
             "no gap is described: every land is taken to leak from main pressure to the sump, which is an upper bound"
