@@ -89,7 +89,7 @@ def _at(table: Any, pattern: Pattern, before: Steps) -> Iterator[tuple[Steps, An
 def _of_clearances(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
     """Ask whether mounting clearances are diametral, where their median is over what new valves have.
 
-    Up to `WIDEST_NEW` only where nobody says that they were measured, on a used unit too, or published: then the number is what it is.
+    Up to `WIDEST_NEW` only where nobody says that they were measured (on a used unit too) or published.
     """
     defaults = _table(data, "defaults")
     widths: list[float] = []
