@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from atleak.verdicts import BANDS
-from atleak.written_numbers import ENGINE_SPEED, TEMPERATURE
 
 EACH = "*"  # any entry of a list, or any name
 Pattern = tuple[str, ...]
@@ -26,6 +25,11 @@ class Usual:
     low: float
     high: float
     others: Mapping[str, float] = field(default_factory=dict)  # units that may have been meant, each in the file's
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Return the lowest and the highest usual value."""
+        return self.low, self.high
 
     def doubt(self, value: float) -> str:
         """Return what to ask about a value; "" where it is a usual one.
@@ -57,6 +61,11 @@ NEW_CLEARANCE = Usual("the median radial clearance of new lands", "µm", 6.4, 20
 """Sonnax, valve body inspection: new valves have a diametral clearance of 0.0127 to 0.040 mm."""
 WIDEST_NEW = 40.0  # [µm] median over which even a measured one is doubted: the source study's unit, used, has 28.5
 
+TEMPERATURE = Usual("a fluid temperature", "°C", -30.0, 150.0)
+ENGINE_SPEED = Usual("an engine speed", "rpm", 400.0, 7000.0, {"1/s": 60.0})
+SIDE_CLEARANCE = Usual("the side clearance of a pump", "µm", 10.0, 300.0, _OF_UM)
+TIP_CLEARANCE = Usual("the tip clearance of a pump", "µm", 20.0, 1000.0, _OF_UM)
+
 _LAND: Mapping[str, Usual] = {
     "nominal_diameter_mm": LAND_DIAMETER,
     "contact_length_mm": CONTACT_LENGTH,
@@ -65,16 +74,16 @@ _LAND: Mapping[str, Usual] = {
     "clearance_limit_um": Usual("the limit of a radial clearance", "µm", 5.0, 300.0, _OF_UM),
 }
 _POINT: Mapping[str, Usual] = {
-    "temperature_c": Usual("a fluid temperature", "°C", *TEMPERATURE.usual),
-    "engine_rpm": Usual("an engine speed", "rpm", *ENGINE_SPEED.usual, {"1/s": 60.0}),
+    "temperature_c": TEMPERATURE,
+    "engine_rpm": ENGINE_SPEED,
     "p_g_kpa": Usual("a main pressure", "kPa", 100.0, 3500.0, _OF_KPA),
     "p_k_kpa": Usual("a converter pressure", "kPa", 0.0, 1500.0, _OF_KPA),
 }
 _OF_CONTROLLERS: Mapping[Pattern, Usual] = {
     ("pump", "displacement_mm3"): DISPLACEMENT,
     ("pump", "volumetric_efficiency"): Usual("a volumetric efficiency", "", 0.6, 1.0, {"%": 0.01}),
-    ("pump", "side_clearance_um"): Usual("the side clearance of a pump", "µm", 10.0, 300.0, _OF_UM),
-    ("pump", "tip_clearance_um"): Usual("the tip clearance of a pump", "µm", 20.0, 1000.0, _OF_UM),
+    ("pump", "side_clearance_um"): SIDE_CLEARANCE,
+    ("pump", "tip_clearance_um"): TIP_CLEARANCE,
     ("materials", EACH, "expansion_per_k"): Usual("a linear expansion", "1/K", 5e-6, 35e-6, {"10⁻⁶/K": 1e-6}),
     **{("defaults", key): usual for key, usual in _LAND.items()},
     **{("components", EACH, "lands", EACH, key): usual for key, usual in _LAND.items()},

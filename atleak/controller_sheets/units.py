@@ -106,11 +106,11 @@ def cell_number(value: float, measure: Measure, units: Units) -> float | str:
 
 LENGTH = Measure("mm", "inch", Decimal(1), _MM, quantity="length", si=Decimal("1e-3"), usual=(0.5, 100.0))
 LAND_DIAMETER, CONTACT_LENGTH, ORIFICE = (
-    replace(LENGTH, usual=(each.low, each.high), is_doubted=True)
+    replace(LENGTH, usual=each.ends, is_doubted=True)
     for each in (usual.LAND_DIAMETER, usual.CONTACT_LENGTH, usual.ORIFICE)
 )
 SMALL_LENGTH = Measure("µm", "inch", Decimal(1), _MM * 1000, quantity="length", si=Decimal("1e-6"))
-CLEARANCE = replace(SMALL_LENGTH, of_clearance=True, usual=(usual.CLEARANCE.low, usual.CLEARANCE.high), is_doubted=True)
+CLEARANCE = replace(SMALL_LENGTH, of_clearance=True, usual=usual.CLEARANCE.ends, is_doubted=True)
 VOLUME = Measure("mm³", "inch³", Decimal(1), _MM**3)
 PRESSURE = Measure("kPa", of_pressure=True, quantity="pressure", si=Decimal(1000))
 EXPANSION = Measure("10⁻⁶/K", factor=Decimal("1e-6"))

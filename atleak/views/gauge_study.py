@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.gauge_study.anova import CATEGORY, SPREAD, Component, GaugeStudy
+from atleak.views.columns import Column
 from atleak.views.message_record import message_record
 from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
@@ -65,17 +66,53 @@ def study_record(study: GaugeStudy) -> dict[str, Any]:
     }
 
 
-def named(rows: list[dict[str, Any]], say: Wording) -> list[dict[str, Any]]:
-    """Return rows under headings and names that people read."""
-    return [
-        {
-            say.get("gauge_study_columns", key): say.get("gauge_study_names", value)
-            if isinstance(value, str)
-            else value
-            for key, value in row.items()
-        }
-        for row in rows
+def shown_components(study: GaugeStudy, say: Wording) -> tuple[list[dict[str, Any]], list[Column]]:
+    """Return the components as rows of a table that people read, and its columns."""
+    columns = [
+        Column("variation_part"),
+        Column("deviation", "clearance", 3),
+        Column("spread", "clearance", 3),
+        Column("contribution", "percent", 2),
+        Column("of_study", "percent", 2),
     ]
+    if study.tolerance is not None:
+        columns.append(Column("of_tolerance", "percent", 2))
+    rows = [
+        {
+            "variation_part": say(f"gauge_study_names.{row['component']}"),
+            "deviation": row["deviation_um"],
+            "spread": row["spread_um"],
+            "contribution": row["contribution_percent"],
+            "of_study": row["of_study_percent"],
+            "of_tolerance": row.get("of_tolerance_percent"),
+        }
+        for row in component_rows(study)
+    ]
+    return rows, columns
+
+
+def shown_anova(study: GaugeStudy, say: Wording) -> tuple[list[dict[str, Any]], list[Column]]:
+    """Return the analysis of variance as rows of a table that people read, and its columns."""
+    columns = [
+        Column("variation_source"),
+        Column("squares", digits=2),
+        Column("freedom", digits=0),
+        Column("mean_square", digits=2),
+        Column("f_ratio", digits=2),
+        Column("by_chance", digits=4),
+    ]
+    rows = [
+        {
+            "variation_source": say(f"gauge_study_names.{row['source']}"),
+            "squares": row["squares_um2"],
+            "freedom": row["freedom"],
+            "mean_square": row["mean_square_um2"],
+            "f_ratio": row["f"],
+            "by_chance": row["probability"],
+        }
+        for row in anova_rows(study)
+    ]
+    return rows, columns
 
 
 def result_sentence(study: GaugeStudy, say: Wording) -> str:

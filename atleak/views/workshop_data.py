@@ -12,7 +12,7 @@ from atleak.catalogue.fluid import FluidFile, FluidState, checked_fluid
 from atleak.catalogue.instruments import InstrumentFile, Part, checked_instrument
 from atleak.catalogue.limits import LimitOrigin, LimitsFile, RuleKind, checked_limits
 from atleak.controller_sheets.description import Steps
-from atleak.controller_sheets.fields import KPA, PLAIN, UM, in_unit, known
+from atleak.controller_sheets.fields import KPA, PLAIN, UM, in_unit
 from atleak.controller_sheets.kinds import Choice, Day, Names, Number, YesNo
 from atleak.controller_sheets.shapes import Column, Form, Tables
 from atleak.controller_sheets.units import EXPANSION
@@ -142,7 +142,8 @@ LIMITS = Subject(
 def _measured(heading: str, key: str, kind: Number, help: str, *, required: bool = False) -> tuple[Column, Column]:
     """Return a field of an instrument and the one that says that its value comes from no certificate."""
     column = Column(heading, (key,), kind, required=required, help=help)
-    return column, known(f"{heading} is", key, kind=_REPRESENTATIVE)
+    help = "Empty: from a certificate or a measurement"
+    return column, Column(f"{heading} is", (), _REPRESENTATIVE, how_known=key, help=help)
 
 
 INSTRUMENT = Subject(

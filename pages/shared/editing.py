@@ -177,7 +177,7 @@ def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
 
 
 def _line(editing: Editing, sign: str, fault: Any, say: Wording) -> str:
-    row = "" if fault.row is None else f", {say('typed_entries.row_number', number=fault.row).rstrip('.')}"
+    row = "" if fault.row is None else f", {say('typed_entries.in_row', number=fault.row)}"
     heading = "" if fault.heading is None else f", {editing.said(fault.heading, say)}"
     return f"{sign} **{editing.said(fault.table, say)}**{show.plain(row + heading)}: {show.plain(fault.text)}"
 

@@ -19,14 +19,15 @@ from atleak.report.gauge_study_sheet import write_study_form
 from atleak.wording import Wording
 from atleak.workshop_units import UM
 from atleak.written_numbers import AskedNumber
-from pages.shared import fields, panel, show
+from pages.shared import fields, show
 from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.state import pick
 
 _FILE = "gauge-study-file"
 _UNITS = ("mm", "µm", "inch")
 _ALPHAS = (ALPHA, 0.1, 0.25)
-TOLERANCE = AskedNumber("tolerance", "µm", 20.5, (1e-3, 1e6), (1.0, 1_000.0))
-RESOLUTION = AskedNumber("resolution", "µm", 0.5, (1e-4, 1e4), (0.05, 10.0))
+TOLERANCE = AskedNumber("tolerance", "µm", 20.5, (1e-3, 1e6), (1.0, 1_000.0), "clearance")
+RESOLUTION = AskedNumber("resolution", "µm", 0.5, (1e-4, 1e4), (0.05, 10.0), "clearance")
 
 
 def draw_blank_form(say: Wording) -> None:
@@ -127,7 +128,7 @@ def draw_taking(study: GaugeStudy, say: Wording) -> None:
         for slot in SLOTS.values():
             if slot.part in known[of].measures:
                 label = say("gauge_study.spools" if slot.part == "spool" else "gauge_study.sleeves")
-                st.button(label, disabled=not saved, on_click=panel.pick, args=(slot.name, id))
+                st.button(label, disabled=not saved, on_click=pick, args=(slot.name, id))
         st.download_button(say("gauge_study.toml"), text, f"{id or 'unnamed'}.toml", on_click="ignore")
     with st.container():
         if refused := st.session_state.pop("gauge-study-refused", None):

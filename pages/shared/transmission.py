@@ -13,7 +13,7 @@ from atleak.report.controller_workbook import write_controller_workbook
 from atleak.views.controller_form import CONTROLLER
 from atleak.views.entry_form import Checked, draft_of
 from atleak.views.evidence_rows import evidence_counts, still_to_measure
-from pages.shared import panel, reader, show
+from pages.shared import reader, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.editing import (
     Desk,
@@ -25,6 +25,7 @@ from pages.shared.editing import (
     saving_of,
 )
 from pages.shared.learn_form import learn_form
+from pages.shared.state import pick
 from pages.shared.transmission_tables import NEW_PARTS
 
 _EMPTY = "an empty description"
@@ -136,7 +137,7 @@ def draw_saving(editing: Editing, found: Checked) -> None:
         st.button(
             "Use it for this job",
             disabled=found.entry is None or not saving.saved,
-            on_click=panel.pick,
+            on_click=pick,
             args=("controller", saving.name),
             help="Chooses it as the valve body in the sidebar. Save it first.",
         )

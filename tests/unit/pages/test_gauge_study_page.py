@@ -7,7 +7,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.instruments import load_instrument
-from tests.unit.pages.conftest import choice, texts
+from tests.unit.pages.conftest import texts
 
 pytestmark = pytest.mark.page("23_Gauge_study")
 
@@ -35,7 +35,7 @@ def test_a_study_is_judged_and_taken_as_an_instrument_of_the_job(app: AppTest) -
     assert "micrometer.csv" in own.source
     next(each for each in app.button if each.label == "Measure sleeves with it").click().run()
     assert not app.exception
-    assert choice(app, "Sleeves measured with").value == "our_mike"
+    assert app.session_state["atleak"].case.sleeve_instrument == "our_mike"
 
 
 def test_a_file_without_readings_is_refused_in_words(app: AppTest) -> None:
