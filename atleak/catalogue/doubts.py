@@ -7,9 +7,11 @@ Each doubt is a message with the place of its value, so that a page can show it 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from statistics import median
 from typing import Any
 
+from atleak.catalogue.entries import read_tables, shipped_files
 from atleak.catalogue.usual import (
     DISPLACEMENT,
     EACH,
@@ -56,6 +58,8 @@ def doubts_of(
         if displacement is not None and "displacement_mm3" not in _table(data, "pump"):
             text = DISPLACEMENT.doubt(displacement * 1e9)
             found += [(("pump", "kind"), f"By the dimensions of the pump, {text}")] if text else []
+    if kind == "limits":
+        found += _of_origins(data)
     if kind == "fluids":
         found += _of_viscosities(data)
     return tuple(
@@ -123,6 +127,38 @@ def _listed(table: Mapping[str, Any]) -> list[Any]:
     """Return what a table calls measured or published."""
     lists = (table.get(name) for name in ("measured", "published"))
     return [name for each in lists if isinstance(each, list) for name in each]
+
+
+def _of_origins(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
+    """Doubt limits that are called a choice of this project, or published, and that no shipped file calls so.
+
+    A copy of a shipped set keeps saying whose its limits are, whatever they were changed to.
+    """
+    for name, table in data.items():
+        if not isinstance(table, Mapping) or "origin" not in table:
+            continue
+        shipped = [each[name] for each in _shipped_limits() if name in each]
+        alike = [each for each in shipped if all(each[key] == table.get(key) for key in ("origin", "source"))]
+        if alike and all(_numbers(each) != _numbers(table) for each in alike):
+            yield (
+                (name, "origin"),
+                f"'{table['origin']}', but these numbers are not those that this source is given for in a shipped set: "
+                "were they set by the workshop?",
+            )
+
+
+def _numbers(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a table of limits states besides whose they are; a plain limit as its longer form."""
+    return {
+        level: {"percent": float(value)} if _is_number(value) else value
+        for level, value in table.items()
+        if level not in ("origin", "source")
+    }
+
+
+@cache
+def _shipped_limits() -> tuple[dict[str, Any], ...]:
+    return tuple(read_tables("limits", name)[0] for name in shipped_files("limits"))
 
 
 def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:

@@ -21,7 +21,7 @@ from atleak.workshop_units import UM
 from atleak.written_numbers import AskedNumber
 from pages.shared import fields, show
 from pages.shared.cases import catalogue_list, shown_name
-from pages.shared.state import pick
+from pages.shared.state import pick, session
 
 _FILE = "gauge-study-file"
 _UNITS = ("mm", "µm", "inch")
@@ -99,8 +99,13 @@ def draw_taking(study: GaugeStudy, say: Wording) -> None:
     st.write(say("gauge_study.take_what"))
     known = catalogue_list("spool_instrument").entries
     places = st.columns(2)
+    in_job = session().case.spool_instrument
     of = places[0].selectbox(
-        say("gauge_study.studied"), list(known), format_func=lambda name: shown_name(known[name]), key="gauge-study-of"
+        say("gauge_study.studied"),
+        list(known),
+        list(known).index(in_job) if in_job in known else 0,
+        format_func=lambda name: shown_name(known[name]),
+        key="gauge-study-of",
     )
     name = places[1].text_input(say("gauge_study.name"), f"{known[of].name}, {study.readings.file}")
     places = st.columns(2)

@@ -73,12 +73,14 @@ def choose_start(desk: Desk, say: Wording) -> None:
     """Ask from what to start, and show what of this kind is the user's own."""
     known = catalogue_list(_slots(desk)[0].name)
     names = {entry.id: shown_name(entry) for entry in known.entries.values()}
+    options, in_job = [*names, ""], getattr(session().case, _slots(desk)[0].name)
     kept = desk.kept()
     left, right = st.columns(2)
     with left, st.container(border=True):
         start = st.selectbox(
             say("workshop_data.start_from"),
-            [*names, ""],
+            options,
+            options.index(in_job) if in_job in options else 0,
             format_func=lambda name: names.get(name) or say("workshop_data.empty"),
             help=say("workshop_data.start_help"),
             key=f"{desk.state}-start",

@@ -1,4 +1,4 @@
-"""Limits, instruments and fluids typed on a page: doubts at the field, own files, the job, delete and rename with undo."""
+"""Limits, instruments and fluids typed on a page: doubts at the field, own files of the job, and undo."""
 
 from __future__ import annotations
 
