@@ -6,7 +6,7 @@ Each doubt is a message with the place of its value, so that a page can show it 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from statistics import median
 from typing import Any
@@ -31,7 +31,7 @@ Steps = tuple[str | int, ...]
 _CLEARANCE = "mounting_clearance_um"
 _OF_USED = "mounting_clearance_of_used_unit"
 _FEWEST_LANDS = 3  # whose median says something
-_COLD = -20.0  # °C under which nobody knows what is usual: D341 under-predicts there
+_COLD, _HOT = -20.0, 200.0  # [°C] between which it is known what is usual: under the first D341 under-predicts
 
 
 def doubts_of(
@@ -82,6 +82,7 @@ def _at(table: Any, pattern: Pattern, before: Steps) -> Iterator[tuple[Steps, An
         yield before, table
         return
     step, *rest = pattern
+    inside: Iterable[tuple[Any, Any]]
     if step == EACH:
         inside = table.items() if isinstance(table, Mapping) else enumerate(table) if isinstance(table, list) else ()
     else:
@@ -166,12 +167,15 @@ def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[Steps, str]]:
     key = "kinematic_viscosity_mm2_s"
     for name in ("viscosity", "table"):
         for steps, row in _at(data, (name, EACH), ()):
-            at, value = (row.get(each) if isinstance(row, Mapping) else None for each in ("temperature_c", key))
-            if not _is_number(at) or not _is_number(value) or not _COLD <= float(at) <= 200.0:
+            stated = row if isinstance(row, Mapping) else {}
+            if not _is_number(stated.get("temperature_c")) or not _is_number(stated.get(key)):
                 continue
-            low, high = (_two_digits(_viscosity(ends, float(at))) for ends in (THINNEST, THICKEST))
-            usual = Usual(f"a transmission fluid at {float(at):g} °C", "mm²/s", low, high, {"m²/s": 1e6, "µm²/s": 1e-6})
-            if text := usual.doubt(float(value)):
+            at, value = float(stated["temperature_c"]), float(stated[key])
+            if not _COLD <= at <= _HOT:
+                continue
+            low, high = (_two_digits(_viscosity(ends, at)) for ends in (THINNEST, THICKEST))
+            usual = Usual(f"a transmission fluid at {at:g} °C", "mm²/s", low, high, {"m²/s": 1e6, "µm²/s": 1e-6})
+            if text := usual.doubt(value):
                 yield (*steps, key), text
 
 

@@ -204,8 +204,8 @@ def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequ
             yield _of_cell(draft.subject, Fault(spot, text))
     of_file = entry.doubts if entry is not None else doubts_of(draft.subject.kind, into.data, "")
     for message in of_file:
-        spot = into.spot(message.place.steps) if message.place is not None else None
-        yield _of_cell(draft.subject, Fault(spot or Spot(draft.subject.sheets[0].name), message.text))
+        at = None if message.place is None else into.spot(message.place.steps)
+        yield _of_cell(draft.subject, Fault(at or Spot(draft.subject.sheets[0].name), message.text))
 
 
 # --- cells --------------------------------------------------------------------------------------------------------

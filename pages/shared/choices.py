@@ -15,7 +15,7 @@ from atleak.catalogue.fluid import USED_THINNER, FluidState
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.job.case import SLOTS, Choice, SourceFile
 from pages.shared import show
-from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.cases import catalogue_list, entry_doubts, shown_name
 from pages.shared.state import choose, session
 
 OPTIONS = {
@@ -59,6 +59,9 @@ def catalogue_entry(name: str) -> None:
         return shown_name(known[option]) if option in known else option
 
     _select(slot.label, name, options, current, shown, lambda picked: choose(**{name: picked}))
+    with st.container():
+        for doubt in entry_doubts(name, current):
+            st.warning(show.plain(doubt.text))
 
 
 def fluid_state() -> None:

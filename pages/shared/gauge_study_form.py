@@ -35,13 +35,13 @@ def draw_blank_form(say: Wording) -> None:
     with fields.fold(say("gauge_study.form"), key="gauge-study-form"):
         places = st.columns(4, vertical_alignment="bottom")
         asked = zip(("parts", "operators", "trials"), (10, 3, 3), places, strict=False)
-        counts = [
+        parts, operators, trials = (
             int(place.number_input(say(f"gauge_study.{name}"), 2, 60, first, key=f"gauge-study-{name}"))
             for name, first, place in asked
-        ]
+        )
         places[3].download_button(
             say("gauge_study.download"),
-            lambda: write_study_form(*counts, say),
+            lambda: write_study_form(parts, operators, trials, say),
             "gauge_study.xlsx",
             on_click="ignore",
             width="stretch",
@@ -58,9 +58,14 @@ def asked_study(say: Wording) -> GaugeStudy | None:
         st.session_state[_FILE] = SourceFile(upload.name, upload.getvalue())
     file: SourceFile | None = st.session_state.get(_FILE)
     places = st.columns(3)
-    of_file = say("gauge_study.unit_of_file")
     with places[0]:
-        unit = st.selectbox(say("gauge_study.unit"), (of_file, *_UNITS), **_kept("gauge-study-unit"))
+        unit = st.selectbox(
+            say("gauge_study.unit"),
+            ("", *_UNITS),
+            key="gauge-study-unit",
+            persist_state="session",
+            format_func=lambda name: name or say("gauge_study.unit_of_file"),
+        )
     with places[1]:
         tolerance = fields.number(
             say("gauge_study.tolerance"), TOLERANCE, None, key="gauge-study-tolerance", optional=True
@@ -68,24 +73,16 @@ def asked_study(say: Wording) -> GaugeStudy | None:
     with places[2]:
         alpha = st.selectbox(
             say("gauge_study.alpha"), _ALPHAS, format_func=say.plain, help=say("gauge_study.alpha_help"),
-            **_kept("gauge-study-alpha"),
+            key="gauge-study-alpha",
+            persist_state="session",
         )  # fmt: skip
     if file is None:
         return None
     try:
-        return _study(file.sha256, file, None if unit == of_file else unit, tolerance, alpha)
+        return _study(file.sha256, file, unit or None, tolerance, alpha)
     except InputError as error:
         st.error(f"**{show.plain(say('gauge_study.not_taken', file=file.name))}** {show.plain(error)}")
         return None
-
-
-def _kept(key: str) -> dict[str, str]:
-    """Return the key of a choice that stays chosen over other pages."""
-    if key not in st.session_state and key in st.session_state.setdefault("kept-choices", {}):
-        st.session_state[key] = st.session_state["kept-choices"][key]
-    elif key in st.session_state:
-        st.session_state.setdefault("kept-choices", {})[key] = st.session_state[key]
-    return {"key": key}
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)
