@@ -50,13 +50,14 @@ def draw_blank_form(say: Wording) -> None:
 
 def asked_study(say: Wording) -> GaugeStudy | None:
     """Return the study of the file that was given, as it is to be judged; None where there is none that can be used."""
-    upload = st.file_uploader(
+    st.file_uploader(
         say("gauge_study.upload"), ["xlsx", "xls", "ods", "csv", "txt"], help=say("gauge_study.upload_help"),
-        key="gauge-study-upload",
+        key=f"{_FILE}-upload", on_change=_take_file,
     )  # fmt: skip
-    if upload is not None:
-        st.session_state[_FILE] = SourceFile(upload.name, upload.getvalue())
     file: SourceFile | None = st.session_state.get(_FILE)
+    with st.container():
+        if file is not None:
+            st.caption(f"**{show.plain(file.name)}**")
     places = st.columns(3)
     with places[0]:
         unit = st.selectbox(
@@ -83,6 +84,12 @@ def asked_study(say: Wording) -> GaugeStudy | None:
     except InputError as error:
         st.error(f"**{show.plain(say('gauge_study.not_taken', file=file.name))}** {show.plain(error)}")
         return None
+
+
+def _take_file() -> None:
+    """Take the file that was given, or away; it stays over other pages, on which the uploader forgets it."""
+    upload = st.session_state[f"{_FILE}-upload"]
+    st.session_state[_FILE] = None if upload is None else SourceFile(upload.name, upload.getvalue())
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)

@@ -23,7 +23,7 @@ def study_file() -> bytes:
 
 
 def test_a_study_is_judged_and_taken_as_an_instrument_of_the_job(app: AppTest) -> None:
-    (upload,) = [each for each in app.main.file_uploader if each.key == "gauge-study-upload"]
+    (upload,) = [each for each in app.main.file_uploader if each.key == "gauge-study-file-upload"]
     upload.upload("micrometer.csv", study_file(), "text/csv").run()
     assert not app.exception
     assert "of the study's variation is of gauge and people" in texts(app)
@@ -39,7 +39,7 @@ def test_a_study_is_judged_and_taken_as_an_instrument_of_the_job(app: AppTest) -
 
 
 def test_a_file_without_readings_is_refused_in_words(app: AppTest) -> None:
-    (upload,) = [each for each in app.main.file_uploader if each.key == "gauge-study-upload"]
+    (upload,) = [each for each in app.main.file_uploader if each.key == "gauge-study-file-upload"]
     upload.upload("log.csv", b"time;rpm\n1;800\n", "text/csv").run()
     assert not app.exception
     assert "log.csv was not taken. log.csv: holds no table of repeated readings" in texts(app).replace("**", "")
