@@ -132,8 +132,13 @@ class Wording:
         >>> wording("de").quantity(3.06, "clearance"), wording("en", "us").quantity(3.06, "clearance")
         ('3,1\u00a0µm', '0.00012\u00a0in')
         """
+        return self.span([value], kind, digits)
+
+    def span(self, values: Iterable[float | None], kind: str, digits: int | None = None) -> str:
+        """Return values of atleak's records in the reader's unit, with that unit behind the last: ``15.0–18.0 µm``."""
         unit = self.system[kind].spelled or self.system[kind]
-        return f"{self._in(unit, value, digits)}{_NARROW}{self.get('units', unit.name)}"
+        numbers = "–".join(self._in(unit, value, digits) for value in values)
+        return f"{numbers}{_NARROW}{self.get('units', unit.name)}"
 
     def plain_value(self, value: float, kind: str) -> str:
         """Return a value of atleak's records in the reader's unit with no more digits than it has, without the unit."""

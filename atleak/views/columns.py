@@ -31,12 +31,15 @@ class Column:
         for what is no number
     width
         least width [px]; None to let the table choose
+    words
+        the heading, where it is no text of its own, such as a verdict's word
     """
 
     key: str
     kind: str | None = None
     digits: int | None = None
     width: int | None = None
+    words: str | None = None
 
     @property
     def is_number(self) -> bool:
@@ -50,7 +53,7 @@ class Column:
 
     def heading(self, say: Wording) -> str:
         """Return the words of its heading, with the unit of its cells: ``Clearance [µm]``."""
-        heading = say(f"columns.{self.key}")
+        heading = self.words or say(f"columns.{self.key}")
         return f"{heading} [{say.unit(self.kind)}]" if self.is_number and self.kind is not None else heading
 
     def help(self, say: Wording) -> str | None:
