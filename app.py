@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from pages.shared import book, panel, reader
+from pages.shared import book, panel, reader, steps
 
 HERE = Path(__file__).parent
 
@@ -22,7 +22,9 @@ for number, path in sorted(page_files.items()):
         groups[""].append(st.Page(path, title=title, default=True, visibility="hidden"))
 page = st.navigation(groups, position="top")
 reader.mark_page()
-panel.draw()
+result = panel.draw()
+if page in groups[""][1:]:
+    steps.draw(result)
 try:
     page.run()
 finally:  # also where the page ends early

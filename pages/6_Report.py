@@ -11,12 +11,11 @@ from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from pages.shared import conditions, files, panel, reader, steps
+from pages.shared import conditions, files, panel, reader
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job
 
 case, diagnosis = panel.shown()
-steps.draw(diagnosis)
 say = reader.say()
 st.title(say("pages.Report"))
 record = job()

@@ -12,6 +12,7 @@ from atleak.engine.projection import stated_condition
 from atleak.events import Event
 from atleak.figures import diagnosis_figures as figures
 from atleak.figures import uncertainty_figures as of_uncertainty
+from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 ALL = {
