@@ -23,7 +23,7 @@ OPTIONS = ("diameter", "viscosity", "pump_draw", "pump_efficiency", "entry_loss"
 
 def catalogue_entry(name: str) -> None:
     """Ask which entry of the catalogue the job takes: a shipped one, one of the user's own, or the file given last."""
-    now, slot = session(), SLOTS[name]
+    say, now, slot = reader.say(), session(), SLOTS[name]
     current = getattr(now.case, name)
     known = catalogue_list(name).entries
     options: list[Choice] = [each for each, entry in known.items() if slot.part is None or slot.part in entry.measures]
@@ -32,10 +32,10 @@ def catalogue_entry(name: str) -> None:
 
     def shown(option: Choice) -> str:
         if isinstance(option, SourceFile):
-            return reader.say()("settings.own_file", name=option.name)
+            return say("settings.own_file", name=option.name)
         return shown_name(known[option]) if option in known else option
 
-    _select(reader.say()(f"slots.{name}"), name, options, current, shown, lambda picked: choose(**{name: picked}))
+    _select(say(f"slots.{name}"), name, options, current, shown, lambda picked: choose(**{name: picked}))
 
 
 def fluid_state() -> None:

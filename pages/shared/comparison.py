@@ -30,6 +30,7 @@ from atleak.views.comparison_rows import (
 )
 from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
 from atleak.views.diagnosis_record import to_json
+from atleak.wording import Wording
 from pages.shared import files, log_form, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key
@@ -53,7 +54,7 @@ def choose() -> Chosen | None:
     AtleakError
         a job file that is none, or a job that is not in the book.
     """
-    rows = _offered()
+    say, rows = reader.say(), _offered()
     earlier = _visit_before(rows)
     sides = []
     for column, side, usual in zip(st.columns(2), ("before", "after"), (earlier or FILE, THIS), strict=True):
@@ -62,10 +63,10 @@ def choose() -> Chosen | None:
             asked = st.query_params.get(side)
             start = asked if asked in options else THIS if asked is not None and asked == job_id() else usual
             chosen = st.selectbox(
-                reader.say()(f"compare.{side}"),
+                say(f"compare.{side}"),
                 options,
                 options.index(start),
-                format_func=partial(_label, rows),
+                format_func=partial(_label, rows, say),
                 key=f"compare-{side}-{start}",
             )
             sides.append(_job(side, chosen))
@@ -98,8 +99,8 @@ def _visit_before(rows: dict[str, JobRow]) -> str | None:
     return None if latest is None else latest.id
 
 
-def _label(rows: dict[str, JobRow], chosen: str) -> str:
-    say, row = reader.say(), rows.get(chosen)
+def _label(rows: dict[str, JobRow], say: Wording, chosen: str) -> str:
+    row = rows.get(chosen)
     if row is None:
         return say(f"compare.{chosen}")
     named = [row.number, str(row.date or ""), row.plate or row.vin or row.serial, row.customer, row.controller]
