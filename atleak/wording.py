@@ -70,6 +70,13 @@ class Wording:
         """Return the text for a name, or the name itself where no text is known for it."""
         return self.texts[table].get(name, name)
 
+    def name(self, name: str) -> str:
+        """Return a name of a valve body's file in the reader's language: of a valve, a circuit, an operating point.
+
+        Those of the shipped files are known; any other stays as it is.
+        """
+        return self.get("names", name)
+
     def level(self, level: Verdict | Band) -> str:
         """Return the word of a verdict or a band."""
         return self.texts["bands" if isinstance(level, Band) else "verdicts"][level]

@@ -50,7 +50,7 @@ def _land_row(comparison: Comparison, land: LandComparison, say: Wording) -> dic
     return {
         "verdict": None if after is None else after.verdict,
         "was": None if before is None else say.signed(before.verdict),
-        "pair": land_name(comparison, land),
+        "pair": land_name(comparison, land, say),
         "clearance_before": _clearance(before),
         "clearance_after": _clearance(after),
         "change": with_uncertainty(land.change, say) if land.change else None,
@@ -116,7 +116,7 @@ def _row(
         return None
     places, scale = say.digits(kind, digits), say.convert(factor, kind)  # none of these kinds has a zero of its own
     return {
-        "condition": each.label,
+        "condition": say.name(each.label),
         "what": what,
         "before": say.number(change.before * scale, places),
         "after": say.number(change.after * scale, places),

@@ -19,10 +19,10 @@ from atleak.workshop_units import PERCENT, UM
 PER = 1e4  # [km], or miles where people read those, for which they read a rate
 
 
-def land_name(controller: Controller, key: LandKey) -> str:
+def land_name(controller: Controller, key: LandKey, say: Wording) -> str:
     """Name a land, its number first, so that a narrow column cuts the name only: ``25/1 main pressure valve``."""
     component, land = key
-    return f"{component}/{land} {isolated(controller.components.get(component, ''))}".strip()
+    return f"{component}/{land} {isolated(say.name(controller.components.get(component, '')))}".strip()
 
 
 def soonest_first(history: WearHistory) -> tuple[LandWear, ...]:
@@ -70,7 +70,7 @@ def wear_rows(history: WearHistory, controller: Controller, say: Wording) -> lis
         points = land.series.measured
         rows.append(
             {
-                "pair": land_name(controller, land.key),
+                "pair": land_name(controller, land.key, say),
                 "clearance": points[-1].clearance * UM if points else None,
                 "rate": rate_in_words(land.line, say),
                 **{level: _first_at(land, level, say) for level in levels},
@@ -97,7 +97,7 @@ def total_rows(totals: Iterable[TotalOverMileage], say: Wording) -> list[dict[st
     """Return a row for each condition: the total now and at the end of the way ahead, and when it reaches each band."""
     return [
         {
-            "condition": total.condition.label,
+            "condition": say.name(total.condition.label),
             "now": total.median[0] * PERCENT,
             "ahead": _within(total, -1, say),
             **{

@@ -168,7 +168,7 @@ def _complaint() -> None:
         options,
         index=options.index(first if first in labels else None),
         key=f"{_key('complaint')}-{controller.sha256}",
-        format_func=lambda name: say("panel.none_chosen") if name is None else labels[name],
+        format_func=lambda name: say("panel.none_chosen") if name is None else say.name(labels[name]),
         disabled=not labels,
         help=say("panel.complaint_help" if labels else "panel.no_complaints"),
     )
@@ -192,7 +192,9 @@ def _condition() -> None:
         typed = fields.number(say("columns.engine_speed"), ENGINE_SPEED, rpm, key=f"{owner}-n")
         gear = st.selectbox(say("columns.gear"), gears, gears.index(first_gear), key=f"{owner}-g")
         mileage = fields.number(say("columns.mileage"), MILEAGE, now.start.mileage, key=_key("mileage"), optional=True)
-        st.caption(say("panel.pressures_as", condition=show.plain(point.label), source=show.plain(point.source)))
+        st.caption(
+            say("panel.pressures_as", condition=show.plain(say.name(point.label)), source=show.plain(point.source))
+        )
     if typed is not None and typed != rpm:
         speed = RPM.to_si(typed)
     choose(

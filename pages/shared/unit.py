@@ -194,7 +194,9 @@ def draw_clearance(now: Seen) -> None:
         st.info(say("unit.no_land"))
         return
     controller = now.diagnosis.controller
-    key = st.selectbox(say("columns.land"), keys, format_func=lambda each: land_name(controller, each), key="unit-land")
+    key = st.selectbox(
+        say("columns.land"), keys, format_func=lambda each: land_name(controller, each, say), key="unit-land"
+    )
     land = now.history.land(key)
     figure = figures.clearance_over_mileage(land, now.history.visits, now.history.present, say)
     show.chart(figure, "unit-clearance")
@@ -232,7 +234,7 @@ def draw_totals(now: Seen) -> None:
     name = st.selectbox(
         say("columns.condition"),
         list(by_name),
-        format_func=lambda each: by_name[each].condition.label,
+        format_func=lambda each: say.name(by_name[each].condition.label),
         key="unit-condition",
     )
     show.chart(figures.total_over_mileage(by_name[name], say), "unit-total")
@@ -272,7 +274,7 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
         spread = {land.key: land for land in across.lands}
         rows = [
             {
-                "pair": land_name(controller, each.key),
+                "pair": land_name(controller, each.key, say),
                 "this_unit": each.clearance * UM,
                 "wider_than": each.part * PERCENT,
                 "units": each.others,

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import shipped_files
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import languages, wording
 
@@ -121,3 +123,21 @@ def test_a_language_is_no_copy_of_english(language: str) -> None:
         if ENGLISH[table][name] == texts[table][name] and len(re.findall(r"[a-z]{3,}", ENGLISH[table][name])) > 3
     ]
     assert same == []
+
+
+def test_every_name_of_a_shipped_valve_body_is_translated() -> None:
+    shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
+    names = {
+        name
+        for controller in shipped
+        for name in (
+            *controller.components.values(),
+            *(each.name for each in controller.circuits),
+            *(each.label for each in (*controller.operating_points, *controller.complaints)),
+        )
+    }
+    assert len(shipped) > 8
+    assert set(ENGLISH["names"]) == names
+    assert all(wording("en").name(name) == name for name in names)
+    assert wording("de").name("main pressure valve") == "Hauptdruckventil"
+    assert wording("de").name("valve of a workshop's own file") == "valve of a workshop's own file"

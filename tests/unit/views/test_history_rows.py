@@ -72,8 +72,8 @@ def test_what_is_past_a_limit_comes_first_and_what_nobody_can_tell_last(unit: tu
 
 
 def test_a_lands_name_begins_with_its_number(minimal: Controller) -> None:
-    assert land_name(minimal, TCC).startswith("tcc_regulator/1 ")
-    assert land_name(minimal, ("gone", 2)) == "gone/2"
+    assert land_name(minimal, TCC, ENGLISH).startswith("tcc_regulator/1 ")
+    assert land_name(minimal, ("gone", 2), ENGLISH) == "gone/2"
 
 
 def test_totals_stand_with_the_mileage_of_each_band(unit: tuple[WearHistory, Diagnosis]) -> None:
