@@ -27,6 +27,7 @@ Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
 NOMINAL_HEADING = "Nominal\ndiameter [mm]"  # of the printed form: it marks a sheet that was made from it
+TYPED_MARK = "atleak: readings typed in"  # the first cell of a sheet that was: it may hold nothing yet that counts
 NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal one is flagged: choice of this project
 
 
@@ -49,7 +50,7 @@ class Reading:
     coordinates: tuple[float, float] | None = None  # [m]
 
     @property
-    def station(self) -> tuple[str, str, str, float | None]:
+    def station(self) -> tuple[str, Part, str, float | None]:
         """Return what repeats have in common: component, part, plane and direction."""
         return self.component, self.part, self.plane, self.direction
 
@@ -469,15 +470,18 @@ def _part_messages(
             f"{name}, {word}: the directions differ by {_um(mean.ovality)} µm: worn to one side, or a slip",
             readings[0].place,
         )
-    nominal = land.nominal_diameter if part == "spool" else land.nominal_sleeve_diameter
-    if abs(mean.diameter - nominal) > NOMINAL_TOLERANCE:
-        said = " (representative)" if "nominal_diameter_mm" in land.representative else ""
-        yield Message(
-            "warning",
-            "far_from_nominal",
-            f"{name}, {word}: mean diameter {_mm(mean.diameter)} mm, nominal{said} {_mm(nominal)} mm: is it this land?",
-            readings[0].place,
-        )
+    far = far_from_nominal(land, part, mean.diameter)
+    if far:
+        yield Message("warning", "far_from_nominal", f"{name}, {word}: mean diameter {far}", readings[0].place)
+
+
+def far_from_nominal(land: Land, part: Part, diameter: float) -> str:
+    """Say how a diameter [m], as corrected or as read, lies far from its nominal one; nothing where it does not."""
+    nominal = land.nominal_of(part)
+    if abs(diameter - nominal) <= NOMINAL_TOLERANCE:
+        return ""
+    said = " (representative)" if "nominal_diameter_mm" in land.representative else ""
+    return f"{_mm(diameter)} mm, nominal{said} {_mm(nominal)} mm: is it this land?"
 
 
 def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Message]:

@@ -109,10 +109,10 @@ def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
 # --- pressures
 
 
-def land_in_words(diagnosis: Diagnosis, key: LandKey) -> str:
+def land_in_words(diagnosis: Diagnosis, key: LandKey, say: Wording) -> str:
     """Name a land: ``25/1 main pressure valve``."""
     component, number = key
-    return f"{component}/{number} {isolated(diagnosis.controller.components[component])}"
+    return f"{component}/{number} {isolated(say.name(diagnosis.controller.components[component]))}"
 
 
 def unsolved(diagnosis: Diagnosis, say: Wording) -> str | None:
@@ -137,7 +137,7 @@ def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) ->
     parts = [sentence]
     if falls and at.projection.reserve >= 1.0 and at.followed is not None and at.followed.circuit is not None:
         held, new = _kpa(at.followed.now, say), _kpa(at.followed.new, say)
-        parts.append(say("held.follows", circuit=at.followed.circuit.name, held=held, new=new))
+        parts.append(say("held.follows", circuit=say.name(at.followed.circuit.name), held=held, new=new))
     return " ".join(filter(None, (*parts, permissible_words(line, say))))
 
 
@@ -167,7 +167,7 @@ def reserve_sentence(at: PressuresAt, say: Wording) -> str:
 
 def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> str:
     """Say what a circuit holds, of what when new, how that is judged, and which lands cost it that."""
-    name = held.circuit.name if held.circuit else say("held.line")
+    name = say.name(held.circuit.name) if held.circuit else say("held.line")
     sentence = say(
         "held.circuit",
         circuit=name,
@@ -178,7 +178,9 @@ def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> 
     words = [] if held.verdict is None else [say.signed(held.verdict)]
     if held.verdict is not None and held.verdict.flagged:
         kind = "held.costs" if held.loss > 0.0 else "held.raises"
-        words += [say(kind, land=land_in_words(diagnosis, key), loss=_kpa(abs(loss), say)) for key, loss in held.costly]
+        words += [
+            say(kind, land=land_in_words(diagnosis, key, say), loss=_kpa(abs(loss), say)) for key, loss in held.costly
+        ]
     return f"{sentence}: {'; '.join(words)}" if words else sentence
 
 
@@ -199,10 +201,10 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = la
     elif rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
         because = say("held.by_permissible", held=_kpa(held.now, say), low=_kpa(held.low or 0.0, say), **values)
     else:
-        circuit = rule.circuit.name if rule.circuit else ""
+        circuit = say.name(rule.circuit.name) if rule.circuit else ""
         kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
         because = say(kind, circuit=circuit, held=_kpa(held.now, say), new=_kpa(held.new, say), **values)
-    lands = ", ".join(land_in_words(diagnosis, key) for key in keys[:LOOK_FIRST])
+    lands = ", ".join(land_in_words(diagnosis, key, say) for key in keys[:LOOK_FIRST])
     return f"{because}. {say('held.look_first', lands=lands)}" if lands else f"{because}."
 
 

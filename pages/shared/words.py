@@ -196,35 +196,3 @@ def rule_text(rule: Rule) -> str:
     value = f"{rule.value * kind.factor:.3g} {kind.unit}" if math.isfinite(rule.value) else "beyond the pump"
     where = f", {rule.condition.label}" if rule.condition else ""
     return f"{rule.quantity} {value}, limit {rule.limit * kind.factor:.3g} {kind.unit}{where}"
-
-
-def clearance_table(controller: Controller, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows of the clearances as measured."""
-    names = {
-        "wear_percent": "Wear [%]",
-        "radial_clearance_um": "Clearance [µm]",
-        "mounting_clearance_um": "Mounting [µm]",
-        "spool_diameter_mm": "Spool [mm]",
-        "sleeve_diameter_mm": "Sleeve [mm]",
-        "status": "Status",
-        "min_clearance_um": "Least [µm]",
-        "max_clearance_um": "Largest [µm]",
-        "worst_direction_deg": "At [°]",
-        "spool_ovality_um": "Spool ovality [µm]",
-        "sleeve_ovality_um": "Sleeve ovality [µm]",
-        "spool_taper_um": "Spool taper [µm]",
-        "sleeve_taper_um": "Sleeve taper [µm]",
-        "spool_spread_um": "Spool spread [µm]",
-        "sleeve_spread_um": "Sleeve spread [µm]",
-        "planes": "Planes",
-        "readings": "Readings",
-        "representative": "Representative",
-    }
-    return [
-        {
-            "Verdict": row["verdict"],
-            "Pair": pair(controller, row["component"], row["land"]),
-            **{heading: row[name] for name, heading in names.items()},
-        }
-        for row in rows
-    ]

@@ -208,12 +208,12 @@ def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording) -> Non
     """Show what is edited, and ask in which units its numbers are typed."""
     name = found.data.get("name") or say("workshop_data.nameless")
     st.markdown(f"**{show.plain(name)}** · id `{found.data.get('id', '–')}`")
-    places = st.columns(3, vertical_alignment="bottom")
+    places = iter(st.columns(3, vertical_alignment="bottom"))
     if desk.subject.kind != "fluids":  # of which nothing is a length or a pressure
-        ask_unit(editing, "length", say("workshop_data.lengths"), places[0])
+        ask_unit(editing, "length", say("workshop_data.lengths"), next(places))
     if desk.subject.kind == "limits":
-        ask_unit(editing, "pressure", say("workshop_data.pressures"), places[1])
-    places[2].button(say("workshop_data.another"), on_click=desk.close, help=say("workshop_data.another_help"))
+        ask_unit(editing, "pressure", say("workshop_data.pressures"), next(places))
+    next(places).button(say("workshop_data.another"), on_click=desk.close, help=say("workshop_data.another_help"))
 
 
 def choose_step(editing: Editing, found: Checked, say: Wording) -> str:

@@ -64,6 +64,7 @@ FLOORS = (
     ("views", "intake"),
     (
         "figures",
+        "measuring",
         "job.record",
         "job.case",
         "report.printed_charts",

@@ -243,7 +243,7 @@ def test_no_page_has_a_number_field_of_another_kind() -> None:
 
 def test_profile_options_reach_the_engine(app: AppTest) -> None:
     settle(app, "4_Diagnosis", "Profile", "paper")
-    assert "profile: **paper**" in texts(app)
+    assert "Profile: **paper**" in texts(app)
     settle(app, "22_Settings", "Diameter in the gap law", "mean")
     settle(app, "4_Diagnosis", "Loss at a gap's entry and exit", "on")
     assert "paper, diameter=mean, entry_loss=on" in texts(app)
