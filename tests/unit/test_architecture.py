@@ -63,7 +63,7 @@ FLOORS = (
     ),
     ("job.decisions",),
     ("job.estimate",),
-    ("report.estimate_words",),
+    ("report.estimate_words", "job.repair_set"),
     ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet", "report.comparison_terminal"),
     ("job.file",),
     ("report.batch", "jobs"),
