@@ -31,7 +31,7 @@ def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey], c
         about = [move for move in repairs.moves.all if _is_about(each, move, controller)]
         wanted = any(move is other for move in about for other in chosen)
         if about and wanted != (each.decision in CARRIED_OUT):
-            each = each.model_copy(update={"decision": "proposed" if wanted else None})  # noqa: PLW2901
+            each = each.model_copy(update={"decision": "proposed" if wanted else None})
         decisions.append(each)
     known = [each for each in decisions if each.decision in CARRIED_OUT]
     missing = [move for move in chosen if not any(_is_about(each, move, controller) for each in known)]

@@ -120,7 +120,8 @@ def test_of_three_repeats_the_one_that_the_others_contradict_is_left_out(minimal
         assert slip.radial_clearance == pytest.approx(right.radial_clearance, rel=1e-12, abs=0.0)
         assert all(each.agreed and len(each.counted) == 2 for each in slip.doubts)
         said = [message.text for message in slip.messages if message.code == "repeats_disagree"]
-        assert said and all(text.endswith("mm counts, on which most of them agree") for text in said)
+        assert said
+        assert all(text.endswith("mm counts, on which most of them agree") for text in said)
 
 
 @pytest.mark.parametrize(("part", "by"), [("spool", -SLIP), ("spool", SLIP), ("sleeve", -SLIP), ("sleeve", SLIP)])

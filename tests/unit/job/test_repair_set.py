@@ -29,9 +29,7 @@ WORN = {(PR, 1): 1.5, (PR, 2): 1.2, (TCC, 1): 0.05, (ACC, 1): 1.8}
 
 
 @pytest.fixture(scope="module")
-def repairs(
-    minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
-) -> OfferedRepairs:
+def repairs(minimal: Controller, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]) -> OfferedRepairs:
     """The minimal example with three lands past their limits, one worn a little, and two ways to mend one of them."""
     controller = replace(minimal, repairs=(SLEEVE, SPOOL))
     diameters = {}
