@@ -243,7 +243,7 @@ def _typed(job: Job) -> dict[MoveKey, Stated]:
 
 
 def decision_on(move: Move) -> RepairDecision:
-    """Return a repair as a line of the job record that proposes it; price and hours stay as they are known elsewhere."""
+    """Return a repair as a line of the job record that proposes it; price and hours stay as known elsewhere."""
     (component, land), *others = sorted(move.treats)
     repair = move.option.repair if move.option is not None else None
     return RepairDecision(
