@@ -6,7 +6,7 @@ from atleak.figures import diagnosis_figures as figures
 from atleak.repair import plan_repairs
 from atleak.views.diagnosis_record import diagnosis_record
 from atleak.views.pair_table import pair_table
-from pages.shared import conditions, fields, files, panel, pairs, pressures, reader, repair_plan, road, show, words
+from pages.shared import conditions, fields, files, pairs, panel, pressures, reader, repair_plan, road, show, words
 from pages.shared.state import session
 
 case, diagnosis = panel.shown()
@@ -24,6 +24,9 @@ if diagnosis.without_sheet:
     files.take_along(case, diagnosis, record)
     st.stop()
 
+show.jumps(
+    {"flagged-pairs": "diagnosis.flagged_pairs", "pressures": "diagnosis.pressures", "repair-plan": "repair_plan.title"}
+)
 pairs.picture(diagnosis, say)
 pairs.choice(diagnosis, say)
 pairs.opened_pair(diagnosis, say, named, words.advised(diagnosis, record, say))
@@ -39,7 +42,7 @@ st.subheader(say("diagnosis.totals"))
 show.chart(figures.total_share(diagnosis), "share")
 conditions.totals(diagnosis, record)
 
-st.subheader(say("diagnosis.pressures"))
+st.subheader(say("diagnosis.pressures"), anchor="pressures")
 pressures.section(diagnosis, repair_plan.decided_totals(diagnosis))
 
 st.subheader(say("diagnosis.matrix"))

@@ -1,4 +1,4 @@
-"""Say a diagnosis in one sentence: how it stands, by what, what it leaks, what was not measured and what is in doubt."""
+"""Say a diagnosis in one sentence: how it stands, by what, what it leaks, what is not measured, what is in doubt."""
 
 from __future__ import annotations
 

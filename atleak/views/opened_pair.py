@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from atleak.catalogue.section_pressures import Pressure
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import Verdict, worst
@@ -53,9 +54,7 @@ def components_worst_first(diagnosis: Diagnosis) -> list[str]:
     return list(dict.fromkeys([*first, *others]))
 
 
-def opened_lands(
-    diagnosis: Diagnosis, component: str, say: Wording, named: Named = label_of
-) -> tuple[OpenedLand, ...]:
+def opened_lands(diagnosis: Diagnosis, component: str, say: Wording, named: Named = label_of) -> tuple[OpenedLand, ...]:
     """Return every land of a component, in its order along the spool."""
     lands = [land for land in diagnosis.lands if land.key[0] == component]
     return tuple(_opened(diagnosis, land, say, named) for land in lands)
@@ -65,12 +64,17 @@ def _opened(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording, named: Name
     return OpenedLand(
         land=land,
         verdict=Cell(say.signed(land.verdict), land.verdict),
-        why=tuple(why(land, say, named)) or (say("diagnosis.within_limits"),),
+        why=_why(land, say, named),
         facts=tuple(_facts(land, say)),
         shares=_shares(diagnosis, land, say, named),
         rules=_rules(land, say, named),
         does=tuple(_does(diagnosis, land, say)),
     )
+
+
+def _why(land: LandDiagnosis, say: Wording, named: Named) -> tuple[str, ...]:
+    said = tuple(why(land, say, named)) or (say("diagnosis.within_limits"),)
+    return (say("diagnosis.nearest_limit", rule=said[0]), *said[1:]) if land.verdict == Verdict.OK else said
 
 
 def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
@@ -87,7 +91,9 @@ def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
         return
     yield fact("clearance", clearance(land, say))
     low, high = state.land.mounting_range
-    yield fact("when_new", micrometres(low) if low == high else f"{say.value(low * UM, 'clearance')}–{micrometres(high)}")
+    yield fact(
+        "when_new", micrometres(low) if low == high else f"{say.value(low * UM, 'clearance')}–{micrometres(high)}"
+    )
     yield fact("wear", "–" if land.wear is None else say.percent(land.wear, 0))
     for part, ovality, taper in (
         ("spool", state.spool_ovality, state.spool_taper),
@@ -108,13 +114,16 @@ def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
 
 def _shares(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording, named: Named) -> Table:
     row = MatrixRow.of(land, diagnosis, diagnosis.presented)
+    costs = any(cell.loss for cell in row.cells)
     rows = []
     for cell in row.cells:
         limit = "–" if cell.rule is None else rule_value(cell.rule, cell.rule.limit, say)
-        loss = "–" if not cell.loss else say.quantity(cell.loss * KPA, "pressure")
-        cells = Cell(named(cell.projection.condition)), share_cell(cell, say), Cell(limit), Cell(loss)
-        rows.append(Row(land.key, cells))
-    return Table(_headings(("condition", "share_of_pump", "limit", "costs"), say), tuple(rows))
+        cells = [Cell(named(cell.projection.condition)), share_cell(cell, say), Cell(limit)]
+        if costs:
+            cells.append(Cell(say.quantity(cell.loss * KPA, "pressure") if cell.loss else "–"))
+        rows.append(Row(land.key, tuple(cells)))
+    names = ("condition", "share_of_pump", "limit", "costs")
+    return Table(_headings(names if costs else names[:-1], say), tuple(rows))
 
 
 def _rules(land: LandDiagnosis, say: Wording, named: Named) -> Table:
@@ -146,18 +155,23 @@ def _headings(names: Iterable[str], say: Wording) -> tuple[str, ...]:
 
 
 def _does(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Iterator[str]:
+    """Say from where to where the land leaks, and which complaints of the valve body's file that can cause."""
     controller = diagnosis.controller
     names = {each.id: isolated(each.name) for each in controller.circuits}
 
-    def section(name: str | None) -> str:
-        return say("diagnosis.drain") if name is None else names.get(name) or say.get("pressures", name)
+    def written(pressure: Pressure) -> str:
+        if pressure.section is None:
+            return say.quantity(pressure.constant * KPA, "pressure") if pressure.constant else say("diagnosis.sump")
+        name = names.get(pressure.section) or say.get("pressures", pressure.section)
+        if pressure.coefficient == 1.0:
+            return name
+        return say("diagnosis.part_of", part=say.percent(pressure.coefficient, 0), pressure=name)
 
     for gap in controller.gaps:
         if gap.key == land.key:
             gears = ", ".join(map(str, sorted(gap.gears)))
-            yield say("diagnosis.leaks_to", high=section(gap.high.section), low=section(gap.low.section), gears=gears)
+            yield say("diagnosis.leaks_to", high=written(gap.high), low=written(gap.low), gears=gears)
     leaking = {each.condition.name for each in diagnosis.projections if each.leakage_of(land.key) > 0.0}
     for complaint in controller.complaints:
-        named = land.key in complaint.lands
-        if named or (not complaint.lands and leaking & set(complaint.conditions)):
+        if land.key in complaint.lands or (not complaint.lands and leaking & set(complaint.conditions)):
             yield say("diagnosis.can_cause", complaint=isolated(complaint.label))

@@ -5,8 +5,6 @@ from __future__ import annotations
 from atleak.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN, Profile
 from atleak.engine.projection import Projection
-from atleak.views.repair_words import Named, label_of
-from atleak.wording import Wording
 from atleak.workshop_units import PERCENT
 
 
@@ -41,18 +39,6 @@ def position_band(diagnosis: Diagnosis, projection: Projection) -> tuple[float, 
     if diagnosis.profile.sets_position:
         return None
     return projection.share_of(projection.concentric_leakage), projection.share_of(projection.touching_leakage)
-
-
-def position_sentence(
-    diagnosis: Diagnosis, projection: Projection, say: Wording, named: Named = label_of
-) -> str:
-    """Say for which position of the spools flows are given, and the total share as they may lie; "" where it is set."""
-    band = position_band(diagnosis, projection)
-    if band is None:
-        return ""
-    low, high = (say.percent(each, 0 if band[1] >= 0.1 else 1) for each in band)
-    key = "anywhere" if diagnosis.profile.eccentricity == UNKNOWN else "concentric"
-    return say(f"sentences.{key}", condition=named(projection.condition), low=low, high=high)
 
 
 def concentric_factors(profile: Profile, projection: Projection) -> tuple[float, float]:

@@ -40,8 +40,8 @@ def _both(at: RepairedAt, say: Wording) -> Iterator[Cell]:
         yield Cell(say.number(total.reserve, 2), _level(total, RuleKind.RESERVE))
 
 
-def _share(total: Total, say: Wording) -> str:
-    return say.percent(total.share) if math.isfinite(total.share) else say("diagnosis.no_flow")
+def _share(total: Total, say: Wording, digits: int = 1) -> str:
+    return say.percent(total.share, digits) if math.isfinite(total.share) else say("diagnosis.no_flow")
 
 
 def _level(total: Total, kind: RuleKind) -> Verdict | None:
@@ -67,9 +67,13 @@ def _circuit(at: RepairedAt, say: Wording) -> str:
 
 
 def effect_sentences(
-    repairs: OfferedRepairs, keys: Collection[MoveKey], effect: Sequence[RepairedAt], say: Wording, named: Named = label_of
+    repairs: OfferedRepairs,
+    keys: Collection[MoveKey],
+    effect: Sequence[RepairedAt],
+    say: Wording,
+    named: Named = label_of,
 ) -> Iterator[str]:
-    """Say whether everything is within its limits then, what stays past one, and which flagged lands stay as they are."""
+    """Say whether everything is within its limits then, what stays past one, and which flagged lands are left."""
     past = [rule for at in effect for rule in at.after.past]
     chosen = repairs.chosen(keys)
     if past:
@@ -92,6 +96,6 @@ def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, named
     at = each.best_at
     alone = say("repair_plan.no_help")
     if at.saving > 0.0:
-        before, after = _share(at.before, say), _share(at.after, say)
+        before, after = _share(at.before, say, 2), _share(at.after, say, 2)
         alone = say("repair_plan.alone", before=before, after=after, condition=named(at.condition))
     return f"{say.signed(first.verdict)} · {lands}: {work} ({alone})"

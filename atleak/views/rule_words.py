@@ -21,13 +21,21 @@ def rule_value(rule: Rule, value: float, say: Wording) -> str:
 
 def rule_name(rule: Rule, say: Wording, named: Named = label_of) -> str:
     """Return what a rule limits, of which circuit and at which condition."""
-    condition = f"“{named(rule.condition)}”" if rule.condition is not None else ""
-    circuit = isolated(rule.circuit.name) if rule.circuit else ""
-    return ", ".join(filter(None, (say(f"rules.{rule.kind}"), circuit, condition, rule.where)))
+    return ", ".join(filter(None, (_limited(rule, say), *_where(rule, named))))
 
 
 def rule_reached(rule: Rule, say: Wording, named: Named = label_of) -> str:
-    """Return a rule with its value and the limit: ``wear 60.1 % (limit 30 %)``."""
+    """Return a rule with its value, the limit and where that was: ``wear 60.1 % (limit 30 %)``."""
     value = rule_value(rule, rule.value, say) if math.isfinite(rule.value) else say.number(rule.value, 0)
     limit = rule_value(rule, rule.limit, say)
-    return say("rules.reached_short", rule=rule_name(rule, say, named), value=value, limit=limit)
+    reached = say("rules.reached_short", rule=_limited(rule, say), value=value, limit=limit)
+    return ", ".join(filter(None, (reached, *_where(rule, named))))
+
+
+def _limited(rule: Rule, say: Wording) -> str:
+    circuit = isolated(rule.circuit.name) if rule.circuit else ""
+    return ", ".join(filter(None, (say(f"rules.{rule.kind}"), circuit)))
+
+
+def _where(rule: Rule, named: Named) -> tuple[str, str]:
+    return "" if rule.condition is None else named(rule.condition), rule.where

@@ -8,8 +8,10 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
 from atleak.rules import LandKey, Rule
+from atleak.views.positions import position_band
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.pump_words import full_stroke
 from atleak.views.repair_words import Named, label_of
@@ -90,6 +92,16 @@ def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
     """Say from which engine speed the pump covers the leakage of a condition, and which consumers that speed counts."""
     speed = f"{projection.minimum_speed * RPM:.0f} rpm"
     return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"
+
+
+def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording, named: Named = label_of) -> str:
+    """Say for which position of the spools flows are given, and the total share as they may lie; "" where it is set."""
+    band = position_band(diagnosis, projection)
+    if band is None:
+        return ""
+    low, high = (say.percent(each, 0 if band[1] >= 0.1 else 1) for each in band)
+    key = "anywhere" if diagnosis.profile.eccentricity == UNKNOWN else "concentric"
+    return say(f"sentences.{key}", condition=named(projection.condition), low=low, high=high)
 
 
 # --- pressures

@@ -17,10 +17,9 @@ from atleak.report.estimate_words import open_words
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
-from atleak.views.positions import position_sentence
 from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import land_in_words, shares_add_up
+from atleak.views.sentences import land_in_words, position_sentence, shares_add_up
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 from pages.shared import reader, show, words

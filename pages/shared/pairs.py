@@ -67,9 +67,7 @@ def choice(diagnosis: Diagnosis, say: Wording) -> None:
     )
 
 
-def opened_pair(
-    diagnosis: Diagnosis, say: Wording, named: Named, advised: Callable[[LandDiagnosis], str]
-) -> None:
+def opened_pair(diagnosis: Diagnosis, say: Wording, named: Named, advised: Callable[[LandDiagnosis], str]) -> None:
     """Show everything that is known of the opened component; nothing where none is open."""
     name = opened(diagnosis)
     if name is None:
@@ -124,7 +122,7 @@ def _level(cell: Cell) -> str:
     if cell.level is None:
         return escape(cell.text)
     look = look_of(cell.level)
-    sign = "" if cell.text.startswith(look.sign) else f"{look.sign} "
+    sign = "" if look.sign in cell.text else f"{look.sign} "
     style = f' style="background:{look.screen};color:{look.on_screen}"' if look.on_screen else ""
     return f'<span class="level{"" if style else " plain"}"{style}>{sign}{escape(cell.text)}</span>'
 
@@ -134,9 +132,12 @@ def _themed(drawing: str) -> str:
 
 
 def _land(each: OpenedLand, say: Wording, advice: str) -> str:
+    """Return one land; of one that is not flagged numbers and limits are folded."""
     _, number = each.land.key
-    facts = "".join(f"<dt>{escape(fact.name)}</dt><dd>{escape(fact.value)}</dd>" for fact in each.facts)
+    facts = "".join(f"<div><dt>{escape(fact.name)}</dt><dd>{escape(fact.value)}</dd></div>" for fact in each.facts)
     said = "".join(f"<li>{escape(line)}</li>" for line in filter(None, (*each.why, advice, *each.does)))
     tables = "".join(map(table_html, (each.shares, each.rules) if each.rules.rows else (each.shares,)))
     heading = f"<h4>{escape(say('diagnosis.land', land=number))} {_level(each.verdict)}</h4>"
-    return f"<section>{heading}<ul>{said}</ul><dl>{facts}</dl>{tables}</section>"
+    opened = " open" if each.land.verdict.flagged else ""
+    fold = f"<details{opened}><summary>{escape(say('diagnosis.numbers'))}</summary><dl>{facts}</dl>{tables}</details>"
+    return f"<section>{heading}<ul>{said}</ul>{fold}</section>"

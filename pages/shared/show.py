@@ -21,8 +21,8 @@ from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Band, Verdict
-from atleak.views.columns import VERDICT, Column
 from atleak.views.caveats import caveat_marks, caveats
+from atleak.views.columns import VERDICT, Column
 from atleak.views.drawing import on_dark
 from atleak.views.first_sentence import first_sentence as first_sentence_of
 from atleak.views.first_sentence import shown_verdict
@@ -350,3 +350,8 @@ def first_sentence(diagnosis: Diagnosis, named: Named) -> None:
     _BOX[look_of(level).box](f"**{plain(word)}{plain(marks)}:** {plain(said)}")
     for sentence in caveats(diagnosis, say):
         st.caption(plain(sentence))
+
+
+def jumps(sections: Mapping[str, str]) -> None:
+    """Show links to sections further down, by their anchors and the keys of their headings."""
+    st.markdown(" · ".join(f"[{reader.say()(key)}](#{anchor})" for anchor, key in sections.items()))

@@ -9,11 +9,12 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.report.pdf.printed_names import PrintedNames, condition_name
-from atleak.views.repair_words import Named
+from atleak.views.repair_words import Named, label_of
 from atleak.wording import Wording
 from pages.shared.show import plain
 from pages.shared.state import job
 
+FILES_IN = "en"  # the language of the catalogue's names
 DIGITS = {
     "Clearance [µm]": 1,
     "u [µm]": 1,
@@ -35,8 +36,8 @@ DIGITS = {
 
 
 def named(say: Wording) -> Named:
-    """Return what names a condition in the reader's language."""
-    return partial(condition_name, say=say)
+    """Return what names a condition in the reader's language; in English as the valve body's file does."""
+    return label_of if say.language == FILES_IN else partial(condition_name, say=say)
 
 
 def advised(diagnosis: Diagnosis, record: dict[str, Any], say: Wording) -> Callable[[LandDiagnosis], str]:
