@@ -339,6 +339,11 @@ def svg(drawing: str, label: str, least_width: int = 640) -> None:
     )
 
 
+def banner(diagnosis: Diagnosis, sentence: str) -> None:
+    """Show a sentence on the verdict in a box of its colour: green only where all was measured and nothing in doubt."""
+    _BOX[look_of(shown_verdict(diagnosis)).box](sentence)
+
+
 def first_sentence(diagnosis: Diagnosis, named: Named) -> None:
     """Show how the unit stands in one sentence, in a box of its colour, and below it what that rests on."""
     say = reader.say()
@@ -347,7 +352,7 @@ def first_sentence(diagnosis: Diagnosis, named: Named) -> None:
     word = f"{look_of(level).sign} {say('diagnosis.open')}" if open_ones else say.signed(level)
     marks = "".join(f" · {mark}" for mark in caveat_marks(diagnosis, say))
     said = first_sentence_of(diagnosis, say, named)
-    _BOX[look_of(level).box](f"**{plain(word)}{plain(marks)}:** {plain(said)}")
+    banner(diagnosis, f"**{plain(word)}{plain(marks)}:** {plain(said)}")
     for sentence in caveats(diagnosis, say):
         st.caption(plain(sentence))
 
