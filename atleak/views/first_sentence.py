@@ -9,6 +9,7 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.rules import Rule
 from atleak.verdicts import FLAGGED, Verdict
 from atleak.views.measured_words import measured_sentence
+from atleak.views.pressures import worst_pressure
 from atleak.views.repair_words import Named, label_of
 from atleak.views.rule_words import rule_reached
 from atleak.views.sentences import because_of, land_in_words
@@ -42,6 +43,9 @@ def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
         rule = decided_by.deciding
         reached = "" if rule is None else rule_reached(rule, say, named)
         yield say("diagnosis.decides", land=land_in_words(diagnosis, decided_by.key), rule=reached)
+        pressure = worst_pressure(diagnosis)
+        if pressure is not None:
+            yield f"{say.signed(pressure.verdict)} {because_of(diagnosis, pressure, say, named) or ''}".rstrip()
     elif isinstance(decided_by, Rule) and measured is None:
         because = because_of(diagnosis, decided_by, say, named)
         yield because or say("diagnosis.by_rule", rule=rule_reached(decided_by, say, named))

@@ -19,7 +19,7 @@ from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
 from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import land_in_words, position_sentence, shares_add_up
+from atleak.views.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 from pages.shared import reader, show, words
@@ -72,6 +72,7 @@ def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
                     speed=say.number(point.condition.engine_speed * RPM, 0),
                     new=say.quantity(diagnosis.new_at(point).leakage * DM3_MIN, "flow"),
                     covered=say.number(point.minimum_speed * RPM, 0),
+                    counted=counted_in_speed(diagnosis, say),
                     positions=position_sentence(diagnosis, point, say, named),
                     source=sources[point.condition.name],
                 )
