@@ -59,7 +59,7 @@ def test_the_opened_pair_shows_clearance_ovality_shares_and_limits_in_the_reader
     assert facts["Ovality of the bore"] == say.quantity((state.sleeve_ovality or 0.0) * UM, "clearance")
     assert [row.cells[0].text for row in first.shares.rows] == [each.condition.label for each in worn.presented]
     assert first.rules.rows[0].cells[1].level == first.land.verdict
-    assert first.why[0].startswith(EN("rules.wear" if worn.flagged[0].deciding.condition is None else "rules.pair_share"))  # type: ignore[union-attr]
+    assert first.why[0].startswith(EN(f"rules.{first.land.deciding.kind}"))  # type: ignore[union-attr]
 
 
 def test_the_opened_pair_says_which_complaints_it_can_cause_and_where_it_leaks(worn: Diagnosis) -> None:
@@ -98,7 +98,7 @@ def test_every_component_is_drawn_by_itself_in_the_shade_of_its_lands():
     for svg in drawings.values():
         width = float(ElementTree.fromstring(svg).attrib["width"])
         for rectangle in ElementTree.fromstring(svg).iter(f"{SVG}rect"):
-            assert 0.0 <= float(rectangle.attrib["x"])
+            assert float(rectangle.attrib["x"]) >= 0.0
             assert float(rectangle.attrib["x"]) + float(rectangle.attrib["width"]) <= width
 
 
