@@ -30,7 +30,7 @@ def test_a_pair_is_opened_repairs_are_ticked_and_the_record_holds_what_was_decid
     expect(page.get_by_text("The repair decisions of this job are those ticked here.")).to_be_visible()
     page.reload()
     expect(page.get_by_text("Ovality of the bore").first).to_be_visible()
-    page.get_by_role("link", name="Report").click()
+    page.get_by_test_id("stTopNav").get_by_role("link", name="Report").click()
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Job record").click()
     record = json.loads(Path(waiting.value.path()).read_text(encoding="utf-8"))
