@@ -56,10 +56,13 @@ def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
     return say(f"facts.temperature_{said}", **values)
 
 
-def tighter_than_new(diagnosis: Diagnosis, say: Wording) -> str | None:
-    """Say how many lands measure tighter than a new pair can be; None where none does."""
-    count = sum(land.suspect for land in diagnosis.lands)
-    return say("sentences.tighter_than_new", count=count) if count else None
+def readings_in_doubt(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say which measured lands are tighter than new ones can be, and which have repeats that disagree; None without."""
+    tight = sum(land.suspect for land in diagnosis.lands)
+    apart = [f"{land.key[0]}/{land.key[1]}" for land in diagnosis.lands if land.state.doubts]
+    said = [say("sentences.tighter_than_new", count=tight)] if tight else []
+    said += [say("sentences.repeats_apart", lands=", ".join(apart))] if apart else []
+    return " ".join(said) or None
 
 
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:

@@ -16,6 +16,8 @@ from atleak.readings import Reading, Readings, clearances
 from atleak.uncertainty import DEFAULTS
 from atleak.uncertainty.sources import find_sources
 from atleak.verdicts import Verdict
+from atleak.views.sentences import readings_in_doubt
+from atleak.wording import languages, wording
 
 UM = 1e-6
 SLIP = 59.5 * UM
@@ -81,6 +83,14 @@ def test_the_land_with_such_repeats_is_in_doubt_and_the_unit_is_not_passed(
     assert {round(each.apart / UM, 6) for each in doubtful.state.doubts} == {59.5}
     assert not any(each.agreed for each in doubtful.state.doubts)
     assert not wrong.passed
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_report_names_the_lands_in_doubt(slipped: tuple[Diagnosis, Diagnosis], language: str) -> None:
+    right, wrong = slipped
+    component, land = wrong.in_doubt[0].key
+    assert readings_in_doubt(right, wording(language)) is None
+    assert f"{component}/{land}:" in (readings_in_doubt(wrong, wording(language)) or "")
 
 
 @every_controller
