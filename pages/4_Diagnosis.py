@@ -27,16 +27,7 @@ if diagnosis.without_sheet:
 show.jumps(
     {"flagged-pairs": "diagnosis.flagged_pairs", "pressures": "diagnosis.pressures", "repair-plan": "repair_plan.title"}
 )
-pairs.picture(diagnosis, say)
-pairs.choice(diagnosis, say)
-pairs.opened_pair(diagnosis, say, named, words.advised(diagnosis, record, say))
-
-st.subheader(say("diagnosis.flagged_pairs"), anchor="flagged-pairs")
-if diagnosis.flagged:
-    pairs.table(pair_table(diagnosis, diagnosis.flagged, say, named), "flagged", pressable=True)
-    show.what_is_shown(diagnosis)
-else:
-    st.write(say("diagnosis.none_flagged"))
+pairs.section(diagnosis, named, words.advised(diagnosis, record, say))
 
 st.subheader(say("diagnosis.totals"))
 show.chart(figures.total_share(diagnosis), "share")

@@ -13,10 +13,10 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.look import look_of
 from atleak.views.drawing import component_svgs, on_dark, spool_svg
 from atleak.views.opened_pair import OpenedLand, component_verdict, components_worst_first, opened_lands
-from atleak.views.pair_table import Cell, Table
+from atleak.views.pair_table import Cell, Table, pair_table
 from atleak.views.repair_words import Named
 from atleak.wording import Wording
-from pages.shared import address, show
+from pages.shared import address, reader, show
 from pages.shared.state import session
 
 OPENED = "pair"  # the opened component's name in the address
@@ -27,6 +27,21 @@ _HTML = st.components.v2.component(
     css=(_HERE / "pairs.css").read_text(encoding="utf-8"),
     js=(_HERE / "pairs.js").read_text(encoding="utf-8"),
 )
+
+
+@st.fragment
+def section(diagnosis: Diagnosis, named: Named, advised: Callable[[LandDiagnosis], str]) -> None:
+    """Show the picture, the opened pair and the flagged pairs; opening one computes nothing else of the page again."""
+    say = reader.say()
+    picture(diagnosis, say)
+    choice(diagnosis, say)
+    opened_pair(diagnosis, say, named, advised)
+    st.subheader(say("diagnosis.flagged_pairs"), anchor="flagged-pairs")
+    if diagnosis.flagged:
+        table(pair_table(diagnosis, diagnosis.flagged, say, named), "flagged", pressable=True)
+        show.what_is_shown(diagnosis)
+    else:
+        st.write(say("diagnosis.none_flagged"))
 
 
 def opened(diagnosis: Diagnosis) -> str | None:

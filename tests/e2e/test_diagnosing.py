@@ -13,6 +13,7 @@ from playwright.sync_api import Page, expect
 
 
 def test_a_pair_is_opened_repairs_are_ticked_and_the_record_holds_what_was_decided(page: Page) -> None:
+    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
     valve = page.locator("button[data-pair='25']").first
     valve.focus()
     page.keyboard.press("Enter")
