@@ -76,7 +76,7 @@ FLOORS = (
     ),
     ("job.decisions", "job.kinds", "job.steps"),
     ("job.estimate",),
-    ("report.estimate_words",),
+    ("report.estimate_words", "job.repair_set"),
     (
         "job.parts",
         "report.pdf",
