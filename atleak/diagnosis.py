@@ -84,6 +84,11 @@ class LandDiagnosis:
         return self.uncertainty is not None and self.uncertainty.suspect
 
     @property
+    def in_doubt(self) -> bool:
+        """Return whether its readings contradict themselves: repeats too far apart, or a pair tighter than new."""
+        return self.suspect or bool(self.state.doubts)
+
+    @property
     def probability_over_limit(self) -> float | None:
         """Return the probability that the true value is over the limit of the rule that gave the verdict."""
         decided = self.deciding_uncertainty
@@ -360,6 +365,26 @@ class Diagnosis:
         return self.readings is None and (self.log is not None or self.pressures is not None)
 
     @property
+    def unmeasured(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands of which a part was not measured, but for those that a ring seals."""
+        return tuple(land for land in self.lands if land.state.land.seal is None and land.state.status != "measured")
+
+    @property
+    def in_doubt(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands whose readings contradict themselves."""
+        return tuple(land for land in self.lands if land.in_doubt)
+
+    @property
+    def passed(self) -> bool:
+        """Tell whether the unit may be shown as good: within all limits, all of it measured, no reading in doubt.
+
+        Without a measuring sheet gauges and log alone say so.
+        """
+        if self.without_sheet:
+            return self.verdict == Verdict.OK
+        return self.verdict == Verdict.OK and not self.unmeasured and not self.in_doubt
+
+    @property
     def judged(self) -> int:
         """Count the lands that were measured, on both parts or on one, but for those that a ring seals."""
         return sum(land.state.judged for land in self.lands)
@@ -473,7 +498,8 @@ def diagnose(
         )
     )
     lands = tuple(_land(state, projections, when_new, rules, mileage, uncertainty) for state in states)
-    messages = messages_of(readings, controller, fluid, profile, projections, idle, road, states)
+    messages = messages_of(readings, controller, fluid, profile, projections, idle, road, states, unworn)
+    messages = [*limits.doubts, *messages]
     if checked is not None:
         messages += checked.messages
     if log is not None and without is not None:

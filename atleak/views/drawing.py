@@ -68,6 +68,32 @@ def controller_svg(
     return "".join((*parts, "</svg>"))
 
 
+def component_svgs(
+    controller: Controller, verdicts: Mapping[tuple[str, int], str], *, width: float = 160.0, height: float = 44.0
+) -> dict[str, str]:
+    """Draw every component that has lands by itself, all to one scale: the pictures that a page lays out as it likes.
+
+    Words are left to the page, which has room for them; a sign and the shade tell the verdict of each land.
+
+    Parameters
+    ----------
+    verdicts
+        by (component, land).
+    width, height
+        of each drawing, in pixels.
+    """
+    names = [name for name in controller.components if controller.lands_of(name)]
+    longest = max(_length(controller.lands_of(name)) for name in names)
+    thickest = max(land.nominal_diameter for land in controller.lands) * MM
+    scale = _scale(width - 16.0, longest, height - 12.0, thickest)
+    return {
+        name: svg_head(width, height, f"{name} · {controller.components[name]}")
+        + _spool(controller.lands_of(name), verdicts, width / 2.0, height / 2.0, scale, thick=1.0)
+        + "</svg>"
+        for name in names
+    }
+
+
 def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[str, int], str] | None = None) -> str:
     """Draw one spool in its sleeve with the planes it is measured in, numbered as on the measuring sheet.
 
