@@ -8,8 +8,10 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
 from atleak.rules import LandKey, Rule
+from atleak.views.positions import position_band
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.pump_words import full_stroke
 from atleak.views.repair_words import Named, label_of
@@ -54,10 +56,13 @@ def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
     return say(f"facts.temperature_{said}", **values)
 
 
-def tighter_than_new(diagnosis: Diagnosis, say: Wording) -> str | None:
-    """Say how many lands measure tighter than a new pair can be; None where none does."""
-    count = sum(land.suspect for land in diagnosis.lands)
-    return say("sentences.tighter_than_new", count=count) if count else None
+def readings_in_doubt(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say which measured lands are tighter than new ones can be, and which have repeats that disagree; None without."""
+    tight = sum(land.suspect for land in diagnosis.lands)
+    apart = [f"{land.key[0]}/{land.key[1]}" for land in diagnosis.lands if land.state.doubts]
+    said = [say("sentences.tighter_than_new", count=tight)] if tight else []
+    said += [say("sentences.repeats_apart", lands=", ".join(apart))] if apart else []
+    return " ".join(said) or None
 
 
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
@@ -104,6 +109,16 @@ def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
     """Say from which engine speed the pump covers the leakage of a condition, and which consumers that speed counts."""
     speed = f"{projection.minimum_speed * RPM:.0f} rpm"
     return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"
+
+
+def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording, named: Named = label_of) -> str:
+    """Say for which position of the spools flows are given, and the total share as they may lie; "" where it is set."""
+    band = position_band(diagnosis, projection)
+    if band is None:
+        return ""
+    low, high = (say.percent(each, 0 if band[1] >= 0.1 else 1) for each in band)
+    key = "anywhere" if diagnosis.profile.eccentricity == UNKNOWN else "concentric"
+    return say(f"sentences.{key}", condition=named(projection.condition), low=low, high=high)
 
 
 # --- pressures

@@ -20,9 +20,13 @@ from atleak.gauges.check import PressureCheck
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Band, Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.columns import VERDICT, Column
-from atleak.views.drawing import controller_svg, on_dark
+from atleak.views.drawing import on_dark
+from atleak.views.first_sentence import first_sentence as first_sentence_of
+from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_rows import gauge_rows
+from atleak.views.repair_words import Named
 from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import Wording, signed, wording
@@ -232,13 +236,11 @@ def sheet_messages(diagnosis: Diagnosis) -> None:
 
 
 def what_is_shown(diagnosis: Diagnosis) -> None:
-    """Say, below the flagged table, at which condition it holds and what of it is representative."""
-    controller = diagnosis.controller
-    say = reader.say()
-    values = plain(controller.representative)
-    said = f" {say('show.representative', values=values)}" if controller.representative else ""
-    fluid, condition = plain(fluid_in_state(diagnosis, say)), plain(diagnosis.projection.condition.label)
-    st.caption(f"{say('show.shares_at', condition=condition, fluid=fluid)}{said}")
+    """Say, below the flagged table, what its shares are of and what of it is representative."""
+    say, controller = reader.say(), diagnosis.controller
+    said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
+    said += [say("diagnosis.representative", what=controller.representative)] if controller.representative else []
+    st.caption(plain(" ".join(said)))
 
 
 def open_verdicts(lines: list[str]) -> None:
@@ -341,12 +343,24 @@ def svg(drawing: str, label: str, least_width: int = 640) -> None:
     )
 
 
-def controller_picture(diagnosis: Diagnosis) -> None:
-    """Show the controller with its lands in the shade and with the sign of their verdicts."""
-    verdicts = {land.key: land.verdict for land in diagnosis.lands}
-    svg(controller_svg(diagnosis.controller, verdicts), f"{diagnosis.controller.name}, lands by verdict")
-
-
 def banner(diagnosis: Diagnosis, sentence: str) -> None:
-    """Show the verdict in a box of its colour."""
-    _BOX[look_of(diagnosis.verdict).box](sentence)
+    """Show a sentence on the verdict in a box of its colour: green only where all was measured and nothing in doubt."""
+    _BOX[look_of(shown_verdict(diagnosis)).box](sentence)
+
+
+def first_sentence(diagnosis: Diagnosis, named: Named) -> None:
+    """Show how the unit stands in one sentence, in a box of its colour, and below it what that rests on."""
+    say = reader.say()
+    level = shown_verdict(diagnosis)
+    open_ones = level == Verdict.NOT_MEASURED and diagnosis.judged
+    word = f"{look_of(level).sign} {say('diagnosis.open')}" if open_ones else say.signed(level)
+    marks = "".join(f" · {mark}" for mark in caveat_marks(diagnosis, say))
+    said = first_sentence_of(diagnosis, say, named)
+    banner(diagnosis, f"**{plain(word)}{plain(marks)}:** {plain(said)}")
+    for sentence in caveats(diagnosis, say):
+        st.caption(plain(sentence))
+
+
+def jumps(sections: Mapping[str, str]) -> None:
+    """Show links to sections further down, by their anchors and the keys of their headings."""
+    st.markdown(" · ".join(f"[{reader.say()(key)}](#{anchor})" for anchor, key in sections.items()))

@@ -48,7 +48,7 @@ def falling(three_circuits: Controller, hipol: Fluid, limits: Limits, readings_o
 def test_they_are_those_of_the_engine_with_interval_new_and_repair(worn_clutch: Diagnosis) -> None:
     plan = plan_repairs(worn_clutch)
     for number, projection in enumerate(worn_clutch.projections):
-        at = pressures_at(worn_clutch, projection, plan)
+        at = pressures_at(worn_clutch, projection, plan.ends)
         new, end = worn_clutch.new_projections[number], plan.ends[number]
         total = worn_clutch.uncertainty.total(projection.condition.name)
         assert (at.line.now, at.line.new) == (projection.main_pressure_held, new.main_pressure_held)
