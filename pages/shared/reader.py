@@ -49,7 +49,7 @@ def draw_choices() -> None:
     _choice("language", words.language, names, words("reader.language"))
     systems = {units: words(f"unit_systems.{units}") for units in SYSTEMS}
     _choice("units", words.units, systems, words("reader.units"))
-    st.caption(words("reader.kept"))
+    st.caption(f"{words('reader.kept')} {words('reader.messages')}")
 
 
 def pick_language(place: DeltaGenerator, key: str) -> str:
