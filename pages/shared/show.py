@@ -36,50 +36,8 @@ from pages.shared.state import Refusal
 _BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]()#+|$~<>:!-])")
 SHOWN = 12
-HELP = {
-    "Clearance [µm]": "radial, cold, as measured",
-    "Pair": "component, land and name",
-    "u [µm]": "standard uncertainty of the radial clearance: about two times as much to each side is its 95 % interval",
-    "Mounting [µm]": "radial clearance when new",
-    "Wear [%]": "growth of the clearance over the mounting clearance",
-    "Share [%]": "what it draws as a share of the pump's flow at the stated condition",
-    "Largest share [%]": "the same at the condition at which the share is judged worst; of several, the largest",
-    "Largest at": "the condition of the largest share",
-    "Decided by": "the rule that gave the verdict, its value and the limit it reached",
-    "Limit is": "published, choice of this project, or set by the workshop",
-    "Decision": "how sure it is: a conditional one lies within what the instruments can tell",
-    "Over it [%]": "probability that the true value is over that limit",
-    "from": "95 % interval of the leakage",
-    "to": "95 % interval of the leakage",
-    "Before [%]": "total share before the step, at the condition that it helps most",
-    "After [%]": "total share after the step, at the condition that it helps most",
-    "Then": "the band of the total after the step, at that condition",
-    "Helps most at": "the condition at which the step saves most, measured by the limit of that condition",
-    "Held [kPa]": "the pressure that the pump, or the circuit's feeds, keep up against all that leaks",
-    "Low [kPa]": "95 % interval of the pressure held",
-    "High [kPa]": "95 % interval of the pressure held",
-    "New [kPa]": "what the same unit holds with every land new",
-    "Lost [kPa]": "new minus held; negative where it holds more than when new",
-    "After repair [kPa]": "with the whole order of repair carried out",
-    "Set [kPa]": "what the circuit's regulator is set to; of main pressure, what is required",
-    "Reserve": "pump supply / (leakage + slip + consumers) at the required pressure",
-    "Lands that cost it": "what it would gain with that land alone new; negative where that land raises it",
-    "Reserve within": "95 % interval of the reserve",
-    "Permissible [kPa]": "main pressure that the valve body's file permits in this gear and state",
-    "Covered from [rpm]": "lowest engine speed at which the pump covers leakage, slip and consumers",
-    "Was": "the verdict of the job before; the verdict first in the row is that of the job after",
-    "Change [µm]": "of the radial clearance, after minus before, with its 95 % interval",
-    "Changed": "by more than the uncertainty of measuring",
-    "Limit at": "mileage at which the wear limit for replacing is reached, if wear goes on as so far (90 % interval)",
-}
-WIDTHS = {
-    "Verdict": 92, "Pair": 126, "Wear [%]": 66, "Share [%]": 70, "Largest share [%]": 92, "Largest at": 150,
-    "u [µm]": 56, "Over it [%]": 76, "from": 60, "to": 60, "Before [%]": 80, "After [%]": 72, "Then": 92,
-    "Operating point": 190, "Required [kPa]": 92, "Held [kPa]": 76, "Low [kPa]": 76, "High [kPa]": 76, "New [kPa]": 76,
-    "Permissible [kPa]": 112, "Reserve": 70, "Reserve within": 104, "Reserve is": 84, "Covered from [rpm]": 130,
-    "Circuit": 170, "Lost [kPa]": 72, "Set [kPa]": 70, "After repair [kPa]": 116, "Decision": 110,
-    "Lands that cost it": 300, "Helps most at": 150, "No.": 44, "Clearance [µm]": 100, "Decided by": 240,
-}  # fmt: skip
+HELP = {"Decision": "how sure it is: a conditional one lies within what the instruments can tell"}
+WIDTHS = {"Verdict": 92, "No.": 44, "Decision": 110}
 HAIR_SPACE = "\u200a"
 
 

@@ -15,24 +15,6 @@ from pages.shared.show import plain
 from pages.shared.state import job
 
 FILES_IN = "en"  # the language of the catalogue's names
-DIGITS = {
-    "Clearance [µm]": 1,
-    "u [µm]": 1,
-    "Mounting [µm]": 1,
-    "Wear [%]": 1,
-    "Share [%]": 2,
-    "Largest share [%]": 2,
-    "Over it [%]": 1,
-    **dict.fromkeys(("Leakage [dm³/min]", "from", "to"), 3),
-    "Spool [mm]": 4,
-    "Sleeve [mm]": 4,
-    "Least [µm]": 1,
-    "Largest [µm]": 1,
-    "At [°]": 0,
-    **dict.fromkeys(
-        (f"{part} {what} [µm]" for what in ("ovality", "taper", "spread") for part in ("Spool", "Sleeve")), 1
-    ),
-}
 
 
 def named(say: Wording) -> Named:
