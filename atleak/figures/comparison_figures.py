@@ -5,32 +5,31 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from atleak.catalogue.limits import RuleKind
 from atleak.comparison import Comparison, EventPair, LandComparison, LogComparison
 from atleak.diagnosis import LandDiagnosis
+from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import SCREEN, look_of
 from atleak.road_test import QUANTITIES, Channel
 from atleak.thinning import thinned
 from atleak.verdicts import VERDICTS
 from atleak.views.window import Scales
-from atleak.wording import signed
+from atleak.wording import wording
 from atleak.workshop_units import UM
 
 POINTS = 1500  # samples of a channel that are drawn of each log
 _STEPS = ("gear", "selector", "lock_up")  # channels that hold their value until the next sample
 
 
-def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Figure:
+def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> Figure:
     """Draw the clearances of lands before (open) and after (filled), a line between them, with their 95 % intervals.
 
     Marks are the mounting clearance and the lowest limit of wear or clearance, as they stand after.
     """
     names = [_name(land) for land in lands]
-    figure = go.Figure()
+    figure = Figure()
     for name, symbol, value in (
         ("mounting clearance", "line-ns-open", _mounting),
         ("first limit of clearance", "triangle-down-open", _limit),
@@ -68,7 +67,7 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Fi
                 x=[value * UM for value in values],
                 y=[_name(land) for land, _ in these],
                 mode="markers",
-                name=signed(verdict),
+                name=wording("en").level(verdict),
                 legendgroup=verdict,
                 showlegend=verdict not in named,
                 marker={
@@ -112,7 +111,7 @@ def _limit(land: LandComparison) -> float | None:
     return min(limits, default=None)
 
 
-def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, points: int = POINTS) -> go.Figure:
+def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, points: int = POINTS) -> Figure:
     """Draw the channels that both logs hold around an event, each log from the event's own start.
 
     Parameters
@@ -128,7 +127,7 @@ def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, 
         for quantity in parts[0][1].channels
         if all((channel := test.channel(quantity)) is not None and channel.samples for _, test, _ in parts)
     ]
-    figure = make_subplots(rows=max(len(common), 1), cols=1, shared_xaxes=True, vertical_spacing=0.03)
+    figure = Figure(max(len(common), 1), 0.03)
     looks = {"before": {"color": SCREEN.share, "dash": "dash"}, "after": {"color": SCREEN.leakage}}
     for row, quantity in enumerate(common, start=1):
         unit, convert = scales.get(quantity, ("", _as_it_is))
@@ -137,25 +136,22 @@ def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, 
             assert channel is not None
             time, values = _samples(channel, test.time, start)
             keep = thinned([values], points)
-            figure.add_trace(
-                go.Scatter(
-                    x=time[keep],
-                    y=convert(values[keep]),
-                    name=name,
-                    legendgroup=name,
-                    showlegend=row == 1,
-                    mode="lines",
-                    line={"width": 2, "shape": "hv" if quantity in _STEPS else "linear", **looks[name]},
-                    connectgaps=False,
-                    hovertemplate=f"{name}: %{{y:.5g}}<extra></extra>",
-                ),
+            figure.add_scatter(
+                x=time[keep],
+                y=convert(values[keep]),
+                name=name,
+                legendgroup=name,
+                showlegend=row == 1,
+                mode="lines",
+                line={"width": 2, "shape": "hv" if quantity in _STEPS else "linear", **looks[name]},
+                connectgaps=False,
+                hovertemplate=f"{name}: %{{y:.5g}}<extra></extra>",
                 row=row,
-                col=1,
             )
         label = QUANTITIES[quantity].label.replace(" (", "<br>(")
-        figure.update_yaxes(title=f"{label}<br>[{unit}]" if unit else label, row=row, col=1)
+        figure.update_yaxes(title=f"{label}<br>[{unit}]" if unit else label, row=row)
     figure.add_vline(x=0.0, line={"dash": "dot", "width": 1, "color": SCREEN.soft})
-    figure.update_xaxes(title="time from the start of the event [s]", row=max(len(common), 1), col=1)
+    figure.update_xaxes(title="time from the start of the event [s]", row=max(len(common), 1))
     return framed(figure, 110 + 140 * max(len(common), 1), hovermode="x unified")
 
 

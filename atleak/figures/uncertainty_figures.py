@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-import plotly.graph_objects as go
-
 from atleak.catalogue.limits import RuleKind
+from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN
 from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
@@ -17,7 +16,7 @@ from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 
-def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
+def clearances(unit: UnitUncertainty, lands: int = 20) -> Figure:
     """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.
 
     Parameters
@@ -26,7 +25,7 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
         how many are drawn: those likeliest to be over a limit.
     """
     chosen = _chosen(unit, lands)
-    figure = go.Figure()
+    figure = Figure()
     marks: dict[str, tuple[str, list[float | None]]] = {  # drawn first, open, so that they cover no value
         "mounting clearance": ("line-ns-open", [land.sources.state.land.mounting_high for land in chosen]),
         "limit": ("triangle-down-open", [_clearance_limit(land) for land in chosen]),
@@ -65,7 +64,7 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
     return by_land(figure, [_name(land) for land in chosen], 24)
 
 
-def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
+def leakages(unit: UnitUncertainty, lands: int = 20) -> Figure:
     """Draw leakages at the stated condition with intervals; a thin line ends where a spool that touches would leak.
 
     Parameters
@@ -75,7 +74,7 @@ def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
     """
     chosen = sorted((land for land in unit.lands if land.conditions), key=lambda land: -land.conditions[0].leakage)
     chosen = chosen[:lands]
-    figure = go.Figure()
+    figure = Figure()
     ends = [
         value
         for land in chosen
@@ -105,7 +104,7 @@ def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
     return by_land(figure, [_name(land) for land in chosen], 24)
 
 
-def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:
+def budget(land: LandUncertainty, sources: int = 12) -> Figure:
     """Draw the sources of one land's uncertainty: each source's part of the variance of clearance and share."""
     of_clearance = dict(land.budget)
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
@@ -113,7 +112,7 @@ def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:
         dict.fromkeys([*of_share, *of_clearance]),
         key=lambda name: max(of_share.get(name, 0.0), of_clearance.get(name, 0.0)),
     )[-sources:]
-    figure = go.Figure()
+    figure = Figure()
     for title, parts, colour, shape in (
         ("of the clearance", of_clearance, SCREEN.leakage, ""),
         ("of the share", of_share, SCREEN.share, "/"),

@@ -29,7 +29,7 @@ def trace(figure, name: str):
 
 @pytest.mark.parametrize("name", ALL)
 def test_figures_are_transparent_and_say_their_units(sample: Diagnosis, name: str) -> None:
-    figure = ALL[name](sample)
+    figure = ALL[name](sample).checked()
     assert figure.layout.paper_bgcolor == figure.layout.plot_bgcolor == "rgba(0,0,0,0)"
     titles = [axis.title.text or "" for axis in (*figure.select_xaxes(), *figure.select_yaxes())]
     assert any("[" in title for title in titles)

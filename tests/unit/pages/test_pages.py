@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import openpyxl
+import plotly.graph_objects as plotly_objects
 import pytest
 from streamlit.testing.v1 import AppTest
 
@@ -486,7 +487,7 @@ def test_a_charts_words_stand_out_from_its_ground(
     monkeypatch.setattr(show, "dark", lambda: theme == "dark")
     monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure))
     show.chart(leakage_ranking(sample), "any")
-    (figure,) = drawn
+    figure = plotly_objects.Figure(drawn[0].to_dict())
     bars = [trace for trace in figure.data if trace.type == "bar"]
     inks = [figure.layout.xaxis.tickfont.color, figure.layout.yaxis.title.font.color, figure.layout.legend.font.color]
     inks += [bar.error_x.color for bar in bars]
