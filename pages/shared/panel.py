@@ -35,7 +35,7 @@ FILES = {
     ),
 }
 RPM = unit("rpm", "rotational_speed")
-NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
+LOOKS = Path(__file__).with_name("page.css")
 OPTIONS = {
     "diameter": "Diameter in the gap law",
     "viscosity": "Viscosity",
@@ -68,7 +68,7 @@ def draw() -> None:
     for path in PAGES.glob(f"[0-9]*_{st.session_state.pop('wanted', '?')}.py"):
         st.switch_page(path, query_params=st.query_params.to_dict())
     book.follow_address()
-    st.html(NARROW_MARGINS)
+    st.html(LOOKS)
     with st.sidebar:
         places = {slot: _uploader(slot) for slot in FILES}
         sample = session().case.sample
