@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from atleak.what_if.maps import Border, Map, map_over, temperatures_to_try, wears_to_try
 from atleak.what_if.settings import Axis, WhatIf
-from atleak.what_if.study import StudyTrial, like_the_study
+from atleak.what_if.study import StudyTrial, is_the_study_s, like_the_study
 from atleak.what_if.trial import Tried, tried
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "StudyTrial",
     "Tried",
     "WhatIf",
+    "is_the_study_s",
     "like_the_study",
     "map_over",
     "temperatures_to_try",

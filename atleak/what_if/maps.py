@@ -43,6 +43,26 @@ class Map:
     share_borders: tuple[Border, ...]  # over which a band begins, the mildest first
     pressure_borders: Mapping[str, tuple[Border, ...]]  # under which a level begins, the mildest first
 
+    def share_reaches(self, border: Border) -> np.ndarray:
+        """Return from which wear on a band is reached, at each temperature; NaN where it is not on this map."""
+        return _first(self.wears, self.share - border.value)
+
+    def pressure_reaches(self, name: str, border: Border) -> np.ndarray:
+        """Return from which wear on the line or a circuit holds so little that a level is reached, likewise."""
+        return _first(self.wears, border.value - self.pressures[name])
+
+
+def _first(wears: np.ndarray, beyond: np.ndarray) -> np.ndarray:
+    """Return the wear at which something is first not below zero, on straight lines between the wears of the map."""
+    reached = beyond >= 0.0
+    at = reached.argmax(axis=0)
+    columns = np.arange(beyond.shape[1])
+    after, before = beyond[at, columns], beyond[np.maximum(at - 1, 0), columns]
+    between = (at > 0) & np.isfinite(after) & np.isfinite(before)
+    part = np.divide(after, after - before, out=np.zeros_like(after), where=between)
+    wear = wears[at] - part * (wears[at] - wears[np.maximum(at - 1, 0)])
+    return np.where(reached.any(axis=0), wear, np.nan)
+
 
 def axis_of(diagnosis: Diagnosis) -> Axis:
     """Return which wear can be varied: the measured one or, where no land has grown, the further growth of all."""

@@ -346,6 +346,11 @@ def chart(
             trace["textfont"] = {**trace.get("textfont", {}), "color": ink}
         if trace.get("error_x", {}).get("color") == SCREEN.soft:
             trace["error_x"]["color"] = ink
+        if trace.get("marker", {}).get("color") == SCREEN.ink:
+            trace["marker"] = {**trace["marker"], "color": ink, "line": {**trace["marker"]["line"], "color": ink}}
+        if "colorbar" in trace:
+            title = {**trace["colorbar"]["title"], "font": {"color": ink}}
+            trace["colorbar"] = {**trace["colorbar"], "title": title, "tickfont": {"color": ink}}
     if on_span is None:
         st.plotly_chart(_Ready(spec), key=key)
         return

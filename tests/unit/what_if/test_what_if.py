@@ -199,3 +199,29 @@ def test_a_variant_that_cannot_be_tried_says_why(worn_clutch: Diagnosis) -> None
     assert trials["W1"].here is None
     assert "describe a used fluid" in trials["W1"].why_not
     assert trials["W2"].here is not None
+
+
+def test_a_band_begins_where_a_single_trial_reaches_it(worn_units: dict[str, Diagnosis]) -> None:
+    unit = worn_units["ford_4r70w"]
+    wide = map_over(unit, WhatIf(), [70.0, 100.0], np.linspace(0.0, 3.0, 301).tolist())
+    for border in wide.share_borders[:2]:
+        for temperature, wear in zip(wide.temperatures, wide.share_reaches(border), strict=True):
+            below, past = (
+                tried(unit, WhatIf(temperature=float(temperature), wear=float(wear + step))).total
+                for step in (-0.02, 0.02)
+            )
+            begins = dict(past.steps.levels)[border.level]
+            assert below.value < begins <= past.value
+
+
+def test_a_level_that_no_wear_of_the_map_reaches_begins_nowhere(worn_clutch: Diagnosis) -> None:
+    cold = map_over(worn_clutch, WhatIf(), [-20.0], [0.0, 1.0])
+    assert np.isnan(cold.share_reaches(cold.share_borders[-1])).all()
+
+
+def test_a_worn_clutch_holds_too_little_from_less_wear_the_hotter_it_is(worn_clutch: Diagnosis) -> None:
+    wide = map_over(worn_clutch, WhatIf(), [60.0, 80.0, 100.0], np.linspace(0.0, 3.0, 31).tolist())
+    watch = wide.pressure_borders["clutch_c1"][0]
+    wears = wide.pressure_reaches("clutch_c1", watch)
+    assert np.isfinite(wears).all()
+    assert (np.diff(wears) < 0.0).all()
