@@ -34,6 +34,7 @@ EVENTS = 60  # most events of a log that are marked
 LABELLED = 20  # with more events the figure is too narrow for their names
 MARKED = 800  # most suspect samples and breaks of a log that are marked
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
+_NEAR = 0.08  # part of the axis within which a word centred on its mark would be cut by the axis
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _SYMBOLS = {
     "max_leakage_sustained": "diamond",
@@ -135,8 +136,7 @@ def total_share(diagnosis: Diagnosis) -> Figure:
         mode="markers+text",
         marker={"symbol": "diamond", "size": 14, "color": SCREEN.leakage, "line": {"width": 1.5, "color": "white"}},
         text=[f"<b>{share * PERCENT:.1f} %</b>" for _, share, _, _ in shown],
-        textposition="top center",
-        cliponaxis=False,
+        textposition=["top right" if share * PERCENT < _NEAR * right else "top center" for _, share, _, _ in shown],
         error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
         customdata=[likely for _, _, _, likely in shown],
         hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",

@@ -46,7 +46,7 @@ def _shade(figure: Figure, over: Map, values: np.ndarray, unit: str, scale: list
         "contour",
         x=say.convert(over.temperatures, "temperature"),
         y=_wears(over, over.wears),
-        z=values,
+        z=np.round(values, 2),
         colorscale=scale,
         contours={"coloring": "heatmap", "showlabels": True, "labelfont": {"size": 11}},
         line={"width": 0.6, "color": "rgba(128, 128, 128, 0.5)"},
@@ -74,12 +74,12 @@ def _borders(figure: Figure, over: Map, borders: Sequence[tuple[Border, np.ndarr
 
 
 def _laid_out(figure: Figure, over: Map, job: Place, tried: Place, say: Wording) -> Figure:
-    for place, name, symbol in ((job, "the_job", "circle-open"), (tried, "tried", "diamond")):
+    for place, name, symbol, size in ((job, "the_job", "circle-open", 22), (tried, "tried", "diamond", 11)):
         figure.add_scatter(
             x=[float(say.convert(place[0], "temperature"))],
             y=_wears(over, np.array([place[1]])),
             mode="markers",
-            marker={"symbol": symbol, "size": 14, "color": SCREEN.ink, "line": {"width": 3, "color": SCREEN.ink}},
+            marker={"symbol": symbol, "size": size, "color": SCREEN.ink, "line": {"width": 3, "color": SCREEN.ink}},
             name=say(f"what_if.{name}"),
             hoverinfo="skip",
         )

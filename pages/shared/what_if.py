@@ -11,6 +11,7 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
+from atleak.errors import AtleakError
 from atleak.figures.what_if_figures import Place, pressure_map, share_map
 from atleak.views.columns import VERDICT, Column
 from atleak.views.what_if_rows import circuit_rows, condition_words, study_rows, total_rows
@@ -28,7 +29,7 @@ from atleak.what_if import (
     wears_to_try,
 )
 from atleak.workshop_units import KPA
-from pages.shared import reader, show
+from pages.shared import reader, show, what_if_form
 from pages.shared.cases import PageCase, result_key
 
 _TOTALS = (
@@ -61,14 +62,23 @@ _STUDY = (
 )
 
 
-def beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
-    """Show total share, pressures and reserve as they are tried, beside those of the job.
+@st.fragment
+def draw(case: PageCase, diagnosis: Diagnosis) -> None:
+    """Show the controls and what follows from them; a change runs this alone, as it touches nothing of the job."""
+    settings = what_if_form.draw(case, diagnosis)
+    try:
+        _beside(diagnosis, settings)
+    except AtleakError as error:
+        st.error(show.plain(error))
+    try:
+        _maps(diagnosis, settings)
+        _study(case, diagnosis, settings)
+    except AtleakError:
+        return  # said above
 
-    Raises
-    ------
-    AtleakError
-        what is tried cannot be computed.
-    """
+
+def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
+    """Show total share, pressures and reserve as they are tried, beside those of the job."""
     say, here = reader.say(), tried(diagnosis, settings)
     now = here.projection
     st.subheader(say("what_if.beside"))
@@ -95,14 +105,8 @@ def _circuits(diagnosis: Diagnosis, here: Tried) -> None:
             st.caption(say("what_if.no_circuits"))
 
 
-def maps(diagnosis: Diagnosis, settings: WhatIf) -> None:
-    """Show share and pressure held over temperature and wear, with the job and what is tried marked.
-
-    Raises
-    ------
-    AtleakError
-        what is tried cannot be computed at any temperature.
-    """
+def _maps(diagnosis: Diagnosis, settings: WhatIf) -> None:
+    """Show share and pressure held over temperature and wear, with the job and what is tried marked."""
     say = reader.say()
     over = map_over(diagnosis, settings, temperatures_to_try(diagnosis, settings), wears_to_try(diagnosis, settings))
     job = settings.base(diagnosis).temperature, 1.0 if over.axis is Axis.WEAR else 0.0
@@ -132,13 +136,13 @@ def _pressure(diagnosis: Diagnosis, over: Map, job: Place, now: Place) -> None:
             show.chart(pressure_map(over, name, job, now, say), f"what-if-{name}")
 
 
-def study(case: PageCase, diagnosis: Diagnosis, settings: WhatIf) -> None:
+def _study(case: PageCase, diagnosis: Diagnosis, settings: WhatIf) -> None:
     """Show the unit tried as each of the source study's variants, beside what the article prints."""
     say = reader.say()
     st.subheader(say("what_if.study"))
     alike = replace(settings, temperature=None, wear=1.0, growth=0.0, fluid_state=None)
     fluid = "" if settings.fluid is None else settings.fluid.origin.sha256
-    trials = _study(f"{result_key(case)} {replace(alike, fluid=None)} {fluid}", diagnosis, alike)
+    trials = _trials(f"{result_key(case)} {replace(alike, fluid=None)} {fluid}", diagnosis, alike)
     show.rows_table(study_rows(trials, say), _STUDY)
     st.caption(say("what_if.study_about"))
     st.caption(say("what_if.study_own" if is_the_study_s(diagnosis) else "what_if.study_other"))
@@ -148,5 +152,5 @@ def study(case: PageCase, diagnosis: Diagnosis, settings: WhatIf) -> None:
 
 
 @st.cache_resource(max_entries=16, show_spinner=False)
-def _study(key: str, _diagnosis: Diagnosis, _settings: WhatIf) -> Sequence[StudyTrial]:
+def _trials(key: str, _diagnosis: Diagnosis, _settings: WhatIf) -> Sequence[StudyTrial]:
     return like_the_study(_diagnosis, _settings)
