@@ -47,8 +47,9 @@ def clearance_over_mileage(land: LandWear, visits: Sequence[Visit], present: flo
     )
     for limit in land.limits:
         _limit(figure, limit.level, limit.clearance * UM, "µm")
-    if series.since is not None and visits[series.since].mileage is not None:
-        figure.add_vline(x=visits[series.since].mileage, line={"color": SCREEN.rule, "dash": "dot", "width": 1.5})
+    since = None if series.since is None else visits[series.since].mileage
+    if since is not None:
+        figure.add_vline(x=since, line={"color": SCREEN.rule, "dash": "dot", "width": 1.5})
     figure.update_xaxes(title="mileage [km]", range=[0.0, end * 1.02], tickformat=",.0f")
     figure.update_yaxes(title=f"radial clearance [µm], {COVERAGE:.0%} intervals")
     return framed(figure, 420)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from atleak.catalogue.controller import OperatingPoint
 from atleak.catalogue.limits import Level
@@ -85,7 +86,7 @@ def _spread(low: float, high: float, within: float) -> np.ndarray:
     return np.linspace(min(low, within), max(high, within), COUNT)
 
 
-def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures: Sequence[float], wears: Sequence[float]) -> Map:
+def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures: ArrayLike, wears: ArrayLike) -> Map:
     """Compute a unit for every temperature with every wear, all else as the settings have it.
 
     Parameters
