@@ -82,9 +82,11 @@ def _laid_out(figure: Figure, over: Map, job: Place, tried: Place, say: Wording)
             marker={"symbol": symbol, "size": size, "color": SCREEN.ink, "line": {"width": 3, "color": SCREEN.ink}},
             name=say(f"what_if.{name}"),
             hoverinfo="skip",
+            cliponaxis=False,
         )
-    figure.update_xaxes(title=say("what_if.axis_temperature", unit=say.unit("temperature")))
-    figure.update_yaxes(title=say(f"what_if.axis_{over.axis}"))
+    ends = say.convert(over.temperatures[[0, -1]], "temperature").tolist()
+    figure.update_xaxes(title=say("what_if.axis_temperature", unit=say.unit("temperature")), range=ends)
+    figure.update_yaxes(title=say(f"what_if.axis_{over.axis}"), range=_wears(over, over.wears[[0, -1]]).tolist())
     return framed(figure, _HEIGHT)
 
 

@@ -73,9 +73,7 @@ def study_rows(trials: Sequence[StudyTrial], say: Wording) -> Rows:
             "growth": trial.variant.wear * PERCENT,
             "fluid_is": say("what_if.used" if trial.variant.used_oil else "what_if.fresh"),
             "share_here": None if trial.here is None else trial.here.share * PERCENT,
-            "leakage_here": None if trial.here is None else trial.here.leakage * DM3_MIN,
             "share_printed": float(trial.variant.printed_max_share),
-            "leakage_printed": float(trial.variant.printed_max_leakage),
         }
         for trial in trials
     ]

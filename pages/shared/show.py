@@ -339,6 +339,7 @@ def chart(
         axis["title"] = {**axis["title"], "font": {**axis["title"].get("font", {}), "color": ink}}
     for note in layout.get("annotations", []):
         note["font"] = {**note.get("font", {}), "color": ink}
+    layout["separators"] = f"{reader.say().texts['decimal']}\u00a0"  # of decimals, of thousands
     layout["legend"] = {**layout.get("legend", {}), "font": {"color": ink}}
     layout |= {"dragmode": False} if on_span is None else {"dragmode": "select", "selectdirection": "h"}
     for trace in traces:

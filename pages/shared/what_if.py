@@ -56,9 +56,7 @@ _STUDY = (
     Column("growth", "percent", 0),
     Column("fluid_is"),
     Column("share_here", "percent", 2),
-    Column("leakage_here", "flow"),
     Column("share_printed", "percent", 2),
-    Column("leakage_printed", "flow"),
 )
 
 

@@ -13,10 +13,11 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis
-from atleak.figures.diagnosis_figures import leakage_ranking
+from atleak.figures.diagnosis_figures import leakage_ranking, wear
 from atleak.look import PAPER
 from atleak.report.measuring_sheet import write_template
 from atleak.views.drawing import controller_svg, on_dark, spool_svg
+from atleak.wording import wording
 
 from .conftest import ROOT, choice, flagged, go, number, settle, texts, uploader
 
@@ -511,6 +512,31 @@ def test_a_charts_words_stand_out_from_its_ground(
     inks += [bar.error_x.color for bar in bars]
     assert len(bars) > 1
     assert min(contrast(ink) for ink in inks) >= 4.5
+
+
+def test_a_charts_numbers_have_the_readers_decimal_sign_and_no_finger_zooms_it(
+    sample: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pages.shared import show
+
+    drawn = []
+    monkeypatch.setattr(show, "dark", lambda: False)
+    monkeypatch.setattr(show.reader, "say", lambda: wording("de"))
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure.to_dict()["layout"]))
+    show.chart(leakage_ranking(sample), "any")
+    assert drawn[0]["separators"] == ",\u00a0"
+    assert drawn[0]["dragmode"] is False
+
+
+def test_of_a_chart_without_a_point_no_axes_are_drawn(unmeasured: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    from pages.shared import show
+
+    said = []
+    monkeypatch.setattr(show, "dark", lambda: False)
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: pytest.fail("empty axes"))
+    monkeypatch.setattr(show.st, "caption", said.append)
+    show.chart(wear(unmeasured), "any", empty="Nothing measured.")
+    assert said == ["Nothing measured."]
 
 
 def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
