@@ -7,6 +7,7 @@ from typing import Any
 
 from atleak.figures.figure import Figure
 from atleak.look import CLEAR, FAINT_GRID, SCREEN
+from atleak.wording import Wording, wording
 
 Span = tuple[float, float]
 
@@ -52,8 +53,12 @@ def error_bars(
     }
 
 
-def by_land(figure: Figure, names: Sequence[str], height: int, bargap: float | None = None) -> Figure:
+def by_land(
+    figure: Figure, names: Sequence[str], height: int, say: Wording | None = None, bargap: float | None = None
+) -> Figure:
     """Give a figure one row per land, the first on top; ``height`` is that of a row in pixels."""
     order = list(reversed(names))
-    figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
+    figure.update_yaxes(
+        title=(say or wording("en"))("figures.by_land"), type="category", categoryorder="array", categoryarray=order
+    )
     return framed(figure, 110 + height * max(len(names), 3), bargap=bargap)

@@ -29,8 +29,8 @@ def total_rows(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Rows:
     return [
         {
             "verdict": band,
-            "what": say(f"what_if.{name}"),
-            "at": condition_words(projection, say),
+            "what_if": say(f"what_if.{name}"),
+            "tried_at": condition_words(projection, say),
             "share": projection.share * PERCENT,
             "leakage": projection.leakage * DM3_MIN,
             "reserve": projection.reserve,
@@ -68,9 +68,9 @@ def study_rows(trials: Sequence[StudyTrial], say: Wording) -> Rows:
     """Return a row for every variant of the source study: this unit tried likewise, and what the article prints."""
     return [
         {
-            "variant": trial.variant.name,
+            "study_variant": trial.variant.name,
             "temperature": trial.variant.temperature,
-            "growth": trial.variant.wear * PERCENT,
+            "study_growth": trial.variant.wear * PERCENT,
             "fluid_is": say("what_if.used" if trial.variant.used_oil else "what_if.fresh"),
             "share_here": None if trial.here is None else trial.here.share * PERCENT,
             "share_printed": float(trial.variant.printed_max_share),

@@ -34,8 +34,8 @@ from pages.shared.cases import PageCase, result_key
 
 _TOTALS = (
     Column("verdict", VERDICT, width=92),
-    Column("what"),
-    Column("at", width=190),
+    Column("what_if"),
+    Column("tried_at", width=190),
     Column("share", "percent", 1),
     Column("leakage", "flow"),
     Column("reserve", digits=2),
@@ -51,9 +51,9 @@ _CIRCUITS = (
     Column("set_pressure", "pressure"),
 )
 _STUDY = (
-    Column("variant", width=64),
+    Column("study_variant", width=64),
     Column("temperature", "temperature"),
-    Column("growth", "percent", 0),
+    Column("study_growth", "percent", 0),
     Column("fluid_is"),
     Column("share_here", "percent", 2),
     Column("share_printed", "percent", 2),
