@@ -6,16 +6,19 @@ import base64
 import html
 import re
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import pandas as pd
 import plotly.graph_objects as go
+import plotly.io as pio
 import streamlit as st
+from plotly.basedatatypes import BaseFigure
 
 from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
+from atleak.figures.figure import Figure
 from atleak.gauges.check import PressureCheck
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
@@ -261,27 +264,68 @@ def dark() -> bool:
     return st.context.theme.type == "dark"
 
 
-def chart(figure: go.Figure, key: str, on_span: Callable[[float, float], None] | None = None) -> None:
+class _Ready(BaseFigure):  # type: ignore[misc]
+    """A figure in which plotly has nothing left to check: Streamlit asks it for its dictionary alone."""
+
+    def __init__(self, spec: dict[str, Any]) -> None:
+        self.__dict__["spec"] = spec
+
+    def to_dict(self) -> dict[str, Any]:
+        return self.__dict__["spec"]
+
+
+@cache
+def _template(name: str) -> dict[str, Any]:
+    return dict(pio.templates[name].to_plotly_json())
+
+
+def chart(
+    figure: Figure | go.Figure,
+    key: str,
+    on_span: Callable[[float, float], None] | None = None,
+    *,
+    empty: str = "Nothing to draw yet.",
+) -> None:
     """Show a figure with words and error bars in the theme's ink, where the usual grey is too pale to read.
 
-    With ``on_span``, dragging across it marks a stretch of its x axis and calls that with its ends.
+    A finger that starts on it scrolls the page; the figure's own toolbar zooms. With ``on_span``, dragging the mouse
+    across it marks a stretch of its x axis and calls that with its ends. Of a figure without a point ``empty`` is said.
     """
     ink = (DARK if dark() else SCREEN).ink
-    with figure.batch_update():  # plotly takes as long for one change as for all of them
-        for axis in (*figure.select_xaxes(), *figure.select_yaxes()):
-            axis.tickfont.color = axis.title.font.color = ink
-        figure.update_annotations(font_color=ink)
-        figure.layout.legend.font.color = ink
-        if on_span is not None:
-            figure.update_layout(dragmode="select", selectdirection="h")
-        figure.update_traces(textfont_color=ink, selector={"type": "scatter"})
-    for trace in figure.data:
-        if trace.type in ("bar", "scatter") and trace.error_x.color == SCREEN.soft:
-            trace.error_x.color = ink
-    if on_span is None:
-        st.plotly_chart(figure, key=key)
+    spec = figure.to_dict()
+    traces, layout = spec["data"], spec["layout"]
+    if not any(_points(trace) for trace in traces):
+        st.caption(empty)
         return
-    st.plotly_chart(figure, key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
+    layout["template"] = _template(pio.templates.default)  # whose colours Streamlit replaces by those of its theme
+    for name in [name for name in layout if name.startswith(("xaxis", "yaxis"))]:
+        axis = layout[name] = {"title": {}, **layout[name]}
+        axis["tickfont"] = {**axis.get("tickfont", {}), "color": ink}
+        axis["title"] = {**axis["title"], "font": {**axis["title"].get("font", {}), "color": ink}}
+    for note in layout.get("annotations", []):
+        note["font"] = {**note.get("font", {}), "color": ink}
+    layout["separators"] = f"{reader.say().texts['decimal']}\u00a0"  # of decimals, of thousands
+    layout["legend"] = {**layout.get("legend", {}), "font": {"color": ink}}
+    layout |= {"dragmode": False} if on_span is None else {"dragmode": "select", "selectdirection": "h"}
+    for trace in traces:
+        if trace["type"] == "scatter":
+            trace["textfont"] = {**trace.get("textfont", {}), "color": ink}
+        if trace.get("error_x", {}).get("color") == SCREEN.soft:
+            trace["error_x"]["color"] = ink
+        if trace.get("marker", {}).get("color") == SCREEN.ink:
+            trace["marker"] = {**trace["marker"], "color": ink, "line": {**trace["marker"]["line"], "color": ink}}
+        if "colorbar" in trace:
+            title = {**trace["colorbar"]["title"], "font": {"color": ink}}
+            trace["colorbar"] = {**trace["colorbar"], "title": title, "tickfont": {"color": ink}}
+    if on_span is None:
+        st.plotly_chart(_Ready(spec), key=key)
+        return
+    st.plotly_chart(_Ready(spec), key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
+
+
+def _points(trace: dict[str, Any]) -> int:
+    """Count what a trace has to draw."""
+    return max((len(trace[name]) for name in ("x", "y", "z") if trace.get(name) is not None), default=0)
 
 
 def _spanned(key: str, on_span: Callable[[float, float], None]) -> None:

@@ -60,7 +60,7 @@ FLOORS = (
     ("uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("diagnosis",),
-    ("repair", "next_checks", "comparison", "history"),
+    ("repair", "next_checks", "comparison", "history", "what_if"),
     ("views", "intake"),
     (
         "figures",
