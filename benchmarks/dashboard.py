@@ -6,8 +6,8 @@ prints, with the goals:
 
 - start: CPU of a server from its start until its first visitor sees content, and until the page has come to rest, as a
   ratio to a hello-world that imports pandas and plotly (goals 1.2 and 1.3);
-- sample, log: CPU from changing one control until the page is at rest again, on the sample job and with a made-up log of
-  1.8 million rows (goals 0.25 s and 0.5 s);
+- sample, log: CPU from changing one control until the page is at rest again, on the sample job and with a made-up log
+  of 1.8 million rows (goals 0.25 s and 0.5 s);
 - memory: what the server holds before a visitor uploads that log, with it, and after the window was closed and
   Streamlit's two minutes for coming back are over.
 

@@ -15,10 +15,8 @@ The circuits' pressures are solved in every trial: a land that leaks more in it 
 from __future__ import annotations
 
 import math
-import os
 from collections import defaultdict
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -30,24 +28,26 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import consumed
 from atleak.engine.projection import Projection
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.drawn import FACTORS, FLUID_STATE, NORMAL_FACTORS, Condition, Drawn
+from atleak.uncertainty.drawn import Condition, Drawn, leakiest
 from atleak.uncertainty.draws import (
+    FACTORS,
     Bore,
     LandDraws,
     Positions,
     common_errors,
+    deviates_of_factors,
     land_draws,
     one_sided_fraction,
-    rectangular_draws,
     with_one_side,
 )
+from atleak.uncertainty.points import Beside, Cube, Draws, rounded_up
 from atleak.uncertainty.pressures import DrawnUnit, PressureSpread, pressure_spread
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import Spread, flow_ratio, interval_of, spread_of
 
 SEED = 7667
-DRAWS = 20_000
-DRAWS_OF_CIRCUITS = 8_000  # of a unit with circuits, whose pressures are solved anew in every one
+DRAWS = 8_192
+DRAWS_OF_CIRCUITS = 8_192  # of a unit with circuits, whose pressures are solved anew in every one
 
 _SMALL = 0.01  # step of the numerical derivatives in the budget, as a fraction of a standard uncertainty
 
@@ -128,21 +128,22 @@ def propagate(
     DomainError
         A condition's temperature outside the fluid's data.
     """
-    shared = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 0))))
-    deviates = {name: shared.standard_normal(draws) for name in NORMAL_FACTORS}
-    deviates[FLUID_STATE] = rectangular_draws(np.random.Generator(np.random.PCG64((seed, 3))), draws)
-    common = common_errors(shared, sources, draws)
-    fraction = one_sided_fraction(shared, model, assumptions, draws)
-    positions = Positions(model, draws, seed)
+    draws = rounded_up(draws)
+    shared = Draws(Cube(draws, seed, 0))
+    deviates = deviates_of_factors(shared)
+    common = common_errors(shared, sources)
+    fraction = one_sided_fraction(shared, model, assumptions)
     conditions = [Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     probes = [condition.at(_probe_deviates()) for condition in conditions]
     at_instants = [Condition(model, instant, assumptions).at(deviates) for instant in instants]
+    own = Beside(Cube(draws, seed, 3), drawn[0].score(leakiest(sources, projections[0]), common, fraction))
+    positions = Positions(model, own, seed)
     instant_totals = [np.zeros(draws) for _ in instants]
-    lands: list[LandDraws] = []
-    for number, land in enumerate(sources):
-        stream = np.random.Generator(np.random.PCG64(np.random.SeedSequence((seed, 1, number))))
-        lands.append(land_draws(stream, land, common, fraction, assumptions, positions.of(land)))
+    lands = [
+        land_draws(own.draws(seed, 1, number), land, common, fraction, assumptions, positions.of(land))
+        for number, land in enumerate(sources)
+    ]
     for now, total in zip(at_instants, instant_totals, strict=True):
         solved, network, balance = now.with_circuits(each.now for each in lands)
         total += network.beside_lands(balance)
@@ -153,9 +154,7 @@ def propagate(
         each = projections[number], drawn[number], probes[number]
         return _at_condition(model, *each, lands, assumptions, positions.relative_spread, limits, coverage)
 
-    # conditions share nothing that is drawn in them, and NumPy lets other threads run while it computes
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as threads:
-        by_condition = list(threads.map(spreads_at, range(len(projections))))
+    by_condition = [spreads_at(number) for number in range(len(projections))]
     return Propagated(
         [tuple(spreads[number] for spreads, _ in by_condition) for number in range(len(lands))],
         [total for _, total in by_condition],
