@@ -238,14 +238,14 @@ def _wear_uncertainty(land: LandSources, factor: float) -> float:
 def _at(land: LandSources, projection: Projection, spread: LandSpread) -> AtCondition:
     gaps = projection.gaps_of(land.key)
     share = projection.share_drawn_by(land.key)
-    of_clearance = (spread.share_per_clearance * land.standard_uncertainty) ** 2
+    of_clearance = (spread.slopes.share_per_clearance * land.standard_uncertainty) ** 2
     effects = {source.label: fraction * of_clearance for source, fraction in land.budget}
-    effects |= {name: effect**2 for name, effect in spread.share_effects.items()}
+    effects |= {name: effect**2 for name, effect in spread.slopes.share_effects.items()}
     variance = math.fsum(effects.values())
     return AtCondition(
         condition=projection.condition.name,
         label=projection.condition.label,
-        leakage=spread.leakage,
+        leakage=spread.slopes.leakage,
         u_leakage=spread.leakage_spread.standard_uncertainty,
         leakage_interval=spread.leakage_spread.interval,
         share=share,

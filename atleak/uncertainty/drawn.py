@@ -24,7 +24,7 @@ from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 from atleak.equations.uncertainty import rectangular
 from atleak.uncertainty.assumptions import Assumptions
-from atleak.uncertainty.draws import FLUID_STATE, Bore, with_one_side
+from atleak.uncertainty.draws import FLUID_STATE, Bore, LandInState, with_one_side
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import flow_ratio
 
@@ -120,9 +120,7 @@ class Drawn:
         self.capacity = pump.capacity(condition.point.engine_speed, pressures["p_g"], self.viscosity)
         self._drops: dict[Any, Any] = {}
 
-    def with_circuits(
-        self, lands: Iterable[tuple[LandSources, Bore, Any, Any]], *, keep: bool = True
-    ) -> tuple[Drawn, Network, Balance]:
+    def with_circuits(self, lands: Iterable[LandInState], *, keep: bool = True) -> tuple[Drawn, Network, Balance]:
         """Return the same with the pressures that the circuits hold where the lands are as given.
 
         Each land comes with its bore, its contact length and where its spool lies; ``keep`` says that `leakage` will be
@@ -202,3 +200,22 @@ class Drawn:
             return flow, flow
         drawn_drops = sum(self.drop(gap) for gap in drawn_gaps)
         return flow, restriction.conductance * drawn_drops if drawn_gaps else np.zeros_like(flow)
+
+    def leakages(self, lands: Sequence[LandSources], bore: Bore, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what `leakage` does for all lands at once, shapes (lands, columns); so are their bores and lengths."""
+        law = self.condition.model.law
+        shape = bore.clearance.shape
+        rates, diameters = np.array([(land.thermal_rate, land.state.spool_diameter) for land in lands]).reshape(-1, 2).T
+        mean = effective_clearance(bore.clearance, rates[:, None], self.rise)
+        clearance = law.flow_clearance(mean, bore.square, bore.cube)
+        restriction = law.restriction(law.diameter(diameters[:, None], mean), clearance, self.nu, self.rho, lengths)
+        conductance, bend = (np.broadcast_to(each, shape) for each in (restriction.conductance, restriction.bend))
+        flow, drawn = np.zeros(shape), np.zeros(shape)
+        for number, land in enumerate(lands):
+            own = Restricted(conductance[number], bend[number])
+            for gap, counts in self.condition.gaps.get(land.state.land.key, ()):
+                through = own.flow(self.drop(gap))
+                flow[number] += through
+                if counts:
+                    drawn[number] += through
+        return flow, drawn

@@ -58,6 +58,9 @@ def one_sided_fraction(stream: Draws, model: LeakageModel, assumptions: Assumpti
     return 0.5 * most * np.floor(3.0 * stream.uniform())
 
 
+LandInState = tuple[LandSources, Bore, Any, Any]  # with its contact length, and where its spool lies
+
+
 @dataclass(frozen=True)
 class LandDraws:
     """What is not known of one land, drawn: its bore now, new and unworn, its contact length, where its spool lies."""
@@ -70,16 +73,16 @@ class LandDraws:
     position: Any
 
     @property
-    def now(self) -> tuple[LandSources, Bore, Any, Any]:
+    def now(self) -> LandInState:
         """Return what `Drawn.leakage` asks for, with the bore as it is; so do the two below, as it was."""
         return self.land, self.bore, self.length, self.position
 
     @property
-    def new(self) -> tuple[LandSources, Bore, Any, Any]:
+    def new(self) -> LandInState:
         return self.land, self.new_bore, self.length, self.position
 
     @property
-    def unworn(self) -> tuple[LandSources, Bore, Any, Any]:
+    def unworn(self) -> LandInState:
         return self.land, self.unworn_bore, self.length, self.position
 
 
