@@ -124,7 +124,7 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     where = (condition.main_pressure, condition.temperature)
     sections = controller.section_pressures(condition.main_pressure, condition.converter_pressure)
     demanded = network.balance(sections)
-    gaps = model.gaps(condition, demanded.pressures)
+    gaps = model.gaps(condition, demanded.pressures, network)
     drawn = [gap for gap in gaps if gap.drawn_from_pump]
     leaks, relieved = _leak_flows(network, demanded), float(sum(demanded.relief.values()))
     other = sum(each.flow for each in leaks if each.drawn_from_pump) + relieved
