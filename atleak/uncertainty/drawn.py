@@ -209,13 +209,13 @@ class Drawn:
         mean = effective_clearance(bore.clearance, rates[:, None], self.rise)
         clearance = law.flow_clearance(mean, bore.square, bore.cube)
         restriction = law.restriction(law.diameter(diameters[:, None], mean), clearance, self.nu, self.rho, lengths)
-        conductance, bend = (np.broadcast_to(each, shape) for each in (restriction.conductance, restriction.bend))
+        ways = [(row, *way) for row, land in enumerate(lands) for way in self.condition.gaps.get(land.key, ())]
+        rows = [row for row, _, _ in ways]
+        conductance, bend = (np.broadcast_to(each, shape)[rows] for each in (restriction.conductance, restriction.bend))
+        drops = np.array([np.broadcast_to(self.drop(gap), shape[1:]) for _, gap, _ in ways]).reshape(-1, *shape[1:])
         flow, drawn = np.zeros(shape), np.zeros(shape)
-        for number, land in enumerate(lands):
-            own = Restricted(conductance[number], bend[number])
-            for gap, counts in self.condition.gaps.get(land.state.land.key, ()):
-                through = own.flow(self.drop(gap))
-                flow[number] += through
-                if counts:
-                    drawn[number] += through
+        for (row, _, counts), through in zip(ways, Restricted(conductance, bend).flow(drops), strict=True):
+            flow[row] += through
+            if counts:
+                drawn[row] += through
         return flow, drawn

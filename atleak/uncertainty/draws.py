@@ -185,7 +185,7 @@ def worn_bore(stream: Draws, land: LandSources, clearance: np.ndarray, new: np.n
     return Bore(clearance + (wear - shown), *with_one_side(fraction * wear, square, cube))
 
 
-def with_one_side(mean_wear: Any, square: float, cube: float) -> tuple[Any, Any]:
+def with_one_side(mean_wear: Any, square: Any, cube: Any) -> tuple[Any, Any]:
     """Return the moments of wear to one side of that mean [m], or those measured where these are larger."""
     one_sided, third = one_sided_moments(mean_wear)
     larger = one_sided > square

@@ -68,12 +68,12 @@ class Linear:
         for at, sign in ((_LONGER, 1.0), (_LONGER + 1, -1.0)):
             length[:, at] += sign * _SMALL * rows[:, 4]
         if self._probe.condition.model.law.counts_form:
-            worn = [number for number, source in enumerate(self._sources) if "sleeve" in source.plans]
-            for number in worn:
-                shown = max(lands[number].radial_clearance - lands[number].land.new_clearance, 0.0)
-                for at, part in ((_HALF_ASIDE, 0.5), (_ALL_ASIDE, 1.0)):
-                    wear = part * assumptions.one_sided_wear * shown
-                    square[number, at], cube[number, at] = with_one_side(wear, *lands[number].form_moments)
+            worn = np.array(["sleeve" in source.plans for source in self._sources])
+            new = np.array([each.land.new_clearance for each in lands])
+            shown = np.where(worn, np.maximum(rows[:, 0] - new, 0.0), 0.0)
+            for at, part in ((_HALF_ASIDE, 0.5), (_ALL_ASIDE, 1.0)):
+                wear = part * assumptions.one_sided_wear * shown
+                square[:, at], cube[:, at] = with_one_side(wear, rows[:, 1], rows[:, 2])
         return Bore(clearance, square, cube), length
 
     @cached_property

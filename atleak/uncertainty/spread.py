@@ -64,4 +64,4 @@ def flow_ratio(flow: np.ndarray, capacity: Any) -> np.ndarray:
     """Return the share of the pump's flow; infinite where the pump delivers nothing."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = flow / capacity
-    return np.where(np.isnan(share), np.inf, share) if np.any(np.equal(capacity, 0.0)) else share
+    return share if np.all(capacity) else np.where(np.isnan(share), np.inf, share)
