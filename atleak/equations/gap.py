@@ -336,6 +336,44 @@ def restricted_slope(pressure_drop: ArrayLike, conductance: ArrayLike, bend: Arr
     return result(g / np.sqrt(1.0 + b * np.abs(p)))
 
 
+def restricted_flow_and_slope(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike = 0.0) -> Any:
+    """Compute `restricted_flow` and `restricted_slope` together, which share a root.
+
+    Parameters
+    ----------
+    pressure_drop, conductance, bend : float or array
+        as those of `restricted_flow`.
+
+    Returns
+    -------
+    tuple of float or ndarray
+        Volume flow [m³/s], and how steeply it rises [m³/(s Pa)].
+
+    Raises
+    ------
+    DomainError
+        Negative conductance or bend.
+
+    References
+    ----------
+    as `restricted_flow` and `restricted_slope`.
+
+    Examples
+    --------
+    >>> restricted_flow_and_slope(100e3, 2e-12, 3e-5)
+    (1.3333333333333334e-07, 1e-12)
+    """
+    p, g, b = _restriction(pressure_drop, conductance, bend)
+    root = b * np.abs(p)
+    root += 1.0
+    root = np.sqrt(root)
+    slope = g / root
+    root += 1.0
+    flow = g * p
+    flow *= 2.0
+    return result(flow / root), result(slope)
+
+
 def _restriction(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike) -> tuple[Any, Any, Any]:
     g = not_negative("conductance", conductance, "m³/(s Pa)")
     return values(pressure_drop), g, not_negative("bend of the entry loss", bend, "1/Pa")

@@ -17,10 +17,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import attrgetter
 
 import numpy as np
 
 from atleak.catalogue.limits import Limits, Steps
+from atleak.engine.balance import Balance
+from atleak.engine.circuits import Network
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.line import consumed
 from atleak.engine.projection import Projection
@@ -42,8 +45,9 @@ from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import Spread, flow_ratio, interval_of, spread_of
 
 SEED = 7667
+_NOW, _NEW, _UNWORN = attrgetter("now"), attrgetter("new"), attrgetter("unworn")  # of the draws of a land
 DRAWS = 8_192
-DRAWS_OF_CIRCUITS = 8_192  # of a unit with circuits, whose pressures are solved anew in every one
+DRAWS_OF_CIRCUITS = 4_096  # of a unit with circuits, whose pressures are solved anew in every one
 
 
 @dataclass(frozen=True)
@@ -145,7 +149,7 @@ def propagate(
             strict=True,
         )
     ]
-    totals = [_Total(now, at_once, lambda each: each.now) for now in at_instants]
+    totals = [_Total(_NOW, now.with_circuits(map(_NOW, at_once))) for now in at_instants]
     for each in lands:
         for unit in units:
             unit.add(each)
@@ -161,11 +165,11 @@ def propagate(
 class _Total:
     """What a unit draws at one condition in one state: its lands are added one by one."""
 
-    def __init__(self, drawn: Drawn, at_once: Sequence[LandDraws], state: Callable[[LandDraws], LandInState]) -> None:
-        """Solve the circuits for all lands, where there are any; ``state`` picks the bore."""
+    def __init__(self, state: Callable[[LandDraws], LandInState], solved: tuple[Drawn, Network, Balance]) -> None:
+        """Start without any land; ``state`` picks a land's bore, with which the circuits are solved."""
         self._state = state
-        self.solved, self.network, self.balance = drawn.with_circuits(state(each) for each in at_once)
-        self.drawn = np.zeros(drawn.viscosity.shape) + self.network.beside_lands(self.balance)  # [m³/s]
+        self.solved, self.network, self.balance = solved
+        self.drawn = np.zeros(self.solved.viscosity.shape) + self.network.beside_lands(self.balance)  # [m³/s]
 
     def add(self, land: LandDraws) -> tuple[np.ndarray, np.ndarray]:
         """Count a land; return its flow, and the part of it that is drawn from the pump [m³/s]."""
@@ -200,20 +204,20 @@ class _Unit:
         self._model, self._projection, self._given = model, projection, drawn
         self._linear, self._limits, self._coverage = linear, limits, coverage
         self._slopes = iter(linear.lands)
-        self._now = _Total(drawn, at_once, lambda each: each.now)
-        self._new = _Total(drawn, at_once, lambda each: each.new)
-        self._unworn = _Total(drawn, at_once, lambda each: each.unworn)
-        # where the circuits are the same, so is what a land draws with the same bore
-        self._one_pressure = self._now.solved is self._new.solved is self._unworn.solved
+        now, new = (drawn.with_circuits(map(state, at_once)) for state in (_NOW, _NEW))
+        same = all(each.unworn_bore is each.new_bore for each in at_once)
+        unworn = new if same else drawn.with_circuits(map(_UNWORN, at_once))
+        self._now, self._new, self._unworn = _Total(_NOW, now), _Total(_NEW, new), _Total(_UNWORN, unworn)
+        # at the same pressures a land draws the same with the same bore
+        self._new_as_now, self._unworn_as_new = new[0] is now[0], unworn[0] is new[0]
         self.spreads: list[LandSpread] = []  # of the lands added so far
 
     def add(self, each: LandDraws) -> None:
         """Count a land, and work out its spread."""
         flow, drawn = self._now.add(each)
-        alike = self._one_pressure
-        as_new = alike and each.bore is each.new_bore
+        as_new = self._new_as_now and each.bore is each.new_bore
         new = self._new.count(drawn) if as_new else self._new.add(each)[1]
-        as_unworn = alike and each.unworn_bore is each.new_bore
+        as_unworn = self._unworn_as_new and each.unworn_bore is each.new_bore
         unworn = self._unworn.count(new) if as_unworn else self._unworn.add(each)[1]
         capacity = self._now.solved.capacity
         shares = flow_ratio(drawn, capacity), flow_ratio(unworn, capacity)
