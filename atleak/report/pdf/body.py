@@ -124,8 +124,8 @@ class Body:
             PrintedColumn(names.column("pair"), names.pair, width=4),
             PrintedColumn(names.column("land"), names.land, side="c"),
             PrintedColumn(names.column("verdict"), names.verdict),
-            PrintedColumn(names.column("clearance"), names.clearance, "µm", side="r"),
-            PrintedColumn(names.column("mounting"), names.mounting, "µm", side="r"),
+            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="r"),
+            PrintedColumn(names.column("mounting"), names.mounting, say.unit("clearance"), side="r"),
             PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
             PrintedColumn(names.column("share_largest"), names.share_largest, "%", width=3, side="r"),
         ]
@@ -169,18 +169,27 @@ class Body:
             PrintedColumn(names.column("pair"), names.pair, width=1),
             PrintedColumn(names.column("land"), names.land, side="c"),
             PrintedColumn(
-                names.column("sleeve"), lambda at: say.number(at.state.sleeve_diameter * MM, 4), "mm", side="r"
+                names.column("sleeve"),
+                lambda at: say.value(at.state.sleeve_diameter * MM, "length", 4),
+                say.unit("length"),
+                side="r",
             ),
             PrintedColumn(
-                names.column("spool"), lambda at: say.number(at.state.spool_diameter * MM, 4), "mm", side="r"
+                names.column("spool"),
+                lambda at: say.value(at.state.spool_diameter * MM, "length", 4),
+                say.unit("length"),
+                side="r",
             ),
-            PrintedColumn(names.column("clearance"), names.clearance, "µm", side="r"),
-            PrintedColumn(names.column("mounting"), names.mounting, "µm", side="r"),
+            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="r"),
+            PrintedColumn(names.column("mounting"), names.mounting, say.unit("clearance"), side="r"),
             PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
             PrintedColumn(
-                names.column("effective"), lambda at: say.number(at.effective_clearance * UM, 1), "µm", side="r"
+                names.column("effective"),
+                lambda at: say.value(at.effective_clearance * UM, "clearance", 1),
+                say.unit("clearance"),
+                side="r",
             ),
-            PrintedColumn(names.column("leakage"), names.leakage, "dm³/min", side="r"),
+            PrintedColumn(names.column("leakage"), names.leakage, say.unit("flow"), side="r"),
             PrintedColumn(names.column("share"), names.share, "%", side="r"),
             PrintedColumn(names.column("verdict"), names.verdict),
         ]
@@ -210,15 +219,15 @@ class Body:
     def _repair(self, charts: dict[str, str]) -> Iterable[Block]:
         say = self.say
         columns = [
-            PrintedColumn(say("columns.pair"), self._repaired_pair, width=4),
-            PrintedColumn(say("columns.work"), lambda each: each.work, width=5),
+            PrintedColumn(say("printed.pair"), self._repaired_pair, width=4),
+            PrintedColumn(say("printed.work"), lambda each: each.work, width=5),
             PrintedColumn(
-                say("columns.decision"),
+                say("printed.decision"),
                 lambda each: say.get("job_decisions", each.decision) if each.decision else "–",
                 width=2,
             ),
-            PrintedColumn(say("columns.reason"), lambda each: each.reason, width=6),
-            PrintedColumn(say("columns.date"), lambda each: say.date(each.date) if each.date else "", width=2),
+            PrintedColumn(say("printed.reason"), lambda each: each.reason, width=6),
+            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else "", width=2),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
         for sentence in open_words(self.diagnosis, self.job, say, closing=True):
@@ -226,7 +235,7 @@ class Body:
 
     def _repaired_pair(self, decision: RepairDecision) -> str:
         name = self.diagnosis.controller.components.get(decision.component, "")
-        land = f"{self.say('columns.land')}\u00a0{decision.land}" if decision.land else ""
+        land = f"{self.say('printed.land')}\u00a0{decision.land}" if decision.land else ""
         return joined((f"{decision.component}  {isolated(name)}".strip(), land))
 
     def _estimate(self, charts: dict[str, str]) -> Iterable[Block]:
@@ -237,7 +246,9 @@ class Body:
         oil, dirt = job.fluid_condition, job.contamination
         remarks = [
             oil.product,
-            say("facts.changed_at", mileage=say.number(oil.changed_at_km, 0)) if oil.changed_at_km is not None else "",
+            say("facts.changed_at", mileage=say.value(oil.changed_at_km, "distance", 0))
+            if oil.changed_at_km is not None
+            else "",
             f"{say('facts.level')}: {oil.level}" if oil.level else "",
             f"{say('facts.colour')}: {oil.colour}" if oil.colour else "",
             f"{say('facts.smell')}: {oil.smell}" if oil.smell else "",
@@ -250,8 +261,8 @@ class Body:
         ]
         yield facts([row for row in rows if row[1]])
         columns = [
-            PrintedColumn(say("columns.component"), lambda each: joined((each.component, each.part), " "), width=3),
-            PrintedColumn(say("columns.land"), lambda each: str(each.land or ""), width=1),
+            PrintedColumn(say("printed.component"), lambda each: joined((each.component, each.part), " "), width=3),
+            PrintedColumn(say("printed.land"), lambda each: str(each.land or ""), width=1),
             PrintedColumn(say("facts.scratches"), lambda each: each.description, width=6),
         ]
         yield table(columns, [each for each in job.scratches if not each.empty])
@@ -283,7 +294,7 @@ class Body:
                 "facts.viscosity_at",
                 nu=say.number(fluid.kinematic_viscosity(projection.condition.temperature, model) * MM2_S, 2),
                 rho=say.number(fluid.density(projection.condition.temperature, model) * G_CM3, 4),
-                temperature=say.plain(projection.condition.temperature),
+                temperature=say.plain_value(projection.condition.temperature, "temperature"),
             )
             for projection in diagnosis.reported
         ]
@@ -330,10 +341,10 @@ class Body:
     def _limits(self, charts: dict[str, str]) -> Iterable[Block]:
         say, limits = self.say, self.diagnosis.limits
         columns = [
-            PrintedColumn(say("columns.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
-            PrintedColumn(say("columns.limit"), lambda rule: self._levels(*rule), width=4),
-            PrintedColumn(say("columns.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
-            PrintedColumn(say("columns.source"), lambda rule: rule[1].source, width=6),
+            PrintedColumn(say("printed.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
+            PrintedColumn(say("printed.limit"), lambda rule: self._levels(*rule), width=4),
+            PrintedColumn(say("printed.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
+            PrintedColumn(say("printed.source"), lambda rule: rule[1].source, width=6),
         ]
         yield table(columns, limits.rules.items())
         yield text(f"{isolated(limits.name)}. {say('texts.limit_note')}", small=True)
@@ -350,9 +361,12 @@ class Body:
         """Return all that a level asks for: its limit, a least growth in µm, growth over the same land or unit new."""
         say, limit = self.say, dict(steps.levels)[level]
         if steps.has_limit(level):
-            yield f"{say.plain(limit * kind.factor)}\u00a0{kind.unit}".rstrip()
+            carried, quantity = limit * kind.factor, kind.quantity
+            yield (
+                say.plain_quantity(carried, quantity) if quantity else f"{say.plain(carried)}\u00a0{kind.unit}".rstrip()
+            )
         if level in steps.at_least:
-            yield say("rules.at_least", um=say.plain(steps.at_least[level] * UM))
+            yield say("rules.at_least", clearance=say.plain_quantity(steps.at_least[level] * UM, "clearance"))
         if level in steps.growth:
             growth, added = steps.growth[level]
             yield say("rules.growth", growth=say.plain(growth * PERCENT))
@@ -438,7 +452,7 @@ class Body:
         columns = [
             PrintedColumn("", lambda name: say(f"facts.{name}"), width=2),
             PrintedColumn(
-                say("columns.file"), lambda name: record[name].get("file") or record[name].get("id"), width=3
+                say("printed.file"), lambda name: record[name].get("file") or record[name].get("id"), width=3
             ),
             PrintedColumn("SHA-256", lambda name: record[name]["sha256"], width=8),
         ]

@@ -49,7 +49,7 @@ class Front:
             ("engine", vehicle.engine),
             ("registration", vehicle.registration),
             ("vin", vehicle.vin),
-            ("mileage", "" if mileage is None else say("texts.mileage", value=say.number(mileage, 0))),
+            ("mileage", "" if mileage is None else say("texts.mileage", value=say.value(mileage, "distance", 0))),
             ("transmission", joined((box.maker, box.code), " ")),
             ("serial", box.serial),
             ("note", box.note),
@@ -157,22 +157,38 @@ class Front:
     def _totals(self) -> Block:
         say, diagnosis = self.say, self.diagnosis
         columns = [
-            PrintedColumn(say("columns.condition"), lambda at: self.names.condition(at.condition), width=1),
-            PrintedColumn(say("columns.temperature"), lambda at: say.plain(at.condition.temperature), "°C", side="r"),
+            PrintedColumn(say("printed.condition"), lambda at: self.names.condition(at.condition), width=1),
             PrintedColumn(
-                say("columns.speed"), lambda at: say.number(at.condition.engine_speed * RPM, 0), "1/min", side="r"
+                say("printed.temperature"),
+                lambda at: say.plain_value(at.condition.temperature, "temperature"),
+                say.unit("temperature"),
+                side="r",
             ),
-            PrintedColumn(say("columns.gear"), lambda at: str(at.condition.gear), side="r"),
-            PrintedColumn(say("columns.pressure"), self._pressure, "kPa", side="r"),
-            PrintedColumn(say("columns.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
             PrintedColumn(
-                say("columns.capacity"), lambda at: say.number(at.pump_capacity * DM3_MIN, 2), "dm³/min", side="r"
+                say("printed.speed"),
+                lambda at: say.number(at.condition.engine_speed * RPM, 0),
+                "1/min",
+                side="r",
             ),
-            PrintedColumn(say("columns.share"), self._share, "%", side="r"),
-            PrintedColumn(say("columns.share_new"), self._share_new, "%", side="r"),
-            PrintedColumn(say("columns.band"), self._band),
-            PrintedColumn(say("columns.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
-            PrintedColumn(say("columns.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
+            PrintedColumn(say("printed.gear"), lambda at: str(at.condition.gear), side="r"),
+            PrintedColumn(say("printed.pressure"), self._pressure, say.unit("pressure"), side="r"),
+            PrintedColumn(
+                say("printed.leakage"),
+                lambda at: say.value(at.leakage * DM3_MIN, "flow", 2),
+                say.unit("flow"),
+                side="r",
+            ),
+            PrintedColumn(
+                say("printed.capacity"),
+                lambda at: say.value(at.pump_capacity * DM3_MIN, "flow", 2),
+                say.unit("flow"),
+                side="r",
+            ),
+            PrintedColumn(say("printed.share"), self._share, "%", side="r"),
+            PrintedColumn(say("printed.share_new"), self._share_new, "%", side="r"),
+            PrintedColumn(say("printed.band"), self._band),
+            PrintedColumn(say("printed.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
+            PrintedColumn(say("printed.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
         return table(columns, diagnosis.reported)
 
@@ -189,8 +205,8 @@ class Front:
         return [self.say(sentence, condition=self.names.condition(at.condition), low=low, high=high)]
 
     def _pressure(self, at: Projection) -> str:
-        required = self.say.number(at.condition.main_pressure * KPA, 0)
-        held = self.say.number(at.main_pressure_held * KPA, 0)
+        required = self.say.value(at.condition.main_pressure * KPA, "pressure", 0)
+        held = self.say.value(at.main_pressure_held * KPA, "pressure", 0)
         return self.say("texts.held_of", required=required, held=held) if at.pressure_falls else required
 
     def _share(self, at: Projection) -> str:
