@@ -130,7 +130,10 @@ def propagate(
     conditions = [Condition(model, projection, assumptions) for projection in projections]
     drawn = [condition.at(deviates) for condition in conditions]
     at_instants = [Condition(model, instant, assumptions).at(deviates) for instant in instants]
-    own = Beside(Cube(draws, seed, 3), drawn[0].score(leakiest(sources, projections[0]), common, fraction))
+    # at one and the same condition, so that what else is asked for does not change what is drawn
+    first = model.controller.operating_points[0]
+    at = next((number for number, each in enumerate(projections) if each.condition == first), 0)
+    own = Beside(Cube(draws, seed, 3), drawn[at].score(leakiest(sources, projections[at]), common, fraction))
     positions = Positions(model, own, seed)
     lands: Iterable[LandDraws] = (
         land_draws(own.draws(seed, 1, number), land, common, fraction, assumptions, positions.of(land))

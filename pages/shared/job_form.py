@@ -13,7 +13,7 @@ from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
 from atleak.job.decisions import decision_faults
 from atleak.job.record import PICTURE_SUFFIXES, Grade, Job, RepairState
-from atleak.report.pdf.pictures import printable_picture
+from atleak.report.pictures import printable_picture
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import fields, show
 from pages.shared.state import RECORD, choose, job, job_generation, put_job, session

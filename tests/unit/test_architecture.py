@@ -74,7 +74,7 @@ FLOORS = (
     ),
     ("job.decisions", "job.kinds", "job.steps"),
     ("job.estimate",),
-    ("report.estimate_words",),
+    ("report.estimate_words", "report.pictures"),
     ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet", "report.comparison_terminal"),
     ("job.file",),
     ("report.batch", "jobs"),
