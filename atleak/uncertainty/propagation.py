@@ -39,7 +39,7 @@ from atleak.uncertainty.draws import (
     one_sided_fraction,
 )
 from atleak.uncertainty.linear import LandSlopes, Linear
-from atleak.uncertainty.points import Beside, Cube, Draws, rounded_up
+from atleak.uncertainty.points import Beside, Cube, Draws
 from atleak.uncertainty.pressures import DrawnUnit, PressureSpread, pressure_spread
 from atleak.uncertainty.sources import LandSources
 from atleak.uncertainty.spread import Spread, flow_ratio, interval_of, spread_of
@@ -112,8 +112,7 @@ def propagate(
     coverage
         probability of the intervals, 0 … 1; they leave out as much below as above.
     draws, seed
-        number of draws and seed of the Monte Carlo. Each land has its own stream of PCG64: the same input gives the
-        same digits.
+        number of draws, a power of two, and seed of the Monte Carlo: the same input gives the same digits.
     instants
         conditions of which only the total's interval is wanted: those of some instants of a log.
 
@@ -122,7 +121,6 @@ def propagate(
     DomainError
         A condition's temperature outside the fluid's data.
     """
-    draws = rounded_up(draws)
     shared = Draws(Cube(draws, seed, 0))
     deviates = deviates_of_factors(shared)
     common = common_errors(shared, sources)

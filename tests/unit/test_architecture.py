@@ -41,6 +41,7 @@ FLOORS = (
         "system.home",
         "system.shipped",
         "system.marks",
+        "system.memory",
         "look",
         "paper",
         "unit_systems",
