@@ -84,8 +84,8 @@ def assess(
     guard_factor
         k of the guard band k·u around a limit; 1.645 leaves 5 % one-sided.
     draws, seed
-        number of draws, rounded up to a power of two, and seed of the Monte Carlo; the same input gives the same digits.
-        Unless given, `DRAWS`, or `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
+        number of draws, rounded up to a power of two, and seed of the Monte Carlo; the same input gives the same
+        digits. Unless given, `DRAWS`, or `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
 
     Returns
     -------

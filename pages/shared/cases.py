@@ -230,12 +230,19 @@ def case_with_columns(case: Case) -> Case:
 
 @st.cache_resource(max_entries=6, show_spinner="Computing …")
 def _diagnosis(key: str, _case: Case) -> Diagnosis:
-    return _case.diagnose(Kept())
+    return _computed(_case)
 
 
 @st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="Computing …")
 def _diagnosis_here(key: str, _case: Case) -> Diagnosis:
-    return _case.diagnose(Kept())
+    return _computed(_case)
+
+
+def _computed(case: Case) -> Diagnosis:
+    """Compute a diagnosis, or take that without a mileage, of which next to nothing follows."""
+    if case.mileage is None:
+        return case.diagnose(Kept())
+    return diagnosis_of(replace(case, mileage=None)).with_mileage(case.mileage)
 
 
 def diagnosis_of(case: Case) -> Diagnosis:
