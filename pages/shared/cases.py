@@ -15,12 +15,14 @@ import streamlit as st
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Listed, catalogue_files, listed
+from atleak.catalogue.instruments import Instruments
 from atleak.diagnosis import Diagnosis
 from atleak.errors import CatalogueError, OutputError
 from atleak.intake.readings import read_readings
 from atleak.intake.road_test import Understood, default_path, recall, remember, understand
 from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
+from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 from atleak.system.memory import give_back_soon
@@ -221,6 +223,22 @@ def remember_columns(log: SourceFile, columns: dict[str, str], units: dict[str, 
     except OutputError as error:
         return error.problem
     return ""
+
+
+def readings_of(case: Case, file: SourceFile) -> Readings:
+    """Return what a measuring sheet holds, read as the job says.
+
+    Raises
+    ------
+    ReadingsError
+        as `read_readings`.
+    """
+    return Kept().readings(replace(case, readings=file), controller_of(case))
+
+
+def instruments_of(case: Case) -> Instruments:
+    """Return the instruments that measured a job's sheet."""
+    return Instruments(*(catalogue_entry(f"{part}_instrument", getattr(case, f"{part}_instrument")) for part in PARTS))
 
 
 def case_with_columns(case: Case) -> Case:
