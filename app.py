@@ -32,6 +32,7 @@ result = panel.draw()
 heading.empty()
 if page in groups[""][1:]:
     steps.draw(result)
+del result  # the names of this file outlive the visit
 try:
     page.run()
 finally:  # also where the page ends early

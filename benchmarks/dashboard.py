@@ -231,12 +231,17 @@ def _upload(page: Page, server: Server, file: Path) -> None:
 
 
 def _closed(browser: Browser, server: Server, wait: float) -> None:
-    """Print what the server holds when the last window was closed and nobody came back."""
+    """Print what the server holds when the window was closed and Streamlit has forgotten its session.
+
+    Streamlit looks for sessions to forget where another one comes or goes.
+    """
+    print(f"memory: {server.memory():.0f} MB where the window was just closed")
     time.sleep(wait)
-    with server.visit(browser) as page:  # the next visitor: a server without any frees nothing
+    with server.visit(browser) as page:
         page.locator(FIRST).first.wait_for()
         server.rest(page)
-        print(f"memory: {server.memory():.0f} MB {wait:.0f} s after the window was closed, with another visitor")
+    time.sleep(3.0)
+    print(f"memory: {server.memory():.0f} MB {wait:.0f} s later, when another visitor has come and gone")
 
 
 def _name(page: Page) -> str:
