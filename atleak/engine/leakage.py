@@ -43,7 +43,7 @@ Moments = tuple[float, float]  # second [m²] and third [m³] central moment of 
 
 
 class Clearance(Protocol):
-    """The measured or assumed clearance of a land, as far as the engine needs it."""
+    """The measured, assumed or tried clearance of a land, as far as the engine needs it."""
 
     @property
     def land(self) -> Land: ...
@@ -301,19 +301,25 @@ class LeakageModel:
         """Return the gaps that see a pressure drop in a gear, in the order of `network` and `gaps`."""
         return tuple(geometry.gap for geometry in self.geometries if gear in geometry.gap.gears)
 
-    def network(self, condition: OperatingPoint) -> circuits.Network:
+    def network(self, condition: OperatingPoint, temperature: Any = None) -> circuits.Network:
         """Return the gaps, leaks and feeds of the condition's gear, with its fluid, as a network.
+
+        Parameters
+        ----------
+        temperature
+            [°C] in place of the condition's; an array gives a network of arrays.
 
         Raises
         ------
         DomainError
-            temperature outside the fluid's data.
+            a temperature outside the fluid's data.
         """
-        viscosity, density = self._fluid_at(condition)
+        temperature = condition.temperature if temperature is None else temperature
+        viscosity, density = self._fluid_at(temperature)
         gaps = []
         for geometry in self.geometries:
             if condition.gear in geometry.gap.gears:
-                mean = geometry.effective_clearance(condition.temperature)
+                mean = geometry.effective_clearance(temperature)
                 clearance = self.law.flow_clearance(mean, *geometry.form_moments)
                 factors = self.law.diameter(geometry.spool_diameter, mean), clearance, viscosity, density
                 restriction = self.law.restriction(*factors, geometry.contact_length)
@@ -321,10 +327,11 @@ class LeakageModel:
         solves = self.profile.circuits == "on"
         return circuits.network(self.controller, condition, gaps, viscosity, density, solves=solves)
 
-    def _fluid_at(self, condition: OperatingPoint) -> tuple[float, float]:
+    def _fluid_at(self, temperature: Any) -> tuple[Any, Any]:
         """Return ν [m²/s] and ρ [kg/m³]; DomainError outside the fluid's data."""
-        temperature, model = condition.temperature, self.profile.viscosity
-        self.fluid.require(temperature, model)
+        model = self.profile.viscosity
+        for end in {float(np.min(temperature)), float(np.max(temperature))}:
+            self.fluid.require(end, model)
         return self.fluid.kinematic_viscosity(temperature, model), self.fluid.density(temperature, model)
 
     def gaps(self, condition: OperatingPoint, pressures: Mapping[str, Any] | None = None) -> tuple[GapLeakage, ...]:
@@ -340,9 +347,8 @@ class LeakageModel:
         DomainError
             temperature outside the fluid's data.
         """
-        viscosity, density = self._fluid_at(condition)
-        temperature = condition.temperature
-        network = self.network(condition)
+        network, temperature = self.network(condition), condition.temperature
+        viscosity, density = self._fluid_at(temperature)
         if pressures is None:
             sections = self.controller.section_pressures(condition.main_pressure, condition.converter_pressure)
             pressures = network.balance(sections).pressures
