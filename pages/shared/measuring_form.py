@@ -42,13 +42,13 @@ _UNITS = {"metric": "mm", "metric_bar": "mm", "us": "inch"}  # typed in, unless 
 
 @dataclass
 class _Kept:
-    """What a session keeps of the grid: the entries of one sheet, by generation and SHA-256, and the last answer.
+    """What a session keeps of the grid: the entries of one sheet, by job, valve body and file, and the last answer.
 
     The entries and their answer change together, in plain attributes: a script that is stopped for a newer one can stop
     wherever the session's state is asked, and must not have answered what it has not done.
     """
 
-    name: tuple[int, str | None] | None = None
+    name: tuple[int, str, str | None] | None = None
     typed: Typed = Typed()  # noqa: RUF009  frozen, so safe to share
     answer: dict[str, Any] | None = None
     session: str = field(default_factory=partial(secrets.token_hex, 6))  # by which the browser tells sessions apart
@@ -85,8 +85,10 @@ def _take(key: str) -> None:
     case = session().case
     if not steps or case.sample:
         return  # sent once more, before the answer arrived
-    typed = _typed(case)
     controller = diagnosis_of(session().good).controller
+    if controller_of(case).sha256 != controller.sha256:
+        return  # another valve body is being chosen: what is not answered is sent again
+    typed = _typed(case)
     done = typed.after(steps, typed.plan.cells(controller, typed.entries))
     at = None if done.at is None else list(done.at.key)
     _put(done.typed, {"page": batch["page"], "number": steps[-1]["number"], "at": at})
@@ -156,7 +158,7 @@ def _judged(typed: Typed, case: PageCase) -> Judged:
 def _typed(case: PageCase) -> Typed:
     """Return what was typed so far: of the job's sheet, or before it holds anything."""
     file = _file(case)
-    name = session().generation, None if file is None else file.sha256
+    name = _name(case, file)
     kept = _kept()
     if kept.name != name:
         kept.name, kept.typed = name, _opened(case, file)
@@ -166,6 +168,11 @@ def _typed(case: PageCase) -> Typed:
 def _kept() -> _Kept:
     kept: _Kept = st.session_state.setdefault("measuring", _Kept())
     return kept
+
+
+def _name(case: PageCase, file: SourceFile | None) -> tuple[int, str, str | None]:
+    """Return what tells the entries of one sheet from others: the job, its valve body, the sheet."""
+    return session().generation, controller_of(case).sha256, None if file is None else file.sha256
 
 
 def _file(case: PageCase) -> SourceFile | None:
@@ -189,7 +196,7 @@ def _opened(case: PageCase, file: SourceFile | None) -> Typed:
 
 def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:
     """Put what was typed into the job: as its measuring sheet, in place of the one that it goes on from."""
-    case, kept, generation = session().case, _kept(), session().generation
+    case, kept = session().case, _kept()
     before = _file(case)
     content = written(typed, _judged(typed, case).counting, controller_of(case))
     file = None if content is None else SourceFile(TYPED_FILE, content)
@@ -198,10 +205,7 @@ def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:
         gauges = None if typed.sheet is None else typed.sheet.pressures
         if gauges is not None and case.pressures is None:
             put_file("pressures", SourceFile(TYPED_GAUGES, TypedGauges.going_on_from(gauges).written()))
+    name = _name(case, file)
     if file != before:
         put_file("readings", file)
-    kept.name, kept.typed, kept.answer = (
-        (generation, None if file is None else file.sha256),
-        typed,
-        answer or kept.answer,
-    )
+    kept.name, kept.typed, kept.answer = name, typed, answer or kept.answer

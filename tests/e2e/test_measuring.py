@@ -38,12 +38,18 @@ def written(page: Page, text: str, key: str = "Enter") -> None:
 
 
 @pytest.mark.page("2_Readings")
-def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[str], Page]) -> None:
+def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[str], Page], server_home: Path) -> None:
     minimal = (ROOT / "atleak" / "catalogue" / "controllers" / "minimal_example.toml").read_text(encoding="utf-8")
-    own = minimal.replace('id = "minimal_example"', 'id = "six_lands"') + SIXTH
-    page.locator("input[type=file]").first.set_input_files(
-        [{"name": "six.toml", "mimeType": "text/plain", "buffer": own.encode()}]
+    own = minimal.replace('id = "minimal_example"', 'id = "six_lands"').replace(
+        'name = "Example of', 'name = "Six lands,'
     )
+    folder = server_home / "catalogue" / "controllers"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "six_lands.toml").write_text(own + SIXTH, encoding="utf-8")
+    page.reload()
+    box = page.get_by_test_id("stSidebar").get_by_role("combobox", name="Valve body")
+    box.fill("Six lands")
+    box.press("Enter")
     state = page.locator(".measuring .state")
     expect(state).to_have_text("0/48 · all in the job")
     page.get_by_role("tab", name="Measure").focus()
