@@ -4,7 +4,7 @@ from pathlib import Path
 
 import streamlit as st
 
-from pages.shared import book, panel
+from pages.shared import book, panel, reader
 
 HERE = Path(__file__).parent
 
@@ -18,6 +18,7 @@ for number, path in sorted(page_files.items()):
     shown = "visible" if number else "hidden"  # the first is where the bare address leads
     groups[GROUPS[number // 10]].append(st.Page(path, title=title, default=not number, visibility=shown))
 page = st.navigation(groups, position="top")
+reader.mark_page()
 panel.draw()
 try:
     page.run()

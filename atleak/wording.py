@@ -1,4 +1,4 @@
-"""Give words and numbers in a reader's language, from one folder of texts per language."""
+"""Give words and numbers in a reader's language and units, from one folder of texts per language."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from typing import Any
 
 from atleak.errors import unknown
 from atleak.look import look_of
+from atleak.unit_systems import ShownUnit, unit_system
 from atleak.verdicts import Band, Verdict
 from atleak.workshop_units import PERCENT
 
@@ -36,12 +37,14 @@ def isolated(text: str) -> str:
     return f"\u2068{text}\u2069" if from_the_right else text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Wording:
-    """The texts of one language."""
+    """The texts of one language, and a system of units; there is one of each pair."""
 
     language: str
     texts: Mapping[str, Any]
+    units: str
+    system: Mapping[str, ShownUnit]
 
     def __call__(self, key: str, /, **values: object) -> str:
         """Return the text of a dotted key, its ``{places}`` filled in.
@@ -91,6 +94,41 @@ class Wording:
         """Return a date as ISO 8601, which every language reads the same way."""
         return value.isoformat()
 
+    def unit(self, kind: str) -> str:
+        """Return the unit in which the reader has a kind of quantity: ``µm``."""
+        return self.get("units", self.system[kind].name)
+
+    def convert(self, value: Any, kind: str) -> Any:
+        """Convert a value or array from the unit of atleak's records to the reader's."""
+        return self.system[kind].shown(value)
+
+    def back(self, value: Any, kind: str) -> Any:
+        """Convert a value or array from the reader's unit to that of atleak's records."""
+        return self.system[kind].carried(value)
+
+    def digits(self, kind: str, digits: int | None = None) -> int:
+        """Return the decimal places of a value in the reader's unit.
+
+        ``digits`` are those that it would take in the unit of atleak's records; None for those that are usual.
+        """
+        return self.system[kind].places(digits)
+
+    def value(self, value: float | None, kind: str, digits: int | None = None) -> str:
+        """Return a value of atleak's records in the reader's unit, without naming it, as below a heading that does."""
+        return self._in(self.system[kind], value, digits)
+
+    def quantity(self, value: float | None, kind: str, digits: int | None = None) -> str:
+        """Return a value of atleak's records in the reader's unit, with that unit.
+
+        >>> wording("de").quantity(3.06, "clearance"), wording("en", "us").quantity(3.06, "clearance")
+        ('3,1\u00a0µm', '0.00012\u00a0in')
+        """
+        unit = self.system[kind].spelled or self.system[kind]
+        return f"{self._in(unit, value, digits)}{_NARROW}{self.get('units', unit.name)}"
+
+    def _in(self, unit: ShownUnit, value: float | None, digits: int | None) -> str:
+        return self.number(None if value is None else unit.shown(value), unit.places(digits))
+
 
 def languages() -> tuple[str, ...]:
     """Return the codes of the languages that atleak speaks."""
@@ -98,24 +136,37 @@ def languages() -> tuple[str, ...]:
 
 
 @cache
-def wording(language: str) -> Wording:
-    """Load the texts of a language.
-
-    Raises
-    ------
-    InputError
-        if no report is written in that language.
-    """
+def _texts(language: str) -> Mapping[str, Any]:
     known = languages()
     if language not in known:
         raise unknown("no report in this language", language, known)
     texts: dict[str, Any] = {}
     for path in sorted((_FOLDER / language).glob("*.toml")):
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-        twice = texts.keys() & tables.keys()
-        assert not twice, f"{path.name} of {language} names tables of another file: {sorted(twice)}"
-        texts |= tables
-    return Wording(language, texts)
+        for name, table in tomllib.loads(path.read_text(encoding="utf-8")).items():
+            known_texts = texts.setdefault(name, {}) if isinstance(table, dict) else texts
+            new_texts = table if isinstance(table, dict) else {name: table}
+            twice = known_texts.keys() & new_texts.keys()
+            assert not twice, f"{path.name} of {language} gives texts of another file in {name}: {sorted(twice)}"
+            known_texts.update(new_texts)
+    return texts
+
+
+def wording(language: str, units: str = "metric") -> Wording:
+    """Return the texts of a language, with quantities in a system of units: metric, metric_bar or us.
+
+    Several files of a language may add to one table, such as each page its ``columns``.
+
+    Raises
+    ------
+    InputError
+        if no text is written in that language, or there is no such system of units.
+    """
+    return _wording(language, units)
+
+
+@cache
+def _wording(language: str, units: str) -> Wording:
+    return Wording(language, _texts(language), units, unit_system(units))
 
 
 def value_names(names: Iterable[str]) -> str:

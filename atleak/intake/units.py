@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atleak.errors import unknown
+from atleak.workshop_units import INCH, PSI
 
 
 @dataclass(frozen=True)
@@ -31,13 +32,12 @@ class Unit:
         return (value - self.offset) / self.factor if self.offset else value / self.factor
 
 
-_INCH, _PSI = 0.0254, 6894.757293168361
 _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
     "length": {
         Unit("mm", 1e-3): ("mm", "millimetre", "millimeter"),
         Unit("µm", 1e-6): ("µm", "um", "micron", "microns", "micrometre", "micrometer", "mkm", "мкм"),
-        Unit("inch", _INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
-        Unit("mil", _INCH / 1000): ("mil", "thou"),
+        Unit("inch", INCH): ("inch", "in", "inches", '"', "zoll", "cal"),
+        Unit("mil", INCH / 1000): ("mil", "thou"),
         Unit("cm", 1e-2): ("cm",),
         Unit("m", 1.0): ("m",),
     },
@@ -46,7 +46,7 @@ _KINDS: dict[str, dict[Unit, tuple[str, ...]]] = {
         Unit("bar", 1e5): ("bar", "barg", "bars", "бар"),
         Unit("mbar", 1e2): ("mbar", "hpa", "millibar"),
         Unit("MPa", 1e6): ("mpa", "мпа"),
-        Unit("psi", _PSI): ("psi", "psig", "lbf/in2", "lb/in2", "psi(g)", "pounds per square inch"),
+        Unit("psi", PSI): ("psi", "psig", "lbf/in2", "lb/in2", "psi(g)", "pounds per square inch"),
         Unit("Pa", 1.0): ("pa",),
         Unit("0.1 kPa", 1e2): ("0.1 kpa",),
         Unit("kgf/cm²", 98066.5): ("kgf/cm2", "kg/cm2", "кгс/см2"),

@@ -1,10 +1,79 @@
-"""Say in which language, and in which units, this browser's pages are read."""
+"""Say in which language, and in which units, this browser's pages are read, and let the reader choose."""
 
 from __future__ import annotations
 
-from atleak.wording import Wording, wording
+from collections.abc import Iterable, Mapping
+
+import streamlit as st
+
+from atleak.unit_systems import SYSTEMS
+from atleak.wording import Wording, languages, wording
+
+OTHERWISE = "en", "metric"
+_CHOICES = ("language", "units")
+_MARK = st.components.v2.component(
+    "atleak_reader",
+    css=".st-key-atleak-reader {position: absolute}",  # it shows nothing and takes no place
+    js="""export default function({data}) {
+        document.documentElement.lang = data.language
+        for (const [name, value] of Object.entries(data.cookies))
+            document.cookie = `${name}=${value}; path=/; max-age=157680000; samesite=lax`
+    }""",
+    isolate_styles=False,
+)
 
 
 def say() -> Wording:
-    """Return the words of the reader's language."""
-    return wording("en")
+    """Return the words of the reader's language, with quantities in the reader's units.
+
+    They are those chosen in this session, else those that this browser remembers. Without either the language is the
+    browser's own, or English where atleak does not speak that, and the units are metric.
+    """
+    own = str(st.context.locale or "").partition("-")[0]
+    language = _chosen("language", languages(), own if own in languages() else OTHERWISE[0])
+    return wording(language, _chosen("units", SYSTEMS, OTHERWISE[1]))
+
+
+def mark_page() -> None:
+    """Tell the browser which language the page is in, and let it remember what was chosen."""
+    chosen = {_cookie(name): st.session_state[_kept(name)] for name in _CHOICES if _kept(name) in st.session_state}
+    _MARK(key="atleak-reader", data={"language": say().language, "cookies": chosen})
+
+
+def draw_choices() -> None:
+    """Show the choice of language and of units; what is picked holds at once, and in this browser's next visits."""
+    words = say()
+    names = {language: wording(language).texts["language"] for language in languages()}
+    _choice("language", words.language, names, words("reader.language"))
+    systems = {units: words(f"unit_systems.{units}") for units in SYSTEMS}
+    _choice("units", words.units, systems, words("reader.units"))
+    st.caption(words("reader.kept"))
+
+
+def _choice(name: str, current: str, labels: Mapping[str, str], label: str) -> None:
+    options, key = list(labels), f"pick-{name}"
+
+    def changed() -> None:
+        st.session_state[_kept(name)] = st.session_state[key]
+
+    st.selectbox(
+        label, options, options.index(current), key=key, format_func=lambda each: labels[each], on_change=changed
+    )
+
+
+def _chosen(name: str, known: Iterable[str], otherwise: str) -> str:
+    """Return what was chosen in this session or, by its cookie, in an earlier one of this browser."""
+    if _kept(name) not in st.session_state:
+        remembered = st.context.cookies.get(_cookie(name))
+        if remembered not in known:
+            return otherwise
+        st.session_state[_kept(name)] = remembered
+    return str(st.session_state[_kept(name)])
+
+
+def _kept(name: str) -> str:
+    return f"reader-{name}"
+
+
+def _cookie(name: str) -> str:
+    return f"atleak-{name}"

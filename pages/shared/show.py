@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import re
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -20,12 +20,14 @@ from atleak.gauges.check import PressureCheck
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.uncertainty import UnitUncertainty
-from atleak.verdicts import Verdict
+from atleak.verdicts import Band, Verdict
+from atleak.views.columns import VERDICT, Column
 from atleak.views.drawing import controller_svg, on_dark
 from atleak.views.gauge_rows import gauge_rows
 from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import fluid_in_state
-from atleak.wording import signed, wording
+from atleak.wording import Wording, signed, wording
+from pages.shared import reader
 from pages.shared.state import Refusal
 
 _BOX = {"success": st.success, "warning": st.warning, "error": st.error, "info": st.info}
@@ -128,13 +130,10 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int], **options:
     Further ``options`` are those of `st.dataframe`; returned is what it returns, such as the rows that are selected.
 
     Sorting that column puts the worst first.
-
-    A table's text column is sorted by collation, in which a space comes before any sign: the worse a verdict, the
-    more hair spaces stand before it.
     """
     frame = pd.DataFrame(rows).round(digits)
     names = [None if row["Verdict"] is None else Verdict(row["Verdict"]) for row in rows]
-    frame["Verdict"] = ["–" if each is None else HAIR_SPACE * each.rank + signed(each) for each in names]
+    frame["Verdict"] = [_sorted_verdict(each, wording("en")) for each in names]
     shades = ["" if each is None else colours(each) for each in names]
     style = frame.style.apply(lambda column: shades, subset=["Verdict"]).format(
         {name: f"{{:z.{places}f}}" for name, places in digits.items() if name in frame}, na_rep="–"
@@ -144,6 +143,44 @@ def verdict_table(rows: list[dict[str, Any]], digits: dict[str, int], **options:
     }
     config["Verdict"] = st.column_config.TextColumn(width=WIDTHS["Verdict"], help="sort: the worst first")
     return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
+
+
+def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
+    """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units.
+
+    Numbers are sorted as numbers, verdicts with the worst first; what is None is a dash. Further ``options`` are those
+    of `st.dataframe`; returned is what it returns, such as the rows that are selected.
+    """
+    say = reader.say()
+    headings = {column.heading(say): column for column in columns}
+    cells = {
+        heading: pd.Series([column.value(row.get(column.key), say) for row in rows], dtype=column.dtype)
+        for heading, column in headings.items()
+    }
+    frame = pd.DataFrame(cells)
+    style, config = frame.style, {}
+    for heading, column in headings.items():
+        config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
+        if column.is_number:
+            style = style.format(partial(column.written, say=say), subset=[heading])
+        elif column.kind == VERDICT:
+            levels = frame[heading].tolist()
+            frame[heading] = [_sorted_verdict(level, say) for level in levels]
+            shades = ["" if level is None else colours(level) for level in levels]
+            style = style.apply(lambda _, shades=shades: shades, subset=[heading])
+    return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
+
+
+def _sorted_verdict(level: Verdict | Band | None, say: Wording) -> str:
+    """Return sign and word of a verdict; a dash where nothing is judged.
+
+    A table's text column is sorted by collation, in which a space comes before any sign: the worse a verdict, the
+    more hair spaces stand before it.
+    """
+    if level is None:
+        return "–"
+    rank = (level.verdict if isinstance(level, Band) else level).rank
+    return HAIR_SPACE * rank + say.signed(level)
 
 
 def gauges(check: PressureCheck) -> None:
@@ -179,7 +216,7 @@ def table(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{
     st.dataframe(style, hide_index=True, width="stretch", placeholder="–", **options)
 
 
-def colours(verdict: Verdict) -> str:
+def colours(verdict: Verdict | Band) -> str:
     """Return the ground and the ink of a verdict's cell as CSS; an empty text where it stays plain."""
     look = look_of(verdict)
     return f"background-color: {look.screen}; color: {look.on_screen}" if look.on_screen else ""

@@ -210,15 +210,15 @@ class Body:
     def _repair(self, charts: dict[str, str]) -> Iterable[Block]:
         say = self.say
         columns = [
-            PrintedColumn(say("columns.pair"), self._repaired_pair, width=4),
-            PrintedColumn(say("columns.work"), lambda each: each.work, width=5),
+            PrintedColumn(say("printed.pair"), self._repaired_pair, width=4),
+            PrintedColumn(say("printed.work"), lambda each: each.work, width=5),
             PrintedColumn(
-                say("columns.decision"),
+                say("printed.decision"),
                 lambda each: say.get("job_decisions", each.decision) if each.decision else "–",
                 width=2,
             ),
-            PrintedColumn(say("columns.reason"), lambda each: each.reason, width=6),
-            PrintedColumn(say("columns.date"), lambda each: say.date(each.date) if each.date else "", width=2),
+            PrintedColumn(say("printed.reason"), lambda each: each.reason, width=6),
+            PrintedColumn(say("printed.date"), lambda each: say.date(each.date) if each.date else "", width=2),
         ]
         yield table(columns, [each for each in self.job.repair_decisions if not each.empty], empty=False)
         for sentence in open_words(self.diagnosis, self.job, say, closing=True):
@@ -226,7 +226,7 @@ class Body:
 
     def _repaired_pair(self, decision: RepairDecision) -> str:
         name = self.diagnosis.controller.components.get(decision.component, "")
-        land = f"{self.say('columns.land')}\u00a0{decision.land}" if decision.land else ""
+        land = f"{self.say('printed.land')}\u00a0{decision.land}" if decision.land else ""
         return joined((f"{decision.component}  {isolated(name)}".strip(), land))
 
     def _estimate(self, charts: dict[str, str]) -> Iterable[Block]:
@@ -250,8 +250,8 @@ class Body:
         ]
         yield facts([row for row in rows if row[1]])
         columns = [
-            PrintedColumn(say("columns.component"), lambda each: joined((each.component, each.part), " "), width=3),
-            PrintedColumn(say("columns.land"), lambda each: str(each.land or ""), width=1),
+            PrintedColumn(say("printed.component"), lambda each: joined((each.component, each.part), " "), width=3),
+            PrintedColumn(say("printed.land"), lambda each: str(each.land or ""), width=1),
             PrintedColumn(say("facts.scratches"), lambda each: each.description, width=6),
         ]
         yield table(columns, [each for each in job.scratches if not each.empty])
@@ -330,10 +330,10 @@ class Body:
     def _limits(self, charts: dict[str, str]) -> Iterable[Block]:
         say, limits = self.say, self.diagnosis.limits
         columns = [
-            PrintedColumn(say("columns.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
-            PrintedColumn(say("columns.limit"), lambda rule: self._levels(*rule), width=4),
-            PrintedColumn(say("columns.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
-            PrintedColumn(say("columns.source"), lambda rule: rule[1].source, width=6),
+            PrintedColumn(say("printed.rule"), lambda rule: say(f"rules.{rule[0]}"), width=3),
+            PrintedColumn(say("printed.limit"), lambda rule: self._levels(*rule), width=4),
+            PrintedColumn(say("printed.origin"), lambda rule: say.get("origins", rule[1].origin), width=2),
+            PrintedColumn(say("printed.source"), lambda rule: rule[1].source, width=6),
         ]
         yield table(columns, limits.rules.items())
         yield text(f"{isolated(limits.name)}. {say('texts.limit_note')}", small=True)
@@ -438,7 +438,7 @@ class Body:
         columns = [
             PrintedColumn("", lambda name: say(f"facts.{name}"), width=2),
             PrintedColumn(
-                say("columns.file"), lambda name: record[name].get("file") or record[name].get("id"), width=3
+                say("printed.file"), lambda name: record[name].get("file") or record[name].get("id"), width=3
             ),
             PrintedColumn("SHA-256", lambda name: record[name]["sha256"], width=8),
         ]

@@ -288,7 +288,7 @@ class _Page:
             return
         sides = ("before", "after")
         columns = [
-            PrintedColumn(say("columns.pair"), lambda land: self._named(*land.key), width=1),
+            PrintedColumn(say("printed.pair"), lambda land: self._named(*land.key), width=1),
             PrintedColumn(say("comparison.new"), self._mounting, "µm", side="r"),
             *(
                 PrintedColumn(say(f"comparison.clearance_{side}"), partial(self._clearance, side), "µm", side="r")

@@ -104,22 +104,25 @@ class Conditions:
             yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)
             columns = [
                 PrintedColumn("", lambda step: str(step[0]), side="r"),
-                PrintedColumn(say("columns.pair"), lambda step: self.names.land_name(step[1].land), width=5),
-                PrintedColumn(say("columns.verdict"), lambda step: self.names.verdict(step[1].land)),
-                PrintedColumn(say("columns.helps_at"), lambda step: self._helps(step[1]), width=4),
-                PrintedColumn(say("columns.before"), lambda step: self._at(step[1].at.before), side="r"),
-                PrintedColumn(say("columns.after"), lambda step: self._at(step[1].at.after), side="r"),
+                PrintedColumn(say("printed.pair"), lambda step: self.names.land_name(step[1].land), width=5),
+                PrintedColumn(say("printed.verdict"), lambda step: self.names.verdict(step[1].land)),
+                PrintedColumn(say("printed.helps_at"), lambda step: self._helps(step[1]), width=4),
+                PrintedColumn(say("printed.before"), lambda step: self._at(step[1].at.before), side="r"),
+                PrintedColumn(say("printed.after"), lambda step: self._at(step[1].at.after), side="r"),
             ]
             foreseen = any(step.land.replace_mileage for step in plan.steps)
             if foreseen:
                 reached = PrintedColumn(
-                    say("columns.replace_at"), lambda step: replace_at(step[1].land, say) or "–", width=2, side="r"
+                    say("printed.replace_at"),
+                    lambda step: replace_at(step[1].land, say) or "–",
+                    width=2,
+                    side="r",
                 )
                 columns.append(reached)
             yield table(columns, steps, empty=False)
             yield from self._options(plan)
             if foreseen:
-                yield text(f"{say('columns.replace_at')}: {say('texts.replace_at')}.", small=True)
+                yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.", small=True)
             if len(self.diagnosis.projections) > 1:
                 yield from self._totals_after(plan.steps)
         for sentence in plan_ends(plan, say, self.names.condition):
@@ -133,13 +136,13 @@ class Conditions:
             yield table(
                 [
                     PrintedColumn("", lambda row: str(row.number), side="r"),
-                    PrintedColumn(say("columns.repair"), lambda row: row.name(say), width=6),
-                    PrintedColumn(say("columns.use"), lambda row: row.use(say), width=3),
-                    PrintedColumn(say("columns.leaves"), lambda row: row.leaves(say), "µm", side="r"),
-                    PrintedColumn(say("columns.price"), lambda row: row.price(say), width=2, side="r"),
-                    PrintedColumn(say("columns.hours"), lambda row: row.hours(say), "h", side="r"),
-                    PrintedColumn(say("columns.tool"), lambda row: row.option.repair.tool or "–", width=3),
-                    PrintedColumn(say("columns.land"), lambda row: row.lands, width=2),
+                    PrintedColumn(say("printed.repair"), lambda row: row.name(say), width=6),
+                    PrintedColumn(say("printed.use"), lambda row: row.use(say), width=3),
+                    PrintedColumn(say("printed.leaves"), lambda row: row.leaves(say), "µm", side="r"),
+                    PrintedColumn(say("printed.price"), lambda row: row.price(say), width=2, side="r"),
+                    PrintedColumn(say("printed.hours"), lambda row: row.hours(say), "h", side="r"),
+                    PrintedColumn(say("printed.tool"), lambda row: row.option.repair.tool or "–", width=3),
+                    PrintedColumn(say("printed.land"), lambda row: row.lands, width=2),
                 ],
                 rows,
                 empty=False,

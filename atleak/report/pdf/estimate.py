@@ -31,21 +31,21 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
 
     yield table(
         [
-            PrintedColumn(say("columns.pair"), words.pair, width=5),
-            PrintedColumn(say("columns.work"), done, width=4),
-            PrintedColumn(say("columns.price"), lambda line: words.money(line.part), side="r"),
-            PrintedColumn(say("columns.hours"), words.hours, side="r"),
-            PrintedColumn(say("columns.labour"), lambda line: words.money(line.work), side="r"),
-            PrintedColumn(say("columns.amount"), words.amount, side="r"),
-            PrintedColumn(say("columns.lacks"), words.lacks, width=5),
-            PrintedColumn(say("columns.agreed"), decided, width=3),
+            PrintedColumn(say("printed.pair"), words.pair, width=5),
+            PrintedColumn(say("printed.work"), done, width=4),
+            PrintedColumn(say("printed.price"), lambda line: words.money(line.part), side="r"),
+            PrintedColumn(say("printed.hours"), words.hours, side="r"),
+            PrintedColumn(say("printed.labour"), lambda line: words.money(line.work), side="r"),
+            PrintedColumn(say("printed.amount"), words.amount, side="r"),
+            PrintedColumn(say("printed.lacks"), words.lacks, width=5),
+            PrintedColumn(say("printed.agreed"), decided, width=3),
         ],
         lines,
     )
     names_of_sums = ("state", "parts", "labour", "net", "tax", "gross")
     yield table(
         [
-            PrintedColumn(say(f"columns.{name}"), itemgetter(place), side="r" if place else "l", width=int(not place))
+            PrintedColumn(say(f"printed.{name}"), itemgetter(place), side="r" if place else "l", width=int(not place))
             for place, name in enumerate(names_of_sums)
         ],
         [words.sum_row(*each) for each in words.sums],

@@ -157,22 +157,28 @@ class Front:
     def _totals(self) -> Block:
         say, diagnosis = self.say, self.diagnosis
         columns = [
-            PrintedColumn(say("columns.condition"), lambda at: self.names.condition(at.condition), width=1),
-            PrintedColumn(say("columns.temperature"), lambda at: say.plain(at.condition.temperature), "°C", side="r"),
+            PrintedColumn(say("printed.condition"), lambda at: self.names.condition(at.condition), width=1),
+            PrintedColumn(say("printed.temperature"), lambda at: say.plain(at.condition.temperature), "°C", side="r"),
             PrintedColumn(
-                say("columns.speed"), lambda at: say.number(at.condition.engine_speed * RPM, 0), "1/min", side="r"
+                say("printed.speed"),
+                lambda at: say.number(at.condition.engine_speed * RPM, 0),
+                "1/min",
+                side="r",
             ),
-            PrintedColumn(say("columns.gear"), lambda at: str(at.condition.gear), side="r"),
-            PrintedColumn(say("columns.pressure"), self._pressure, "kPa", side="r"),
-            PrintedColumn(say("columns.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
+            PrintedColumn(say("printed.gear"), lambda at: str(at.condition.gear), side="r"),
+            PrintedColumn(say("printed.pressure"), self._pressure, "kPa", side="r"),
+            PrintedColumn(say("printed.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
             PrintedColumn(
-                say("columns.capacity"), lambda at: say.number(at.pump_capacity * DM3_MIN, 2), "dm³/min", side="r"
+                say("printed.capacity"),
+                lambda at: say.number(at.pump_capacity * DM3_MIN, 2),
+                "dm³/min",
+                side="r",
             ),
-            PrintedColumn(say("columns.share"), self._share, "%", side="r"),
-            PrintedColumn(say("columns.share_new"), self._share_new, "%", side="r"),
-            PrintedColumn(say("columns.band"), self._band),
-            PrintedColumn(say("columns.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
-            PrintedColumn(say("columns.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
+            PrintedColumn(say("printed.share"), self._share, "%", side="r"),
+            PrintedColumn(say("printed.share_new"), self._share_new, "%", side="r"),
+            PrintedColumn(say("printed.band"), self._band),
+            PrintedColumn(say("printed.reserve"), lambda at: say.number(at.reserve, 2), side="r"),
+            PrintedColumn(say("printed.holds"), lambda at: say.number(at.minimum_speed * RPM, 0), "1/min", side="r"),
         ]
         return table(columns, diagnosis.reported)
 

@@ -44,35 +44,35 @@ class GaugeSection:
     def _columns(self, check: PressureCheck) -> list[PrintedColumn]:
         say = self.say
         columns = [
-            PrintedColumn(say("columns.verdict"), lambda each: judged(each, say)),
-            PrintedColumn(say("columns.selector_range"), lambda each: each.cell.range, side="c"),
+            PrintedColumn(say("printed.verdict"), lambda each: judged(each, say)),
+            PrintedColumn(say("printed.selector_range"), lambda each: each.cell.range, side="c"),
             PrintedColumn(
-                say("columns.engine_state"), lambda each: say.get("engine_states", each.cell.engine), width=3
+                say("printed.engine_state"), lambda each: say.get("engine_states", each.cell.engine), width=3
             ),
         ]
         if any(each.cell.tap != LINE for each in check.readings):
             columns.append(
-                PrintedColumn(say("columns.tap"), lambda each: tap_text(self.controller, each.cell.tap, say), width=3)
+                PrintedColumn(say("printed.tap"), lambda each: tap_text(self.controller, each.cell.tap, say), width=3)
             )
         if any(each.reading.repeat > 1 for each in check.readings):
-            columns.append(PrintedColumn(say("columns.repeat"), lambda each: str(each.reading.repeat), side="r"))
+            columns.append(PrintedColumn(say("printed.repeat"), lambda each: str(each.reading.repeat), side="r"))
         numbers = (
             ("gauge", lambda each: each.reading.pressure),
             ("expected", lambda each: each.expected),
             ("below_line", lambda each: each.below_line),
         )
         gauge, *others = [
-            PrintedColumn(say(f"columns.{name}"), _in_kpa(value, say), "kPa", side="r")
+            PrintedColumn(say(f"printed.{name}"), _in_kpa(value, say), "kPa", side="r")
             for name, value in numbers
             if any(value(each) is not None for each in check.readings)
         ]
         permitted = PrintedColumn(
-            say("columns.permissible"),
+            say("printed.permissible"),
             lambda each: permissible_text(each.permissible, say) or "–",
             "kPa",
             side="r",
         )
-        decision = PrintedColumn(say("columns.decision"), lambda each: decided(each, say), width=3)
+        decision = PrintedColumn(say("printed.decision"), lambda each: decided(each, say), width=3)
         return [*columns, gauge, permitted, *others, decision]
 
 

@@ -62,7 +62,7 @@ class PrintedNames:
 
     def column(self, name: str) -> str:
         """Return the heading of a column."""
-        return self.say(f"columns.{name}")
+        return self.say(f"printed.{name}")
 
     def clearance(self, land: LandDiagnosis) -> str:
         """Return the radial clearance [µm] with half its interval where the uncertainty is known."""

@@ -60,42 +60,42 @@ class RoadTestSection:
             return {}
         say = self.say
         columns = [
-            PrintedColumn(say("columns.gear"), lambda place: str(place.gear), side="r"),
-            PrintedColumn(say("columns.state"), lambda place: say(f"states.{place.state}"), width=2),
-            PrintedColumn(say("columns.judged"), lambda place: say.number(place.judged, 1), "s", width=1, side="r"),
+            PrintedColumn(say("printed.gear"), lambda place: str(place.gear), side="r"),
+            PrintedColumn(say("printed.state"), lambda place: say(f"states.{place.state}"), width=2),
+            PrintedColumn(say("printed.judged"), lambda place: say.number(place.judged, 1), "s", width=1, side="r"),
             PrintedColumn(
-                say("columns.lowest"),
+                say("printed.lowest"),
                 lambda place: say.number(place.worst and place.worst.pressure * KPA, 0),
                 "kPa",
                 width=2,
                 side="r",
             ),
             PrintedColumn(
-                say("columns.least"),
+                say("printed.least"),
                 lambda place: say.number(place.worst and place.worst.limit * KPA, 0),
                 "kPa",
                 width=2,
                 side="r",
             ),
             PrintedColumn(
-                say("columns.below"),
+                say("printed.below"),
                 lambda place: say.number(place.worst and max(place.worst.fraction, 0.0) * PERCENT, 1),
                 "%",
                 width=1,
                 side="r",
             ),
-            PrintedColumn(say("columns.below_for"), lambda place: say.number(place.below, 1), "s", width=1, side="r"),
-            PrintedColumn(say("columns.above_for"), lambda place: say.number(place.above, 1), "s", width=1, side="r"),
+            PrintedColumn(say("printed.below_for"), lambda place: say.number(place.below, 1), "s", width=1, side="r"),
+            PrintedColumn(say("printed.above_for"), lambda place: say.number(place.above, 1), "s", width=1, side="r"),
         ]
         return table(columns, log.permitted.places)
 
     def _events(self, log: RoadFindings) -> Iterator[Block]:
         say = self.say
         columns: list[PrintedColumn] = [
-            PrintedColumn(say("columns.event"), lambda event: event_name(event, say), width=4),
-            PrintedColumn(say("columns.from"), lambda event: self._seconds(event.start), "s", width=1, side="r"),
-            PrintedColumn(say("columns.to"), lambda event: self._seconds(event.stop), "s", width=1, side="r"),
-            PrintedColumn(say("columns.remark"), self._remark, width=6),
+            PrintedColumn(say("printed.event"), lambda event: event_name(event, say), width=4),
+            PrintedColumn(say("printed.from"), lambda event: self._seconds(event.start), "s", width=1, side="r"),
+            PrintedColumn(say("printed.to"), lambda event: self._seconds(event.stop), "s", width=1, side="r"),
+            PrintedColumn(say("printed.remark"), self._remark, width=6),
         ]
         yield table(columns, log.events[:EVENTS])
         more = len(log.events) - EVENTS
@@ -151,13 +151,16 @@ class RoadTestSection:
         }
         columns = [
             PrintedColumn("", lambda row: str(1 + marked.index(row)) if row in marked else "", side="r"),
-            PrintedColumn(say("columns.instant"), lambda row: row.label(say), width=4),
-            PrintedColumn(say("columns.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
-            PrintedColumn(say("columns.leakage"), lambda row: names.instant_leakage(row.instant), width=2, side="r"),
+            PrintedColumn(say("printed.instant"), lambda row: row.label(say), width=4),
+            PrintedColumn(say("printed.time"), lambda row: f"{say.number(row.instant.time, 1)} s", width=2, side="r"),
+            PrintedColumn(say("printed.leakage"), lambda row: names.instant_leakage(row.instant), width=2, side="r"),
             PrintedColumn(
-                say("columns.capacity"), lambda row: names.flow_with_unit(row.instant.pump_capacity), width=2, side="r"
+                say("printed.capacity"),
+                lambda row: names.flow_with_unit(row.instant.pump_capacity),
+                width=2,
+                side="r",
             ),
-            PrintedColumn(say("columns.share"), lambda row: names.instant_share(row.instant), width=2, side="r"),
+            PrintedColumn(say("printed.share"), lambda row: names.instant_share(row.instant), width=2, side="r"),
         ]
         yield table(columns, series.instants)
         notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]

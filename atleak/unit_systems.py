@@ -1,0 +1,96 @@
+"""Say in which unit each kind of quantity is read: metric, metric with bar and litres, or US.
+
+Records, files and the engine's results keep their own units (µm, mm, kPa, °C, dm³/min, km); only what people read and
+type is converted, here and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from atleak.errors import unknown
+from atleak.workshop_units import INCH, KPA, MILE, MM, PSI, QUART, UM
+
+
+@dataclass(frozen=True)
+class ShownUnit:
+    """A unit that people read: ``shown = carried · factor + offset``, carried as atleak's records carry it.
+
+    ``digits`` are the decimal places that a value usually has. ``finer`` is how many more it takes than the same value
+    in the unit carried, so that neither hides what the other shows. ``spelled`` is the unit of a single quantity in a
+    sentence, where that of a column would be read as a factor: 0.00012 in, and 1.2 below *[0.0001 in]*.
+    """
+
+    name: str
+    digits: int = 0
+    factor: float = 1.0
+    offset: float = 0.0
+    finer: int = 0
+    spelled: ShownUnit | None = None
+
+    def shown(self, carried: Any) -> Any:
+        """Convert a value or array from the unit carried."""
+        return carried * self.factor + self.offset
+
+    def carried(self, shown: Any) -> Any:
+        """Convert a value or array back to the unit carried."""
+        return (shown - self.offset) / self.factor
+
+    def places(self, digits: int | None) -> int:
+        """Return how many decimal places a value takes that takes so many as it is carried; None for the usual ones."""
+        return self.digits if digits is None else max(0, digits + self.finer)
+
+
+_METRIC = {
+    "clearance": ShownUnit("µm", 1),
+    "length": ShownUnit("mm", 3),
+    "pressure": ShownUnit("kPa"),
+    "temperature": ShownUnit("°C"),
+    "temperature_difference": ShownUnit("°C", 1),
+    "flow": ShownUnit("dm³/min", 2),
+    "distance": ShownUnit("km"),
+    "speed": ShownUnit("km/h"),
+    "displacement": ShownUnit("mm³"),
+    "engine_speed": ShownUnit("rpm"),
+    "viscosity": ShownUnit("mm²/s", 1),
+    "density": ShownUnit("g/cm³", 3),
+    "time": ShownUnit("s", 1),
+    "percent": ShownUnit("%", 1),
+}
+_INCHES = 1.0 / (INCH * MM)
+_TENTHS = 1.0e4 / (INCH * UM)
+_CUBIC_INCHES = _INCHES**3
+_FAHRENHEIT = 9.0 / 5.0
+
+SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
+    "metric": _METRIC,
+    "metric_bar": _METRIC | {"pressure": ShownUnit("bar", 2, 0.01, finer=2), "flow": ShownUnit("l/min", 2)},
+    "us": _METRIC
+    | {
+        "clearance": ShownUnit("0.0001 in", 2, _TENTHS, finer=1, spelled=ShownUnit("in", 5, _TENTHS / 1.0e4, finer=4)),
+        "length": ShownUnit("in", 5, _INCHES, finer=2),
+        "pressure": ShownUnit("psi", 1, 1.0 / (PSI * KPA), finer=1),
+        "temperature": ShownUnit("°F", 0, _FAHRENHEIT, 32.0),
+        "temperature_difference": ShownUnit("°F", 1, _FAHRENHEIT),
+        "flow": ShownUnit("qt/min", 2, 1.0e-3 / QUART),
+        "distance": ShownUnit("mi", 0, 1.0e3 / MILE),
+        "speed": ShownUnit("mph", 0, 1.0e3 / MILE),
+        "displacement": ShownUnit("in³", 4, _CUBIC_INCHES, finer=4),
+    },
+}
+"""Each system of units by its name; every system has every kind of quantity."""
+
+
+def unit_system(name: str) -> Mapping[str, ShownUnit]:
+    """Return a system of units: the unit of each kind of quantity.
+
+    Raises
+    ------
+    InputError
+        if there is no such system.
+    """
+    if name not in SYSTEMS:
+        raise unknown("no such system of units", name, tuple(SYSTEMS))
+    return SYSTEMS[name]

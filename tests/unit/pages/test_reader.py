@@ -1,0 +1,72 @@
+"""Each browser reads its own language and units, from its own choice or, without one, its own locale."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+
+def page() -> None:
+    """A page of one table and the choices, as a page of the dashboard shows them."""
+    import streamlit as st
+
+    from atleak.verdicts import Verdict
+    from atleak.views.columns import Column
+    from pages.shared import reader, show
+
+    reader.mark_page()
+    rows: list[dict[str, Any]] = [
+        {"verdict": Verdict.CRITICAL, "clearance": 25.4, "held": 1000.0},
+        {"verdict": None, "clearance": None, "held": None},
+    ]
+    show.rows_table(rows, [Column("verdict", "verdict"), Column("clearance", "clearance"), Column("held", "pressure")])
+    st.text(reader.say().quantity(95.5, "temperature", 1))
+    reader.draw_choices()
+
+
+def opened(locale: str | None = None) -> AppTest:
+    app = AppTest.from_function(page, default_timeout=60)
+    if locale is not None:
+        app.context["locale"] = locale
+    return app.run()
+
+
+def shown(app: AppTest) -> tuple[list[str], str]:
+    assert not app.exception
+    return list(app.dataframe[0].value), app.text[0].value
+
+
+@pytest.mark.parametrize(
+    ("locale", "headings", "temperature"),
+    [
+        (None, ["Verdict", "Clearance [µm]", "Held [kPa]"], "95.5\xa0°C"),
+        ("en-US", ["Verdict", "Clearance [µm]", "Held [kPa]"], "95.5\xa0°C"),
+        ("fr-FR", ["Verdict", "Clearance [µm]", "Held [kPa]"], "95.5\xa0°C"),
+        ("de-AT", ["Befund", "Spiel [µm]", "Gehalten [kPa]"], "95,5\xa0°C"),
+        ("pl", ["Ocena", "Luz [µm]", "Utrzymane [kPa]"], "95,5\xa0°C"),
+    ],
+)
+def test_without_a_choice_the_browsers_locale_gives_the_language(
+    locale: str | None, headings: list[str], temperature: str
+) -> None:
+    assert shown(opened(locale)) == (headings, temperature)
+
+
+def test_a_choice_holds_at_once_and_for_its_own_session_alone() -> None:
+    mine, other = opened("de-DE"), opened("de-DE")
+    language, units = mine.selectbox
+    assert (language.value, units.value) == ("de", "metric")
+    units.select("us").run()
+    assert shown(mine) == (["Befund", "Spiel [0.0001 in]", "Gehalten [psi]"], "203,9\xa0°F")
+    mine.selectbox[0].select("en").run()
+    assert shown(mine) == (["Verdict", "Clearance [0.0001 in]", "Held [psi]"], "203.9\xa0°F")
+    assert mine.dataframe[0].value["Clearance [0.0001 in]"].tolist()[0] == 10.0
+    assert shown(other.run()) == (["Befund", "Spiel [µm]", "Gehalten [kPa]"], "95,5\xa0°C")
+
+
+def test_a_verdict_is_said_in_the_readers_language_and_nothing_judged_is_a_dash() -> None:
+    first, second = opened("pl-PL").dataframe[0].value["Ocena"]
+    assert first.strip("\u200a").endswith("krytyczny")
+    assert second == "–"
