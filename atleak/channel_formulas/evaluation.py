@@ -218,7 +218,9 @@ class _Evaluator:
             raise fault(asked.at, f"{node.function} needs a time that is the same throughout", "seconds, such as 0.5")
         seconds = float(window.values)
         if not 0.0 < seconds <= _LONGEST_WINDOW:
-            raise fault(asked.at, f"{seconds:g} s cannot be filtered over", f"more than 0 and at most {_LONGEST_WINDOW:g} s")
+            raise fault(
+                asked.at, f"{seconds:g} s cannot be filtered over", f"more than 0 and at most {_LONGEST_WINDOW:g} s"
+            )
         return seconds
 
     def _derivative(self, series: _Series) -> _Series:
@@ -286,7 +288,9 @@ def _product(node: Operation, left: _Series, right: _Series) -> Dimension:
     if _ABSOLUTE in (left.dimension, right.dimension):
         word = "multiplied" if node.sign == "*" else "divided"
         raise fault(
-            node.at, f"a temperature in °C cannot be {word}: it does not begin at zero", "a difference, such as T − 20 °C"
+            node.at,
+            f"a temperature in °C cannot be {word}: it does not begin at zero",
+            "a difference, such as T − 20 °C",
         )
     return _powers(left.dimension, right.dimension, 1 if node.sign == "*" else -1)
 

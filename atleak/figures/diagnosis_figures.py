@@ -6,9 +6,7 @@ Nothing is computed here but what a picture needs. Figures are tested by their t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from itertools import pairwise
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
@@ -17,23 +15,16 @@ from plotly.subplots import make_subplots
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.events import Event
 from atleak.figures.frame import by_land, error_bars, framed
-from atleak.look import HATCHING, SCREEN, SUSPECT, look_of
-from atleak.road_test import QUANTITIES, Channel, RoadTest
+from atleak.look import HATCHING, SCREEN, look_of
 from atleak.rules import Rule
-from atleak.thinning import thinned
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
 from atleak.views.road_series import RoadSeries, road_series
-from atleak.views.window import Scales
 from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
-EVENTS = 60  # most events of a log that are marked
-LABELLED = 20  # with more events the figure is too narrow for their names
-MARKED = 800  # most suspect samples and breaks of a log that are marked
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 _SYMBOLS = {
@@ -296,118 +287,3 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
         )
     figure.update_xaxes(title="wear against the mounting clearance [%]")
     return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18)
-
-
-def road_channels(
-    test: RoadTest,
-    scales: Scales,
-    marked: Sequence[Event] = (),
-    over: tuple[RoadTest, float] | None = None,
-    points: int = 2000,
-) -> go.Figure:
-    """Draw the channels of a log one above the other, suspect samples crossed, breaks dotted.
-
-    Parameters
-    ----------
-    scales
-        quantity → unit's name and the function from SI to that unit, for quantities shown in another unit than SI.
-    marked
-        events to mark where they begin and, if they last, to shade.
-    over
-        another log to lay over it, dashed, and by how much it is shifted [s].
-    points
-        of a channel that are drawn; every stretch keeps its lowest and highest sample.
-    """
-    channels = [channel for channel in test.channels.values() if channel.samples]
-    figure = make_subplots(rows=max(len(channels), 1), cols=1, shared_xaxes=True, vertical_spacing=0.02)
-    for row, channel in enumerate(channels, start=1):
-        unit, convert = scales.get(channel.quantity, (channel.unit, lambda value: value))
-        _channel(figure, channel, test, convert, row, points)
-        other = None if over is None else over[0].channel(channel.quantity)
-        if over is not None and other is not None and other.samples:
-            _line_of(figure, other, over[0], convert, row, points, shift=over[1])
-        label = QUANTITIES[channel.quantity].label
-        figure.update_yaxes(title=f"{label.replace(' (', '<br>(')}<br>[{unit}]" if unit else label, row=row, col=1)
-    _mark(figure, test, marked)
-    figure.update_xaxes(title="time [s]", row=max(len(channels), 1), col=1)
-    return framed(figure, 90 + 130 * max(len(channels), 1), hovermode="x unified", showlegend=False)
-
-
-def _mark(figure: go.Figure, test: RoadTest, marked: Sequence[Event]) -> None:
-    """Mark breaks and events over the whole height, all in one call: plotly takes seconds to add some hundred."""
-    first, last = float(test.time[0]), float(test.time[-1])
-    upright = {"type": "line", "xref": "x", "yref": "paper", "y0": 0.0, "y1": 1.0}
-    shapes: list[dict[str, Any]] = []
-    notes: list[dict[str, Any]] = []
-    for before, after in pairwise(test.segments[:MARKED]):
-        at = (before.stop + after.start) / 2.0
-        shapes.append({**upright, "x0": at, "x1": at, "line": {"dash": "dot", "width": 1, "color": SCREEN.pump}})
-    inside = [event for event in marked if event.stop >= first and event.start <= last][:EVENTS]
-    for event in inside:
-        shift = event.kind == "gear_shift"
-        begin, end = max(event.start, first), min(event.stop, last)
-        if not shift:
-            shade = {"type": "rect", "fillcolor": SCREEN.share, "opacity": 0.08, "line": {"width": 0}}
-            shapes.append({**upright, **shade, "x0": begin, "x1": end})
-        shapes.append(
-            {**upright, "x0": begin, "x1": begin, "line": {"dash": "dash", "width": 1, "color": SCREEN.share}}
-        )
-        text = f"{event.from_gear}→{event.to_gear}" if shift else event.kind.replace("_", " ")
-        notes.append(
-            {"x": begin, "y": 1.0, "xref": "x", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
-             "showarrow": False, "font": {"size": 10}, "text": text}
-        )  # fmt: skip
-    figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
-
-
-def _channel(
-    figure: go.Figure, channel: Channel, test: RoadTest, convert: Callable[[Any], Any], row: int, points: int
-) -> None:
-    _line_of(figure, channel, test, convert, row, points)
-    doubtful = np.flatnonzero(channel.suspect & np.isfinite(channel.values))
-    if len(doubtful) and channel.source != "constant":
-        shown = doubtful[:: len(doubtful) // MARKED + 1]
-        figure.add_trace(
-            go.Scatter(
-                x=channel.time[shown],
-                y=convert(channel.values[shown]),
-                name="suspect",
-                mode="markers",
-                marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
-                hovertemplate="suspect: %{y:.5g}",
-            ),
-            row=row,
-            col=1,
-        )
-
-
-def _line_of(
-    figure: go.Figure,
-    channel: Channel,
-    test: RoadTest,
-    convert: Callable[[Any], Any],
-    row: int,
-    points: int,
-    shift: float | None = None,
-) -> None:
-    """Draw a channel's good samples; a ``shift`` [s] marks the trace of a second log laid over the first."""
-    constant = channel.source == "constant"
-    time = test.time[[0, -1]] if constant else channel.time
-    good = np.full(2, channel.values[0]) if constant else channel.good
-    keep = thinned([good], points)
-    name = QUANTITIES[channel.quantity].label
-    look = {"color": SCREEN.leakage} if shift is None else {"color": SCREEN.share, "dash": "dash"}
-    steps = channel.quantity in {"gear", "selector", "lock_up"}
-    figure.add_trace(
-        go.Scatter(
-            x=time[keep] + (shift or 0.0),
-            y=convert(good[keep]),
-            name=name if shift is None else f"{name}, {test.file}",
-            mode="lines",
-            line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
-            connectgaps=False,
-            hovertemplate="%{y:.5g}",
-        ),
-        row=row,
-        col=1,
-    )

@@ -44,6 +44,7 @@ from atleak.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
 from atleak.uncertainty.sources import sources_of_sheet
 
 Loaded = TypeVar("Loaded")
+CaseKind = TypeVar("CaseKind", bound="Case")
 Pairs = tuple[tuple[str, Any], ...]
 
 
@@ -406,7 +407,7 @@ class Reader:
         return read_pressure_table(file.given, controller, name=file.name)
 
 
-def with_log_choices(case: Case, log: Understood) -> Case:
+def with_log_choices(case: CaseKind, log: Understood) -> CaseKind:
     """Return the job with its log's columns as they were chosen, now or earlier: it then reads the same elsewhere.
 
     Parameters

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.figures import diagnosis_figures as figures
+from atleak.keeping import kept_with
+from atleak.road_findings import RoadFindings
+from atleak.views.columns import Column
+from atleak.views.log_rows import circuit_rows, place_rows, whole
 from atleak.views.road_words import (
     check_sentences,
     deciding_sentence,
@@ -13,37 +20,62 @@ from atleak.views.road_words import (
     pressure_sentences,
     test_sentences,
 )
-from atleak.views.window import circuit_rows, place_rows
-from atleak.wording import wording
-from pages.shared import show
+from atleak.wording import Wording
+from pages.shared import reader, show
 from pages.shared.show import plain
+
+TESTS = 6  # most minimum-acceleration tests that have a sentence of their own
+_PLACES = (
+    Column("place_gear"),
+    Column("place_state"),
+    Column("place_judged", "time", 1),
+    Column("place_lowest", "pressure", 0),
+    Column("place_limit", "pressure", 0),
+    Column("place_below_by", "percent", 1),
+    Column("place_below", "time", 1),
+    Column("place_above", "time", 1),
+    Column("place_source"),
+)
+_CIRCUITS = (
+    Column("circuit"),
+    Column("circuit_lowest", "pressure", 0),
+    Column("circuit_at_main", "pressure", 0),
+    Column("circuit_at", "time", 1),
+    Column("circuit_mean", "pressure", 0),
+)
 
 
 def findings(diagnosis: Diagnosis, *, said_above: bool = False) -> None:
     """Show what the log says by itself, and what to check next, without the sentence that is ``said_above``."""
-    log, say = diagnosis.log, wording("en")
+    log, say = diagnosis.log, reader.say()
     if log is None:
         return
     above = deciding_sentence(log, diagnosis.decided_by, say) if said_above else None
-    every = (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say))
+    every = kept_with(log, "sentences", say, lambda: _sentences(log, say))
     said = [sentence for sentence in every if sentence != above]
     st.markdown("\n".join(f"- {plain(sentence)}" for sentence in said))
     if log.permitted is not None:
-        with st.expander("Main pressure in each gear and state"):
-            show.table(place_rows(log.permitted), number=show.rounded)
-            st.caption("Pressure and limit where, for a second on end, it came nearest to the limit or fell below it.")
+        with st.expander(say("road_test.places")):
+            show.rows_table(place_rows(log.permitted, say), _PLACES)
+            st.caption(say("road_test.places_help"))
     checks = check_sentences(diagnosis, say)
     if checks:
         st.markdown(f"**{plain(say('findings.check_next'))}**")
         st.markdown("\n".join(f"{number}. {plain(check)}" for number, check in enumerate(checks, start=1)))
 
 
+def _sentences(log: RoadFindings, say: Wording) -> list[str]:
+    left = sum(event.test is not None for event in log.events) - TESTS
+    more = [say("road_test.more_said", count=whole(left, say))] if left > 0 else []
+    return [*pressure_sentences(log, say), *islice(test_sentences(log, say), TESTS), *more, *log_sentences(log, say)]
+
+
 def alone(diagnosis: Diagnosis) -> None:
     """Show a road test without a measuring sheet: its findings are all there is."""
-    st.subheader("What the road test says")
+    st.subheader(reader.say()("road_test.says"))
     findings(diagnosis, said_above=True)
     if diagnosis.road is not None:
-        st.subheader("Over the road test")
+        st.subheader(reader.say()("road_test.leakage"))
     leakage(diagnosis)
 
 
@@ -51,15 +83,22 @@ def leakage(diagnosis: Diagnosis) -> None:
     """Show the leakage over the log, or why there is none; of a unit that was not measured as that of a new one."""
     if diagnosis.road is not None:
         as_new(diagnosis)
-        show.chart(figures.road_leakage(diagnosis.road, diagnosis.limits), "road")
+        leakage_chart(diagnosis.road, diagnosis)
         show.extremes(diagnosis.road, diagnosis.uncertainty)
         if diagnosis.road.circuit_ranges:
-            show.table(circuit_rows(diagnosis.road), number=show.rounded)
-            st.caption("What each circuit holds at the measured main pressure, computed, while it is applied.")
+            show.rows_table(circuit_rows(diagnosis.road), _CIRCUITS)
+            st.caption(reader.say()("road_test.circuits_help"))
     show.log_messages(diagnosis)
+
+
+def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:
+    """Draw leakage, pump flow and share over a log, or over a part of it."""
+    limits = diagnosis.limits
+    key = (tuple(limits.fixed_bands), show.dark())
+    show.chart(kept_with(road, "chart", key, lambda: figures.road_leakage(road, limits), most=2), "road")
 
 
 def as_new(diagnosis: Diagnosis) -> None:
     """Say that a leakage is that of a new unit, where nothing was measured."""
     if not diagnosis.judged:
-        st.caption(plain(wording("en")("findings.unmeasured")))
+        st.caption(plain(reader.say()("findings.unmeasured")))

@@ -104,14 +104,14 @@ def error_line(error: AtleakError) -> str:
     return f"{plain(where)}{more}: see the head of the page."
 
 
-def messages(notes: Iterable[Message], about: str) -> None:
-    """Show warnings in the open and remarks in a fold, each with its place."""
+def messages(notes: Iterable[Message], about: str, opened: bool = False) -> None:
+    """Show warnings in the open and remarks in a fold, each with its place; ``opened``: however many they are."""
     notes = list(dict.fromkeys(notes))
     warnings = [message for message in notes if message.level == "warning"]
     remarks = [message for message in notes if message.level != "warning"]
     if warnings:
         with st.expander(
-            f"{len(warnings)} warning{'s' * (len(warnings) > 1)} about {about}", expanded=len(warnings) <= 3
+            f"{len(warnings)} warning{'s' * (len(warnings) > 1)} about {about}", expanded=opened or len(warnings) <= 3
         ):
             st.warning("\n".join(f"- {_with_place(message)}" for message in warnings))
     if remarks:

@@ -185,9 +185,7 @@ def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
     """Read one sheet of several; None where it is no log."""
     assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings))
     labels = {heading.label for heading in sheet.headings}
-    mapping = {
-        quantity: column for quantity, column in job.mapping.items() if column in (*labels, memory.NOT_LOGGED)
-    }
+    mapping = {quantity: column for quantity, column in job.mapping.items() if column in (*labels, memory.NOT_LOGGED)}
     try:
         return _SheetReading(sheet, assigner, read_table(sheet, assigner, mapping))
     except RoadTestError:

@@ -1,0 +1,336 @@
+"""Draw a road-test log on the screen: its channels over time, and how long and with what share it was driven where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from atleak.channel_formulas import FormulaChannel, Scale, formula_scale
+from atleak.events import Event
+from atleak.figures.frame import framed
+from atleak.look import CURVES, SCREEN, SUSPECT
+from atleak.road_test import Channel, RoadTest
+from atleak.thinning import thinned
+from atleak.views.operating_map import Histogram, OperatingMap
+from atleak.views.road_words import event_name
+from atleak.wording import Wording
+
+POINTS = 2000  # samples of a channel that are drawn, besides the edges of its gaps
+LINES = 60  # most events that are marked through all curves; the lane above them shows every one
+LABELLED = 20  # with more events the figure is too narrow for their names
+MARKED = 800  # most suspect samples and breaks of a log that are marked
+_FINEST = 1500  # parts of the time shown: events of a kind that lie nearer together are drawn as one
+_ROW, _LANE = 130, 22  # pixels
+_STEPS = frozenset({"gear", "selector", "lock_up"})
+
+
+@dataclass(frozen=True)
+class LaidOver:
+    """A second log: its road test, by how much it is shifted [s], and its formulas by name."""
+
+    test: RoadTest
+    shift: float
+    formulas: Mapping[str, FormulaChannel] = field(default_factory=dict)
+
+
+def log_channels(
+    test: RoadTest,
+    scales: Mapping[str, Scale],
+    say: Wording,
+    marked: Sequence[Event] = (),
+    formulas: Sequence[FormulaChannel] = (),
+    over: LaidOver | None = None,
+    points: int = POINTS,
+) -> go.Figure:
+    """Draw the events and the channels of a log one above the other, suspect samples crossed, breaks dotted.
+
+    Parameters
+    ----------
+    scales
+        quantity → unit's name and the function from SI to that unit, for quantities shown in another unit than SI.
+    marked
+        events: every one has its bar in a lane of its own; a few are also marked through all curves.
+    formulas
+        channels that were computed from this log's.
+    over
+        another log to lay over it, dashed.
+    points
+        of a channel that are drawn; every stretch keeps its lowest and highest sample.
+    """
+    channels = [channel for channel in test.channels.values() if channel.samples]
+    inside = [each for each in marked if each.stop >= test.time[0] and each.start <= test.time[-1]]
+    kinds = list(dict.fromkeys(event.kind for event in inside))
+    lane = 1 if inside else 0
+    rows = lane + len(channels) + len(formulas)
+    heights = [_LANE * len(kinds) + 18] * lane + [_ROW] * (rows - lane)
+    figure = make_subplots(
+        rows=max(rows, 1), cols=1, shared_xaxes=True, vertical_spacing=min(0.02, 0.2 / max(rows, 1)),
+        row_heights=heights or None,
+    )  # fmt: skip
+    drawing = _Drawing(figure, test, points)
+    if inside:
+        _lane(figure, inside, kinds, test, say)
+    for row, channel in enumerate(channels, start=1 + lane):
+        unit, convert = scales.get(channel.quantity, (channel.unit, _as_it_is))
+        label = say(f"log_quantities.{channel.quantity}")
+        drawing.channel(channel, label, unit, convert, row)
+        drawing.doubtful(channel, convert, row, say("road_test.suspect"))
+        other = None if over is None else over.test.channel(channel.quantity)
+        if over is not None and other is not None and other.samples:
+            drawing.channel(other, label, unit, convert, row, over)
+        drawing.title(label, unit, row)
+    for row, computed in enumerate(formulas, start=1 + lane + len(channels)):
+        unit, convert = formula_scale(computed.dimension, say)
+        drawing.curve(computed.time, computed.values, computed.name, unit, convert, row)
+        laid = None if over is None else over.formulas.get(computed.name)
+        if over is not None and laid is not None and laid.dimension == computed.dimension:
+            drawing.curve(laid.time, laid.values, computed.name, unit, convert, row, over)
+        drawing.title(computed.name, unit, row)
+    _mark(figure, test, inside, say)
+    figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=max(rows, 1), col=1)
+    return framed(figure, 70 + sum(heights), hovermode="x unified", showlegend=False)
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+@dataclass
+class _Drawing:
+    """The figure of one log, and how its curves are drawn into it."""
+
+    figure: go.Figure
+    test: RoadTest
+    points: int
+
+    def title(self, label: str, unit: str, row: int) -> None:
+        words = label.replace(" (", "<br>(")
+        self.figure.update_yaxes(title=f"{words}<br>[{unit}]" if unit else words, row=row, col=1)
+
+    def channel(
+        self,
+        channel: Channel,
+        label: str,
+        unit: str,
+        convert: Callable[[Any], Any],
+        row: int,
+        over: LaidOver | None = None,
+    ) -> None:
+        """Draw a channel's good samples; a constant over the whole log."""
+        test = self.test if over is None else over.test
+        constant = channel.source == "constant"
+        time = test.time[[0, -1]] if constant else channel.time
+        good = np.full(2, channel.values[0]) if constant else channel.good
+        self.curve(time, good, label, unit, convert, row, over, steps=channel.quantity in _STEPS)
+
+    def curve(
+        self,
+        time: np.ndarray,
+        values: np.ndarray,
+        label: str,
+        unit: str,
+        convert: Callable[[Any], Any],
+        row: int,
+        over: LaidOver | None = None,
+        steps: bool = False,
+    ) -> None:
+        """Draw values over time; those of a log laid ``over`` the first are dashed and shifted."""
+        if not len(values):
+            return
+        keep = thinned([values], self.points)
+        look = {"color": SCREEN.leakage} if over is None else {"color": SCREEN.share, "dash": "dash"}
+        self.figure.add_trace(
+            go.Scatter(
+                x=time[keep] + (0.0 if over is None else over.shift),
+                y=convert(values[keep]),
+                name=label if over is None else f"{label}, {over.test.file}",
+                mode="lines",
+                line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
+                connectgaps=False,
+                hovertemplate=f"%{{y:.5~g}} {unit}",
+            ),
+            row=row,
+            col=1,
+        )
+
+    def doubtful(self, channel: Channel, convert: Callable[[Any], Any], row: int, name: str) -> None:
+        """Cross the samples of a channel that no result uses."""
+        doubtful = np.flatnonzero(channel.suspect & np.isfinite(channel.values))
+        if not len(doubtful) or channel.source == "constant":
+            return
+        shown = doubtful[:: len(doubtful) // MARKED + 1]
+        self.figure.add_trace(
+            go.Scatter(
+                x=channel.time[shown],
+                y=convert(channel.values[shown]),
+                name=name,
+                mode="markers",
+                marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
+                hovertemplate=f"{name}: %{{y:.5~g}}",
+            ),
+            row=row,
+            col=1,
+        )
+
+
+def _lane(figure: go.Figure, inside: Sequence[Event], kinds: Sequence[str], test: RoadTest, say: Wording) -> None:
+    """Draw a bar for every event in a lane above the channels, one line for each kind."""
+    nearest = (float(test.time[-1]) - float(test.time[0])) / _FINEST
+    colours = list(CURVES.values())
+    for number, kind in enumerate(kinds):
+        label = say(f"events.{kind}")
+        x: list[float | None] = []
+        words: list[str] = []
+        for first, last, text in _merged([each for each in inside if each.kind == kind], nearest, say):
+            x += [first, last, None]
+            words += [text, text, ""]
+        figure.add_trace(
+            go.Scatter(
+                x=x,
+                y=[label] * len(x),
+                name=label,
+                mode="lines+markers",
+                line={"width": 9, "color": colours[number % len(colours)]},
+                marker={"symbol": "line-ns", "size": 9, "line": {"width": 2, "color": colours[number % len(colours)]}},
+                connectgaps=False,
+                customdata=words,
+                hovertemplate="%{customdata}<extra></extra>",
+            ),
+            row=1,
+            col=1,
+        )
+    figure.update_yaxes(type="category", categoryarray=[say(f"events.{kind}") for kind in kinds[::-1]], row=1, col=1)
+
+
+def _merged(events: Sequence[Event], nearest: float, say: Wording) -> list[tuple[float, float, str]]:
+    """Return begin, end and words of every bar: events too near together to be told apart share one."""
+    bars: list[tuple[float, float, list[Event]]] = []
+    for event in sorted(events, key=lambda each: each.start):
+        if bars and event.start - bars[-1][1] < nearest:
+            begin, end, these = bars[-1]
+            these.append(event)
+            bars[-1] = (begin, max(end, event.stop), these)
+        else:
+            bars.append((event.start, event.stop, [event]))
+    return [(begin, end, _bar_words(these, begin, end, say)) for begin, end, these in bars]
+
+
+def _bar_words(events: Sequence[Event], begin: float, end: float, say: Wording) -> str:
+    first, last = say.number(begin, 1), say.number(end, 1)
+    name = event_name(events[0], say) if len(events) == 1 else f"{len(events)} × {say(f'events.{events[0].kind}')}"
+    return say("road_test.from_to", what=name, first=first, last=last)
+
+
+def _mark(figure: go.Figure, test: RoadTest, inside: Sequence[Event], say: Wording) -> None:
+    """Mark breaks, and a few events, over the whole height, all in one call: plotly is slow to add single ones."""
+    first, last = float(test.time[0]), float(test.time[-1])
+    upright = {"type": "line", "xref": "x", "yref": "paper", "y0": 0.0, "y1": 1.0}
+    shapes: list[dict[str, Any]] = []
+    notes: list[dict[str, Any]] = []
+    for before, after in pairwise(test.segments[:MARKED]):
+        at = (before.stop + after.start) / 2.0
+        shapes.append({**upright, "x0": at, "x1": at, "line": {"dash": "dot", "width": 1, "color": SCREEN.pump}})
+    for event in inside if len(inside) <= LINES else ():
+        shift = event.kind == "gear_shift"
+        begin, end = max(event.start, first), min(event.stop, last)
+        if not shift:
+            shade = {"type": "rect", "fillcolor": SCREEN.share, "opacity": 0.08, "line": {"width": 0}}
+            shapes.append({**upright, **shade, "x0": begin, "x1": end})
+        shapes.append(
+            {**upright, "x0": begin, "x1": begin, "line": {"dash": "dash", "width": 1, "color": SCREEN.share}}
+        )
+        text = f"{event.from_gear}→{event.to_gear}" if shift else say(f"events.{event.kind}")
+        notes.append(
+            {"x": begin, "y": 1.0, "xref": "x", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
+             "showarrow": False, "font": {"size": 10}, "text": text}
+        )  # fmt: skip
+    figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
+
+
+def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say: Wording) -> go.Figure:
+    """Draw the share over engine speed and temperature, with the time in each cell; without a share the time alone.
+
+    Parameters
+    ----------
+    speed, temperature
+        units of the axes.
+    """
+    driven = cells.seconds > 0.0
+    shown = cells.seconds if cells.share is None else cells.share
+    label = say("operating_map.time") if cells.share is None else say("operating_map.mean_share")
+    unit = "s" if cells.share is None else "%"
+    largest = cells.largest if cells.largest is not None else np.full_like(shown, np.nan)
+    hover = [
+        [
+            say(
+                "operating_map.hover",
+                speeds=_span(cells.speeds, column, speed, say),
+                temperatures=_span(cells.temperatures, row, temperature, say),
+                seconds=say.number(cells.seconds[row, column], 1),
+            )
+            + (
+                ""
+                if cells.share is None
+                else "<br>"
+                + say(
+                    "operating_map.hover_share",
+                    mean=say.number(cells.share[row, column], 2),
+                    largest=say.number(largest[row, column], 2),
+                )
+            )
+            for column in range(driven.shape[1])
+        ]
+        for row in range(driven.shape[0])
+    ]
+    figure = go.Figure(
+        go.Heatmap(
+            x=cells.speeds,
+            y=cells.temperatures,
+            z=np.where(driven, shown, np.nan),
+            text=[[_seconds(value, say) if value > 0.0 else "" for value in row] for row in cells.seconds],
+            texttemplate="%{text}",
+            customdata=hover,
+            hovertemplate="%{customdata}<extra></extra>",
+            colorscale="YlOrRd" if cells.share is not None else "Blues",
+            colorbar={"title": {"text": f"{label} [{unit}]", "side": "right"}},
+            xgap=1,
+            ygap=1,
+        )
+    )
+    figure.update_xaxes(title=f"{say('log_quantities.engine_speed')} [{speed}]")
+    figure.update_yaxes(title=f"{say('log_quantities.atf_temperature')} [{temperature}]")
+    return framed(figure, 150 + 34 * max(driven.shape[0], 4))
+
+
+def histogram_figure(bars: Histogram, label: str, unit: str, say: Wording) -> go.Figure:
+    """Draw how long a channel had its values."""
+    figure = go.Figure(
+        go.Bar(
+            x=(bars.edges[:-1] + bars.edges[1:]) / 2.0,
+            y=bars.seconds,
+            width=np.diff(bars.edges),
+            marker={"color": SCREEN.leakage, "line": {"width": 1, "color": SCREEN.soft}},
+            customdata=[
+                f"{_span(bars.edges, number, unit, say)}: {say.number(seconds, 1)} s"
+                for number, seconds in enumerate(bars.seconds)
+            ],
+            hovertemplate="%{customdata}<extra></extra>",
+        )
+    )
+    figure.update_xaxes(title=f"{label} [{unit}]" if unit else label)
+    figure.update_yaxes(title=f"{say('operating_map.time')} [s]", rangemode="tozero")
+    return framed(figure, 320)
+
+
+def _span(edges: np.ndarray, number: int, unit: str, say: Wording) -> str:
+    return f"{say.plain(edges[number])} – {say.plain(edges[number + 1])} {unit}".strip()
+
+
+def _seconds(value: float, say: Wording) -> str:
+    return f"{say.number(value, 0 if value >= 10.0 else 1)} s"
