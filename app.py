@@ -15,8 +15,10 @@ page_files = {int(path.stem.partition("_")[0]): path for path in (HERE / "pages"
 groups: dict[str, list[st.Page]] = {group: [] for group in GROUPS}
 for number, path in sorted(page_files.items()):
     title = path.stem.partition("_")[2].replace("_", " ")
-    shown = "visible" if number else "hidden"  # the first is where the bare address leads
-    groups[GROUPS[number // 10]].append(st.Page(path, title=title, default=not number, visibility=shown))
+    if number:
+        groups[GROUPS[number // 10]].append(st.Page(path, title=title))
+    else:  # where the bare address leads
+        groups[""].append(st.Page(path, title=title, default=True, visibility="hidden"))
 page = st.navigation(groups, position="top")
 reader.mark_page()
 panel.draw()

@@ -107,6 +107,12 @@ class ReadingsError(InputError):
     """A measuring sheet that cannot be used."""
 
 
+class OtherControllerError(ReadingsError):
+    """A measuring sheet whose head names another controller than the one it is read for."""
+
+    named = ""  # as it is written there
+
+
 class RoadTestError(InputError):
     """A road-test log that cannot be used."""
 

@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from atleak.wording import Wording, wording
 
 _SIGNS = str.maketrans(
     {
@@ -28,13 +30,31 @@ _GROUPED = re.compile(
 
 @dataclass(frozen=True)
 class AskedNumber:
-    """A number that people are asked for: it is refused outside ``limits`` and doubted outside ``usual``."""
+    """A number that people are asked for: it is refused outside ``limits`` and doubted outside ``usual``.
+
+    ``kind`` is the kind of quantity, where a reader may have it in another unit.
+    """
 
     name: str
     unit: str
     example: float = 1.5
     limits: tuple[float, float] = (-math.inf, math.inf)
     usual: tuple[float, float] = (-math.inf, math.inf)
+    kind: str | None = None
+
+    def to(self, say: Wording) -> AskedNumber:
+        """Return what is asked for in the reader's words and unit."""
+        named = replace(self, name=say.get("asked", self.name), unit=say.get("units", self.unit))
+        if self.kind is None:
+            return named
+        example, *ends = (say.convert(value, self.kind) for value in (self.example, *self.limits, *self.usual))
+        return replace(
+            named,
+            unit=say.unit(self.kind),
+            example=float(f"{example:.4g}"),
+            limits=(ends[0], ends[1]),
+            usual=(ends[2], ends[3]),
+        )
 
 
 @dataclass(frozen=True)
@@ -45,12 +65,12 @@ class WrittenNumber:
     doubt: str = ""
 
 
-TEMPERATURE = AskedNumber("temperature", "°C", 95.5, (-60.0, 200.0), (-30.0, 150.0))
-MEASURING_TEMPERATURE = AskedNumber("measuring temperature", "°C", 21.5, (-20.0, 60.0), (10.0, 35.0))
-PUMP_SIDE_CLEARANCE = AskedNumber("pump side clearance", "µm", 45.5, (1.0, 2_000.0), (10.0, 300.0))
-PUMP_TIP_CLEARANCE = AskedNumber("pump tip clearance", "µm", 150.5, (1.0, 2_000.0), (20.0, 1_000.0))
-ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), (400.0, 7_000.0))
-MILEAGE = AskedNumber("mileage", "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0))
+TEMPERATURE = AskedNumber("temperature", "°C", 95.5, (-60.0, 200.0), (-30.0, 150.0), "temperature")
+MEASURING_TEMPERATURE = AskedNumber("measuring temperature", "°C", 21.5, (-20.0, 60.0), (10.0, 35.0), "temperature")
+PUMP_SIDE_CLEARANCE = AskedNumber("pump side clearance", "µm", 45.5, (1.0, 2_000.0), (10.0, 300.0), "clearance")
+PUMP_TIP_CLEARANCE = AskedNumber("pump tip clearance", "µm", 150.5, (1.0, 2_000.0), (20.0, 1_000.0), "clearance")
+ENGINE_SPEED = AskedNumber("engine speed", "rpm", 850.5, (1.0, 15_000.0), (400.0, 7_000.0), "engine_speed")
+MILEAGE = AskedNumber("mileage", "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0), "distance")
 PRICE = AskedNumber("price", "", 61.5, (0.0, 1e8), (0.0, 1e6))
 HOURS = AskedNumber("time", "h", 1.5, (0.0, 1_000.0), (0.0, 60.0))
 LABOUR_RATE = AskedNumber("labour rate", "per hour", 95.0, (0.0, 1e7), (0.0, 1e5))
@@ -88,8 +108,10 @@ def decimal_number(text: str) -> float | None:
     return next(iter(possible_values(text)), None)
 
 
-def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
+def read_number(text: str, asked: AskedNumber, say: Wording | None = None) -> WrittenNumber:
     """Read an entry as the number that was asked for, in its unit; the unit itself may stand behind it.
+
+    Doubts are said in the words of ``say``, English unless given.
 
     >>> read_number("850,5", ENGINE_SPEED)
     WrittenNumber(value=850.5, doubt='')
@@ -98,47 +120,62 @@ def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
     >>> read_number("8505", ENGINE_SPEED).doubt
     '8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm.'
     """
+    say = say or wording("en")
     bare = text.strip().removesuffix(asked.unit).strip()
     values = possible_values(bare)
     if not values:
-        unit = f" in {asked.unit}" if asked.unit else ""
-        example = written(asked.example, asked)
-        return WrittenNumber(
-            None, f"{text.strip()!r} is not a number: write the {asked.name}{unit}, such as {example}."
-        )
+        unit = say("written.in_unit", unit=asked.unit) if asked.unit else ""
+        example = written(asked.example, asked, say)
+        doubt = say("written.no_number", text=repr(text.strip()), name=asked.name, unit=unit, example=example)
+        return WrittenNumber(None, doubt)
     possible = [value for value in values if _within(value, asked.limits)]
     if not possible:
-        doubt = f"{_with_unit(bare, asked)} is not taken: the {asked.name} must be {_range(asked.limits, asked)}."
-        return WrittenNumber(None, doubt)
+        within = _range(asked.limits, asked, say)
+        return WrittenNumber(None, say("written.outside", value=_with_unit(bare, asked), name=asked.name, range=within))
     if len(possible) > 1:
-        fraction, whole = (written(value, asked) for value in possible)
-        meant = [_with_unit(f"{value:.15g}", asked) for value in possible]
-        doubt = f"{bare!r} can be read in two ways: write {whole} for {meant[1]}, or {fraction} for {meant[0]}."
+        fraction, whole = (written(value, asked, say) for value in possible)
+        meant = [_with_unit(_plain_text(value, say), asked) for value in possible]
+        doubt = say(
+            "written.two_ways",
+            text=repr(bare),
+            whole=whole,
+            whole_meant=meant[1],
+            fraction=fraction,
+            fraction_meant=meant[0],
+        )
         return WrittenNumber(None, doubt)
     (value,) = possible
     if _within(value, asked.usual):
         return WrittenNumber(value)
-    taken = f"{_with_unit(f'{value:.15g}', asked)} is taken, but unusual"
-    return WrittenNumber(value, f"{taken}: most {asked.name}s are {_range(asked.usual, asked)}.")
+    taken, usual = _with_unit(_plain_text(value, say), asked), _range(asked.usual, asked, say)
+    return WrittenNumber(value, say("written.unusual", value=taken, name=asked.name, range=usual))
 
 
-def written(value: float, asked: AskedNumber) -> str:
-    """Write a number so that it is read back without a doubt.
+def written(value: float, asked: AskedNumber, say: Wording | None = None) -> str:
+    """Write a number so that it is read back without a doubt, with the decimal sign of ``say``, a point unless given.
 
     >>> written(80.0, TEMPERATURE), written(92.715, TEMPERATURE), written(123.456, MILEAGE)
     ('80', '92.715', '123.4560')
+    >>> written(92.715, TEMPERATURE, wording("de"))
+    '92,715'
     """
     text = repr(float(value)).removesuffix(".0")
     possible = [each for each in possible_values(text) if _within(each, asked.limits)]
-    return f"{text}0" if len(possible) > 1 else text
+    text = f"{text}0" if len(possible) > 1 else text
+    return text if say is None else text.replace(".", say.texts["decimal"])
 
 
 def _within(value: float, ends: tuple[float, float]) -> bool:
     return ends[0] <= value <= ends[1]
 
 
-def _range(ends: tuple[float, float], asked: AskedNumber) -> str:
-    return _with_unit(f"from {ends[0]:.15g} to {ends[1]:.15g}", asked)
+def _range(ends: tuple[float, float], asked: AskedNumber, say: Wording) -> str:
+    low, high = (_plain_text(end, say, 7) for end in ends)
+    return _with_unit(say("written.range", low=low, high=high), asked)
+
+
+def _plain_text(value: float, say: Wording, digits: int = 15) -> str:
+    return f"{value:.{digits}g}".replace(".", say.texts["decimal"])
 
 
 def _with_unit(text: str, asked: AskedNumber) -> str:

@@ -2,8 +2,23 @@
 
 import streamlit as st
 
-from pages.shared import reader
+from pages.shared import panel, reader, show, steps
+from pages.shared.state import new_job, session, take_sample
 
+case, diagnosis = panel.shown()
 say = reader.say()
 st.title("atleak")
-st.markdown(say("start.what"))
+st.markdown(show.plain(say("start.what")))
+with st.container(horizontal=True):
+    if st.button(say("start.sample"), type="primary"):
+        if not session().case.sample:
+            take_sample()
+        st.switch_page(panel.PAGES / "4_Diagnosis.py")
+    if st.button(say("start.new")):
+        new_job()
+        st.switch_page(panel.PAGES / "1_Job.py")
+    if st.button(say("start.book")):
+        st.switch_page(panel.PAGES / "10_Job_book.py")
+st.caption(show.plain(say("start.open")))
+st.subheader(say("start.way"))
+steps.draw(diagnosis)

@@ -3,12 +3,13 @@
 import streamlit as st
 
 from atleak.errors import BookError
-from pages.shared import job_list, panel, show
+from pages.shared import job_list, panel, reader, show
 from pages.shared.book import book
 from pages.shared.state import new_job
 
 panel.shown()
-st.title("Job book")
+say = reader.say()
+st.title(say("job_book.title"))
 try:
     jobs = book()
     job_list.fault()
@@ -19,9 +20,9 @@ try:
         page, parameters = goal
         st.switch_page(panel.PAGES / f"{page}.py", query_params=parameters)
     job_list.erasing(jobs)
-    if st.button("New job", on_click=new_job, help="An empty job; this one stays in the book."):
+    if st.button(say("job_book.new_job"), on_click=new_job, help=say("job_book.new_job_help")):
         st.switch_page(panel.PAGES / "4_Diagnosis.py")
     job_list.taken_in(jobs)
     job_list.suggestions(jobs, picked)
 except BookError as error:
-    st.error(f"{show.plain(error)}\n\nEverything else works as ever; what you do now is kept in this tab alone.")
+    st.error(f"{show.plain(error)}\n\n{say('job_book.unreadable')}")

@@ -1,29 +1,28 @@
-"""Write the report: the job record as a form, and PDF, workbook, JSON and job file to download."""
+"""Write the report: PDF, workbook, JSON and job file to download."""
 
 from collections.abc import Callable
 from functools import partial
 
 import streamlit as st
 
-from atleak.errors import AtleakError
-from atleak.job.decisions import check_decisions
-from atleak.job.file import parse_job, write_job_file
+from atleak.job.file import write_job_file
 from atleak.paper import PAPERS
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import languages, wording
-from pages.shared import conditions, files, job_form, panel, show
+from pages.shared import conditions, files, panel, steps
 from pages.shared.cases import case_with_columns
+from pages.shared.state import job
 
 ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak comes to the same verdict."
-RECORD = "What is filled in above, for the next time or for the command line."
+RECORD = "What page Job holds, for the next time or for the command line."
 
 case, diagnosis = panel.shown()
+steps.draw(diagnosis)
 st.title("Report")
-st.write("Everything here is optional; the report leaves out what is not filled in.")
-record = job_form.draw(diagnosis.controller)
+record = job()
 name = files.named("atleak", record.number)
 
 conditions.undecided(diagnosis, closing=True)
@@ -55,14 +54,3 @@ downloads: dict[str, tuple[str, Callable[[], str | bytes], str]] = {
 with st.container(horizontal=True):
     for label, (suffix, content, tip) in downloads.items():
         st.download_button(label, content, f"{name}.{suffix}", key=f"report-{suffix}", on_click="ignore", help=tip)
-
-with st.expander("Fill in from a job record (TOML or JSON)"):
-    given = st.file_uploader("Job record", ["toml", "json"], key=job_form.key("record"))
-    if given is not None:
-        try:
-            given_record = parse_job(given.getvalue(), given.name)
-            check_decisions(given_record, diagnosis.controller, given.name)
-            job_form.put_job(given_record)
-            st.rerun()
-        except AtleakError as error:
-            st.error(show.plain(str(error)))

@@ -151,9 +151,10 @@ def _duplicates(options: argparse.Namespace) -> int:
 
 def _erase(options: argparse.Namespace) -> int:
     from atleak.jobs.book import open_book
-    from atleak.jobs.erase import WHAT_GOES, erase, jobs_of_customer, same_vehicle
+    from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
     from atleak.jobs.named import named_job
     from atleak.jobs.search import Query
+    from atleak.wording import wording
 
     if (options.customer is None) == (not options.jobs):
         raise InputError("it is not said which jobs", expected="--customer NAME|NUMBER, or ids of jobs")
@@ -169,7 +170,7 @@ def _erase(options: argparse.Namespace) -> int:
     rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
     for row in rows:
         print(f"{row.id}  {row.in_words}")
-    print(WHAT_GOES)
+    print(wording("en")("job_book.what_goes"))
     for row in same_vehicle(book, ids):
         print(f"Not erased, of the same vehicle or transmission: {row.id}  {row.in_words}")
     if not options.yes and not _agreed(len(rows)):

@@ -37,6 +37,7 @@ Grade = Literal["none", "light", "moderate", "heavy"]
 
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp")
 _SURROGATES = re.compile("[\ud800-\udfff]")
+_NO_PICTURE_NAME = re.compile(r"[:/\\\x00-\x1f]|\.\.")
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
 
 
@@ -92,6 +93,12 @@ def picture_name(name: str) -> str:
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         raise ValueError(f"a picture: {', '.join(PICTURE_SUFFIXES)}")
     return str(path)
+
+
+def _file_name(name: str) -> str:
+    """Return the name that a picture handed over has inside the job."""
+    safe = _NO_PICTURE_NAME.sub("_", clean_text(name)).strip()
+    return picture_name(safe if safe.lower().endswith(PICTURE_SUFFIXES) else f"{safe}{PICTURE_SUFFIXES[0]}")
 
 
 CleanText = Annotated[str, BeforeValidator(_text)]
@@ -289,6 +296,28 @@ class Job(Record):
         job = self.model_copy()
         job._pictures = MappingProxyType({name: pictures[name] for name in self.picture_names if name in pictures})
         return job
+
+    def with_photo(self, name: str, content: bytes) -> Job:
+        """Return the same record with one more photo, or another one in the place of that with the same name."""
+        file = f"photos/{_file_name(name)}"
+        photos = self.photos if file in {photo.file for photo in self.photos} else (*self.photos, Photo(file=file))
+        return self.model_copy(update={"photos": photos}).with_pictures({**self.pictures, file: content})
+
+    def without_photo(self, file: str) -> Job:
+        """Return the same record without one of its photos."""
+        photos = tuple(photo for photo in self.photos if photo.file != file)
+        return self.model_copy(update={"photos": photos}).with_pictures(self.pictures)
+
+    def with_logo(self, name: str, content: bytes) -> Job:
+        """Return the same record with the workshop's logo."""
+        file = _file_name(name)
+        workshop = self.workshop.model_copy(update={"logo": file})
+        return self.model_copy(update={"workshop": workshop}).with_pictures({**self.pictures, file: content})
+
+    def without_logo(self) -> Job:
+        """Return the same record without the workshop's logo."""
+        workshop = self.workshop.model_copy(update={"logo": None})
+        return self.model_copy(update={"workshop": workshop}).with_pictures(self.pictures)
 
     def record(self) -> dict[str, Any]:
         """Return what was filled in, as JSON values."""

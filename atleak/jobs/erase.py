@@ -21,11 +21,6 @@ from atleak.jobs.tables import job_files, jobs, key_of, lands, metadata, results
 from atleak.jobs.units import left_behind, rows_of_unit, unit_of, without_jobs_away
 from atleak.jobs.without_person import WithoutPerson, result_without_person, without_person
 
-WHAT_GOES = (
-    "These jobs lose their customer, VIN, plate, serial, number, complaint, notes, photos, file names and every other "
-    "text for good. Readings, channels of the log, mileage, date and verdicts stay. Backups and exports made earlier "
-    "still hold it all."
-)
 _PATIENCE = 5_000  # [ms] with others who read the book while its files are written anew
 
 

@@ -9,8 +9,9 @@ from typing import Any, Literal, overload
 
 import streamlit as st
 
+from atleak.wording import Wording
 from atleak.written_numbers import AskedNumber, WrittenNumber, read_number, written
-from pages.shared import show
+from pages.shared import reader, show
 
 
 def kept(key: str, start: Any) -> dict[str, Any]:
@@ -37,14 +38,20 @@ def number(
 
 
 def number(label: str, asked: AskedNumber, start: float | None, *, key: str, optional: bool = False) -> float | None:
-    """Show a number's field with a remark below it; return the last value that could be used.
+    """Show a number's field in the reader's unit, with a remark below it; return the last value that could be used.
 
-    What a job file holds is the start, and is taken even where it is out of the usual range.
+    That value, and the start, are in the unit of ``asked``. What a job file holds is the start, and is taken even
+    where it is out of the usual range. Where the reader changes language or units, the field is written anew from the
+    last value.
     """
-    first = "" if start is None else written(start, asked)
-    text = st.text_input(f"{label} [{asked.unit}]" if asked.unit else label, **kept(key, first)).strip()
+    say, taken = reader.say(), st.session_state.setdefault("taken-numbers", {})
+    shown, own = asked.to(say), key
+    if (changes := reader.changes()) > 0:
+        own = f"{key}-{changes}"
+        start = st.session_state.setdefault("number-starts", {}).setdefault(own, taken.get(key, start))
+    first = "" if start is None else written(_convert(start, asked, say), shown, say)
+    text = st.text_input(f"{label} [{shown.unit}]" if shown.unit else label, **kept(own, first)).strip()
     place = st.container()
-    taken = st.session_state.setdefault("taken-numbers", {})
     entry = _entry(text, asked, first, start, optional)
     if entry.value is not None or (optional and not text):
         taken[key] = entry.value
@@ -52,18 +59,33 @@ def number(label: str, asked: AskedNumber, start: float | None, *, key: str, opt
             place.warning(show.plain(entry.doubt))
         return entry.value
     last = taken.setdefault(key, start)
-    used = f"No {asked.name} is used" if last is None else f"{written(last, asked)} {asked.unit} stays in use"
-    place.error(show.plain(f"{entry.doubt} {used}."))
+    if last is None:
+        used = say("written.none_used", name=shown.name)
+    else:
+        used = say("written.stays", value=f"{written(_convert(last, asked, say), shown, say)} {shown.unit}".strip())
+    place.error(show.plain(f"{entry.doubt} {used}"))
     return last
 
 
 def _entry(text: str, asked: AskedNumber, first: str, start: float | None, optional: bool) -> WrittenNumber:
+    """Read what stands in a field in the reader's unit; the value is in the unit of ``asked``."""
+    say = reader.say()
+    if not text:
+        return WrittenNumber(None, "" if optional else say("written.nothing"))
+    entry = read_number(text, asked.to(say), say)
     if text == first and start is not None:
-        entry = read_number(text, asked)
         return WrittenNumber(start, "" if entry.value is None else entry.doubt)
-    if text:
-        return read_number(text, asked)
-    return WrittenNumber(None, "" if optional else "Nothing is written here.")
+    if entry.value is None or asked.kind is None:
+        return entry
+    return WrittenNumber(say.back(entry.value, asked.kind), entry.doubt)
+
+
+def _convert(value: float, asked: AskedNumber, say: Wording) -> float:
+    """Return a value in the reader's unit, without the last digits that only converting it brings."""
+    if asked.kind is None:
+        return value
+    shown = say.convert(value, asked.kind)
+    return value if shown == value else float(f"{shown:.6g}")
 
 
 def fold(label: str, *, key: str, opened: bool = False) -> Any:

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from atleak.catalogue.controller import Controller
 from atleak.errors import InputError
 from atleak.job.decisions import decision_faults
-from atleak.job.record import Grade, Job, RepairState
+from atleak.job.record import PICTURE_SUFFIXES, Grade, Job, RepairState
 from atleak.report.pdf.pictures import printable_picture
 from atleak.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from pages.shared import fields, show
@@ -28,6 +28,7 @@ _TEXTS = {
 }
 _LABELS = {"vin": "VIN", "registration": "Registration", "email": "E-mail"}
 _LONG = {"address", "note"}
+PICTURE_KINDS = [suffix.removeprefix(".") for suffix in PICTURE_SUFFIXES]
 
 
 def draw(controller: Controller) -> Job:
@@ -65,11 +66,11 @@ def draw(controller: Controller) -> Job:
     with fields.fold("Repair decisions, scratches, instruments", key=key("fold-tables")):
         values |= _tables(record, controller)
     with fields.fold("Logo and photos", key=key("fold-pictures")):
-        values |= _pictures(record, values)
+        values |= _pictures(record)
     values["notes"] = st.text_area("Notes", **fields.kept(key("notes"), record.notes))
     place = st.container()
     try:
-        changed = Job.model_validate(values).with_pictures({**record.pictures, **st.session_state.get("pictures", {})})
+        changed = Job.model_validate(values).with_pictures(record.pictures)
     except ValidationError as error:
         first_fault = error.errors(include_url=False)[0]
         place.error(f"Not taken: {' '.join(map(str, first_fault['loc']))}: {first_fault['msg']}")
@@ -158,36 +159,53 @@ def _table(record: Job, name: str, columns: dict[str, Any]) -> list[dict[str, An
     return [row for row in filled if row]
 
 
-def _pictures(record: Job, values: dict[str, Any]) -> dict[str, Any]:
-    kinds = ["png", "jpg", "jpeg", "webp"]
-    logo = st.file_uploader("Logo", kinds, key=key("logo"))
-    uploaded = st.file_uploader("Photos", kinds, accept_multiple_files=True, key=key("photos"))
-    at_hand = {f"photos/{photo.name}": photo.getvalue() for photo in uploaded}
-    at_hand |= {} if logo is None else {logo.name: logo.getvalue()}
-    place = st.container()
-    for name, content in list(at_hand.items()):
-        try:
-            printable_picture(name, content)
-        except InputError as error:
-            place.error(show.plain(str(error)))
-            del at_hand[name]
-    known = {photo.file for photo in record.photos}
-    if logo is not None and logo.name in at_hand:
-        values["workshop"]["logo"] = logo.name
-    st.session_state["pictures"] = at_hand
-    photos = [photo.model_dump() for photo in record.photos]
-    photos += [{"file": name, "caption": ""} for name in at_hand if name.startswith("photos/") and name not in known]
-    pictures, kept = {**record.pictures, **at_hand}, []
-    for photo in photos:
-        file = photo["file"]
+def _pictures(record: Job) -> dict[str, Any]:
+    """Show logo and photos, each with its caption; what is uploaded is in the record at once."""
+    _uploads("Logo", several=False)
+    logo = record.workshop.logo
+    if logo is not None and logo in record.pictures:
+        with st.container(horizontal=True, vertical_alignment="center"):
+            st.image(record.pictures[logo], width=160)
+            st.button("Remove the logo", key=key("remove-logo"), on_click=_put, args=(record.without_logo(),))
+    _uploads("Photos", several=True)
+    photos = []
+    for photo in record.photos:
         places = st.columns([2, 3, 1], vertical_alignment="bottom")
-        if file in pictures:
-            places[0].image(pictures[file], width=160)
-        caption = places[1].text_input("Caption", **fields.kept(key(f"caption-{file}"), photo["caption"]))
-        away = file not in at_hand and places[2].button("Remove", key=key(f"remove-{file}"))
-        if not away:
-            kept.append(photo | {"caption": caption})
-    return {"photos": kept}
+        if photo.file in record.pictures:
+            places[0].image(record.pictures[photo.file], width=160)
+        caption = places[1].text_input("Caption", **fields.kept(key(f"caption-{photo.file}"), photo.caption))
+        places[2].button(
+            "Remove", key=key(f"remove-{photo.file}"), on_click=_put, args=(record.without_photo(photo.file),)
+        )
+        photos.append(photo.model_copy(update={"caption": caption}).model_dump())
+    return {"photos": photos}
+
+
+def _uploads(label: str, *, several: bool) -> None:
+    """Offer to upload pictures; the place is empty again once they are in."""
+    count = f"{key(label)}-count"
+    own = f"{count}-{st.session_state.setdefault(count, 0)}"
+
+    def changed() -> None:
+        st.session_state[count] += 1
+        given = st.session_state[own]
+        for picture in given if several else [given]:
+            name, content = picture.name, picture.getvalue()
+            try:
+                printable_picture(name, content)
+                _put(job().with_photo(name, content) if several else job().with_logo(name, content))
+            except InputError as error:
+                st.session_state[f"{count}-fault"] = str(error)
+
+    st.file_uploader(label, PICTURE_KINDS, accept_multiple_files=several, key=own, on_change=changed)
+    with st.container():
+        if fault := st.session_state.pop(f"{count}-fault", None):
+            st.error(show.plain(fault))
+
+
+def _put(record: Job) -> None:
+    """Change the record under its widgets; for a callback."""
+    st.session_state[RECORD] = record
 
 
 def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:

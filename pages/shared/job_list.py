@@ -12,13 +12,14 @@ import streamlit as st
 
 from atleak.errors import AtleakError
 from atleak.jobs.book import Book, JobRow
-from atleak.jobs.erase import WHAT_GOES, erase, jobs_of_customer, same_vehicle
+from atleak.jobs.erase import erase, jobs_of_customer, same_vehicle
 from atleak.jobs.exchange import export_zip, import_job
 from atleak.jobs.merge import duplicates, merge, merged_rows, part
 from atleak.jobs.search import Query, controllers_held
 from atleak.verdicts import Verdict
-from atleak.wording import signed
-from pages.shared import show
+from atleak.views.columns import Column
+from atleak.wording import Wording
+from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book
 from pages.shared.fields import kept
 
@@ -28,33 +29,42 @@ _SAID = "job-list-said"  # what was done by the last click
 _ERASING = "job-list-erasing"  # ids of jobs whose customer is to be erased
 _PAIRS = "job-list-pairs"  # units that may be one, as they were when somebody looked
 _MERGED = "job-list-merged"  # unit that was merged last
-_EMPTY = (
-    "The job book is empty. Every job stands here from its first file or entry on, to be looked up by VIN, plate, "
-    "serial, customer or number."
+_COLUMNS = (
+    Column("verdict", "verdict", width=92),
+    *map(Column, ("number", "customer", "plate", "date", "vin", "serial")),
+    Column("mileage", "distance"),
+    *map(Column, ("controller", "changed_at")),
 )
 
 
 def asked(book: Book) -> Query:
     """Show the fields that a job is looked up by; return what is asked for."""
+    say = reader.say()
     text = st.text_input(
-        "Look up",
+        say("job_book.look_up"),
         **kept("job-list-text", ""),
-        placeholder="VIN, plate, serial, customer or number",
-        help="What one of them begins with, or what a VIN or a serial ends with. Of several words each must fit.",
+        placeholder=say("job_book.look_up_by"),
+        help=say("job_book.look_up_help"),
     )
     with book.reading() as connection:
         controllers = controllers_held(connection)
-    with st.expander("Narrow it down"):
+    with st.expander(say("job_book.narrow")):
         places = st.columns(4)
-        first = places[0].date_input("From", format="YYYY-MM-DD", **kept("job-list-from", None))
-        last = places[1].date_input("To", format="YYYY-MM-DD", **kept("job-list-to", None))
+        first = places[0].date_input(say("job_book.from"), format="YYYY-MM-DD", **kept("job-list-from", None))
+        last = places[1].date_input(say("job_book.to"), format="YYYY-MM-DD", **kept("job-list-to", None))
         verdict = places[2].selectbox(
-            "Verdict", ["", *Verdict], key="job-list-verdict", format_func=lambda each: signed(each) if each else "any"
+            say("columns.verdict"),
+            ["", *Verdict],
+            key="job-list-verdict",
+            format_func=lambda each: say.signed(each) if each else say("job_book.any"),
         )
         controller = places[3].selectbox(
-            "Valve body", ["", *controllers], key="job-list-controller", format_func=lambda each: each or "any"
+            say("columns.controller"),
+            ["", *controllers],
+            key="job-list-controller",
+            format_func=lambda each: each or say("job_book.any"),
         )
-        archived = st.toggle("Archived jobs", key="job-list-archived")
+        archived = st.toggle(say("job_book.archived"), key="job-list-archived")
     return Query(
         text=text,
         date_from=first if isinstance(first, dt.date) else None,
@@ -67,43 +77,42 @@ def asked(book: Book) -> Query:
 
 def listed(book: Book, query: Query) -> list[JobRow]:
     """Show the jobs that fit, page by page; return those that are picked."""
-    said = st.session_state.pop(_SAID, "")
+    say, said = reader.say(), st.session_state.pop(_SAID, "")
     if said:
         st.success(said)
     count = book.count(query)
     if not count:
         nothing = query == Query(limit=query.limit) and not book.count(Query(archived=True))
-        st.info(_EMPTY if nothing else "No job fits.")
+        st.info(say("job_book.empty" if nothing else "job_book.none_fits"))
         return []
     pages = -(-count // PAGE)
     page = 1
     if pages > 1:
-        page = st.selectbox(f"Page, of {pages}", range(1, pages + 1), key=f"job-list-page-{pages}")
+        page = st.selectbox(say("job_book.page", pages=pages), range(1, pages + 1), key=f"job-list-page-{pages}")
     rows = book.rows(replace(query, limit=PAGE, offset=PAGE * (page - 1)))
-    event = show.verdict_table(
-        [_shown(row) for row in rows],
-        {"km": 0},
+    event = show.rows_table(
+        [_shown(row, say) for row in rows],
+        _COLUMNS,
         key=f"{_TABLE}-{query}-{page}",
         on_select="rerun",
         selection_mode="multi-row",
     )
-    jobs = f"{count} job{'s' * (count != 1)}"
-    st.caption(f"{jobs}, the last changed one first. Tick those to open, archive, export or erase.")
+    st.caption(say("job_book.listed", count=count))
     return [rows[number] for number in event.selection.rows if number < len(rows)]
 
 
-def _shown(row: JobRow) -> dict[str, Any]:
+def _shown(row: JobRow, say: Wording) -> dict[str, Any]:
     return {
-        "Verdict": row.verdict,
-        "Number": row.number or ("sample" if row.sample else row.id[:6]),
-        "Customer": row.customer,
-        "Plate": row.plate,
-        "Date": row.date,
-        "VIN": row.vin,
-        "Serial": row.serial,
-        "km": row.mileage_km,
-        "Valve body": row.controller,
-        "Changed": f"{row.changed_at:%Y-%m-%d %H:%M}",
+        "verdict": Verdict(row.verdict),
+        "number": row.number or (say("job_book.sample") if row.sample else row.id[:6]),
+        "customer": row.customer,
+        "plate": row.plate,
+        "date": row.date,
+        "vin": row.vin,
+        "serial": row.serial,
+        "mileage": row.mileage_km,
+        "controller": row.controller,
+        "changed_at": f"{row.changed_at:%Y-%m-%d %H:%M}",
     }
 
 
@@ -112,32 +121,39 @@ def _shown(row: JobRow) -> dict[str, Any]:
 
 def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] | None:
     """Show what can be done with the picked jobs; return the page to go to, with its parameters."""
-    ids = [row.id for row in picked]
+    say, ids = reader.say(), [row.id for row in picked]
     with st.container(horizontal=True):
         opened = st.button(
-            "Open", on_click=_open, args=tuple(ids[:1]), disabled=len(ids) != 1, type="primary", key="job-open"
+            say("job_book.open"),
+            on_click=_open,
+            args=tuple(ids[:1]),
+            disabled=len(ids) != 1,
+            type="primary",
+            key="job-open",
         )
-        unit = st.button("Its unit", disabled=len(ids) != 1, key="job-unit", help="Its visits, and how it wears.")
-        both = st.button("Compare", disabled=len(ids) != 2, key="job-compare", help="Two jobs side by side.")
+        unit = st.button(say("job_book.unit"), disabled=len(ids) != 1, key="job-unit", help=say("job_book.unit_help"))
+        both = st.button(
+            say("job_book.compare"), disabled=len(ids) != 2, key="job-compare", help=say("job_book.compare_help")
+        )
         back = bool(picked) and all(row.archived_at is not None for row in picked)
         st.button(
-            "Bring back" if back else "Archive",
+            say("job_book.bring_back" if back else "job_book.archive"),
             on_click=_done,
             args=(partial(_archived, book, ids, back=back),),
             disabled=not ids,
             key="job-archive",
-            help="An archived job is out of lists and statistics; its link still opens it.",
+            help=say("job_book.archive_help"),
         )
         st.download_button(
-            "Export",
+            say("job_book.export"),
             lambda: export_zip(book, ids),
             "atleak_jobs.zip",
             on_click="ignore",
             disabled=not ids,
             key="job-export",
-            help="A zip of their job files, and tables of them for other programs.",
+            help=say("job_book.export_help"),
         )
-        st.button("Erase the customer …", on_click=_begin, args=(ids,), disabled=not ids, key="job-erase")
+        st.button(say("job_book.erase_customer"), on_click=_begin, args=(ids,), disabled=not ids, key="job-erase")
     if opened and job_id() in ids:
         return "4_Diagnosis", {}
     if unit:
@@ -166,8 +182,7 @@ def _done(act: Callable[[], str]) -> None:
 def _archived(book: Book, ids: Sequence[str], *, back: bool) -> str:
     for id in ids:
         (book.bring_back if back else book.archive)(id)
-    jobs = f"{len(ids)} job{'s' * (len(ids) != 1)}"
-    return f"{jobs} brought back." if back else f"{jobs} archived: the switch *Archived jobs* shows them."
+    return reader.say()("job_book.brought_back" if back else "job_book.done_archived", count=len(ids))
 
 
 def fault() -> None:
@@ -190,21 +205,22 @@ def erasing(book: Book) -> None:
     if not ids:
         return
     rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
-    names = sorted({row.customer for row in rows if row.customer})
+    say, names = reader.say(), sorted({row.customer for row in rows if row.customer})
     with st.container(border=True):
-        st.subheader("Erase for good")
+        st.subheader(say("job_book.erase_for_good"))
         for name in names:
             others = [row for row in jobs_of_customer(book, name) if row.id not in ids]
             if others:
-                more = f"Take {len(others)} more of {name} too"
+                more = say("job_book.erase_more", count=len(others), name=name)
                 st.button(more, on_click=_begin, args=([*ids, *(row.id for row in others)],), key=f"job-more-{name}")
         whose = "\n".join(f"- {show.plain(row.in_words)}" for row in rows)
-        st.warning(f"**{WHAT_GOES}**\n\n{whose}")
+        st.warning(f"**{say('job_book.what_goes')}**\n\n{whose}")
         for row in same_vehicle(book, ids):
-            st.caption(f"Not erased, of the same vehicle or transmission: {show.plain(row.in_words)}")
+            st.caption(say("job_book.not_erased", job=show.plain(row.in_words)))
         with st.container(horizontal=True):
-            st.button("Erase", type="primary", on_click=_done, args=(partial(_erase, book, ids),), key="job-erase-now")
-            st.button("Keep them", on_click=_begin, args=([],), key="job-erase-not")
+            act = partial(_erase, book, ids)
+            st.button(say("job_book.erase"), type="primary", on_click=_done, args=(act,), key="job-erase-now")
+            st.button(say("job_book.keep"), on_click=_begin, args=([],), key="job-erase-not")
 
 
 def _erase(book: Book, ids: Sequence[str]) -> str:
@@ -214,9 +230,11 @@ def _erase(book: Book, ids: Sequence[str]) -> str:
         open_from_book(str(job_id()))  # what this session shows is what the book holds now
     lost = sum(bool(each.lost) for each in done)
     left = sorted({name for each in done for name in each.left_in})
-    said = f"The customer's data of {len(done)} job{'s' * (len(done) != 1)} are erased."
-    said += f" Of {lost} a file could not be kept; the stored result stays." if lost else ""
-    return said + (f" Left as they are, and they name the customer: {show.plain(', '.join(left))}." if left else "")
+    say = reader.say()
+    said = [say("job_book.erased", count=len(done))]
+    said += [say("job_book.erased_lost", count=lost)] if lost else []
+    said += [say("job_book.erased_left", files=show.plain(", ".join(left)))] if left else []
+    return " ".join(said)
 
 
 # --- job files, and units that may be one
@@ -224,10 +242,13 @@ def _erase(book: Book, ids: Sequence[str]) -> str:
 
 def taken_in(book: Book) -> None:
     """Take job files in that are uploaded."""
-    with st.expander("Import job files"):
+    say = reader.say()
+    with st.expander(say("job_book.import_files")):
         generation = st.session_state.setdefault("job-import-generation", 0)
-        files = st.file_uploader("Job files", ["zip"], accept_multiple_files=True, key=f"job-import-{generation}")
-        if files and st.button(f"Import {len(files)}", key="job-import-now"):
+        files = st.file_uploader(
+            say("job_book.job_files"), ["zip"], accept_multiple_files=True, key=f"job-import-{generation}"
+        )
+        if files and st.button(say("job_book.import", count=len(files)), key="job-import-now"):
             lines = [_import_one(book, file.name, file.getvalue()) for file in files]
             st.session_state["job-import-generation"] = generation + 1
             st.session_state[_SAID] = "  \n".join(lines)
@@ -235,34 +256,46 @@ def taken_in(book: Book) -> None:
 
 
 def _import_one(book: Book, name: str, content: bytes) -> str:
+    say = reader.say()
     try:
         taken = import_job(book, content, name=name)
     except AtleakError as error:
-        return f"Not taken: {show.plain(error)}"
-    said = "is in the job book already" if taken.known else f"taken in, {signed(Verdict(taken.verdict))}"
-    before = f"; it was {taken.stored_verdict} when it was written" if taken.stored_verdict else ""
-    return f"{show.plain(name)}: {said}{before}."
+        return say("job_book.not_taken", problem=show.plain(error))
+    name = show.plain(name)
+    said = (
+        say("job_book.known", name=name)
+        if taken.known
+        else say("job_book.taken_in", name=name, verdict=say.signed(Verdict(taken.verdict)))
+    )
+    if not taken.stored_verdict:
+        return said
+    return f"{said} {say('job_book.was', verdict=say.level(Verdict(taken.stored_verdict)))}"
 
 
 def suggestions(book: Book, picked: Sequence[JobRow]) -> None:
     """Point out units that may be one, to be merged, and what was merged into the unit of a picked job."""
-    merged = st.session_state.get(_MERGED)
-    with st.expander("Units that may be one"):
+    say, merged = reader.say(), st.session_state.get(_MERGED)
+    with st.expander(say("job_book.may_be_one")):
         if merged is not None:
-            st.button("Undo the last merge", on_click=_done, args=(partial(_parted, book, merged),), key="job-part")
+            act = partial(_parted, book, merged)
+            st.button(say("job_book.undo_merge"), on_click=_done, args=(act,), key="job-part")
         for row in merged_rows(book, picked[0].unit) if len(picked) == 1 else []:
             act = partial(_parted, book, row.id)
-            st.button(f"Part {row.told_by} from the picked job's unit", on_click=_done, args=(act,))
-        st.caption("A slip in typing a VIN makes two units of one transmission. Merging can be undone.")
-        st.button("Look for them", on_click=_done, args=(partial(_look_for_pairs, book),), key="job-duplicates")
+            st.button(say("job_book.part", unit=row.told_by), on_click=_done, args=(act,))
+        st.caption(say("job_book.merge_help"))
+        st.button(
+            say("job_book.look_for_them"), on_click=_done, args=(partial(_look_for_pairs, book),), key="job-duplicates"
+        )
         pairs = st.session_state.get(_PAIRS)
         if pairs == []:
-            st.write("No two units look like one.")
+            st.write(say("job_book.none_alike"))
         for pair in (pairs or [])[:PAGE]:
             words, button = st.columns([4, 1], vertical_alignment="center")
             words.markdown(f"{show.plain(pair.one.in_words)}  \n{show.plain(pair.other.in_words)}  \n*{pair.why}*")
             act = partial(_merged, book, pair.one.id, pair.other.id)
-            button.button("Merge", on_click=_done, args=(act,), key=f"job-merge-{pair.one.id}-{pair.other.id}")
+            button.button(
+                say("job_book.merge"), on_click=_done, args=(act,), key=f"job-merge-{pair.one.id}-{pair.other.id}"
+            )
 
 
 def _look_for_pairs(book: Book) -> str:
@@ -274,11 +307,11 @@ def _merged(book: Book, unit: int, other: int) -> str:
     merge(book, unit, other)
     _look_for_pairs(book)
     st.session_state[_MERGED] = other
-    return "The two units are one now."
+    return reader.say()("job_book.merged")
 
 
 def _parted(book: Book, row: int) -> str:
     st.session_state.pop(_MERGED, None)
     part(book, row)
     _look_for_pairs(book)
-    return "The two units stand by themselves again."
+    return reader.say()("job_book.parted")

@@ -1,65 +1,42 @@
-"""Show the sidebar: files and choices of the job. Every page draws it, so that none of its widgets loses its state."""
+"""Show the sidebar: the files of the job, its valve body and its stated condition. Every page draws it."""
 
 from __future__ import annotations
 
 import glob
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
 
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.fluid import USED_THINNER, FluidState
 from atleak.diagnosis import Diagnosis
-from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.errors import AtleakError
 from atleak.intake.units import unit
-from atleak.job.case import SLOTS, Slot, SourceFile
+from atleak.job.case import SourceFile
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
-from pages.shared import book, fields, show
-from pages.shared.cases import PageCase, catalogue_list, controller_of, diagnosis_of, own_faults, shown_name
-from pages.shared.state import choose, current_diagnosis, job, new_job, open_job, put_file, session, take_sample
+from pages.shared import book, choices, dropped, fields, show
+from pages.shared.cases import PageCase, controller_of, diagnosis_of, own_faults
+from pages.shared.state import (
+    FILES,
+    choose,
+    current_diagnosis,
+    job,
+    last_done,
+    new_job,
+    session,
+    take_away,
+    take_sample,
+    undo,
+)
 
 PAGES = Path(__file__).resolve().parents[1]
-OWN = "own file (TOML) …"
+NAMES = {"readings": "Measuring sheet", "road_test": "Road-test log", "pressures": "Gauge readings"}
 WHERE = {"readings": "Readings", "road_test": "Road test", "pressures": "Pressures"}
-FILES = {
-    "readings": (
-        "Measuring sheet",
-        "Spool and sleeve diameters: xlsx, xls, ods or csv. Recognised by its content, not its name.",
-    ),
-    "road_test": ("Road-test log", "As the logger wrote it: csv, txt, xlsx … Decimal point or comma."),
-    "pressures": (
-        "Gauge readings",
-        "Pressures of the standing vehicle, range by range: xlsx or csv. Page Pressures takes typed ones.",
-    ),
-}
 RPM = unit("rpm", "rotational_speed")
+DROP_HELP = (
+    "Measuring sheet, road-test log, gauge readings, job file, job record, photos, and your own valve body, fluid, "
+    "limits or instrument: each is recognised by its content, not its name."
+)
 NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
-OPTIONS = {
-    "diameter": "Diameter in the gap law",
-    "viscosity": "Viscosity",
-    "pump_draw": "Counted as drawn from the pump",
-    "pump_efficiency": "Pump efficiency",
-    "entry_loss": "Loss at a gap's entry and exit",
-    "form": "Clearance that differs around the bore",
-}
-VALUES = {
-    "mean": "mean of spool and sleeve",
-    "spool": "of the spool",
-    "d341": "ASTM D341",
-    "tabulated": "table",
-    "regression": "the study's regression",
-    "into_sump": "flow into the sump",
-    "all_gaps": "flow of all gaps",
-    "wilson": "Wilson slip",
-    "constant": "constant",
-    "auto": "subtracted where it matters",
-    "on": "subtracted everywhere",
-    "off": "left out",
-    "mean_of_cubes": "mean of the cubes",
-    "cube_of_mean": "cube of the mean",
-}
 
 
 def draw() -> None:
@@ -70,31 +47,26 @@ def draw() -> None:
     book.follow_address()
     st.html(NARROW_MARGINS)
     with st.sidebar:
-        places = {slot: _uploader(slot) for slot in FILES}
-        sample = session().case.sample
-        cleared = "Takes what is in the job and in the job record away."
-        st.button("New, empty job", on_click=new_job, width="stretch", help=cleared)
-        st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
-        _job_file()
-        _in_book()
-        for choice in SLOTS.values():
-            if choice.part is None:
-                with st.container():
-                    _choice(choice)
-                    if choice.name == "fluid":
-                        _fluid_state()
-        with st.expander("Instruments"):
-            for choice in SLOTS.values():
-                if choice.part is not None:
-                    _choice(choice)
+        _drop_zone()
+        in_job = st.container()
+        with st.container():
+            choices.catalogue_entry("controller")
         _left_aside()
         _complaint()
         _condition()
-        _profile()
+        jobs = st.container()
+    turns = session().turns
     result = current_diagnosis()
-    for slot, place in places.items():
-        with place:
-            _status(slot, result)
+    if session().turns != turns:
+        st.rerun()  # the sheet's head chose another valve body than the one drawn above
+    with jobs:
+        _jobs()
+    with in_job:
+        for slot in FILES:
+            with st.container():
+                _status(slot, result)
+        for notice in session().notices:
+            st.caption(show.plain(notice))
     with st.container():  # one element however many notices there are: the elements below keep their places
         _notices()
 
@@ -113,83 +85,63 @@ def _key(name: str) -> str:
     return f"{name}-{session().generation}"
 
 
-def _uploader(slot: str) -> Any:
-    label, tip = FILES[slot]
-    key = _key(slot)
+def _drop_zone() -> None:
+    """Take whatever files are dropped; the zone is empty again once they are in."""
+    turn = f"drop-{st.session_state.setdefault('drops', 0)}"
 
     def changed() -> None:
-        upload = st.session_state[key]
-        put_file(slot, None if upload is None else SourceFile(upload.name, upload.getvalue()))
+        st.session_state["drops"] += 1
+        dropped.take([SourceFile(each.name, each.getvalue()) for each in st.session_state[turn]])
 
-    st.file_uploader(label, key=key, help=tip, on_change=changed)
-    return st.container()
+    st.file_uploader("Files of the job", key=turn, accept_multiple_files=True, help=DROP_HELP, on_change=changed)
 
 
-def _job_file() -> None:
-    key = _key("job-file")
+def _status(slot: str, result: Diagnosis) -> None:
+    """Say which file of a kind is in the job, which was refused, and offer to take it away."""
+    now = session()
+    file, refused = getattr(now.good, slot), now.refused.get(slot)
+    if refused is not None:
+        st.error(f"**{show.plain(refused.name)}: not taken.** {show.error_line(refused.error)}")
+    if file is None and refused is None:
+        if slot == "readings":
+            st.caption("No measuring sheet yet: every land is at its mounting clearance.")
+        return
+    about = "" if file is None else _about(slot, result)
+    origin = "sample: " if now.good.sample else "still " if refused is not None else ""
+    with st.container(horizontal=True, vertical_alignment="center"):
+        if file is not None:
+            st.caption(f"{origin}**{show.plain(file.name)}** · {about}", width="stretch")
+        away = (refused or file).name
+        st.button("✕", key=f"away-{slot}", on_click=take_away, args=(slot,), help=f"Take {away} away", type="tertiary")
 
-    def changed() -> None:
-        upload = st.session_state[key]
-        session().refused.pop("job", None)
-        if upload is not None:
-            open_job(upload.name, upload.getvalue())
 
-    with st.expander("Open a job file"):
-        st.file_uploader(
-            "Job file", ["zip"], key=key, help="As the page Report or the command line writes it.", on_change=changed
-        )
-        st.caption("Sheet, log, job record and every choice come from it, in place of what is in the job.")
+def _about(slot: str, result: Diagnosis) -> str:
+    """Return what is in the job's file of a kind."""
+    if slot == "readings":
+        return f"{result.measured} of {len(result.lands)} lands measured"
+    if slot == "pressures":
+        return f"{len(result.pressures.readings) if result.pressures else 0} gauge readings"
+    if result.log is None:
+        return ""
+    test = result.log.road_test
+    return f"{test.rows} rows, {test.duration:.0f} s"
+
+
+def _jobs() -> None:
+    """Offer a new job, the sample and the way back, and say under which name this one is kept."""
+    last = last_done()
+    with st.container():
+        if last is not None:
+            st.button(f"Undo: {last}", on_click=undo, width="stretch", key="undo")
+    cleared = "Takes what is in the job and in the job record away. It can be undone, and stays in the job book."
+    st.button("New, empty job", on_click=new_job, width="stretch", help=cleared)
+    sample = session().case.sample
+    st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
     place, case = st.container(), session().case
     kept = {"guard factor": case.guard_factor, "assumptions": case.assumptions, "values for the log": case.constants}
     if any(kept.values()):
         place.caption(f"Taken from the job file: {', '.join(name for name, value in kept.items() if value)}.")
-
-
-def _status(slot: str, result: Diagnosis) -> None:
-    now = session()
-    file, refused = getattr(now.good, slot), now.refused.get(slot)
-    if refused is not None:
-        st.error(f"**Not taken.** {show.error_line(refused.error)}")
-    if file is None:
-        st.caption("None yet: every land is at its mounting clearance." if slot == "readings" else "None yet.")
-        return
-    origin = "sample: " if now.good.sample else "still " if refused is not None else ""
-    if slot == "readings":
-        about = f"{result.measured} of {len(result.lands)} lands measured"
-    elif slot == "pressures":
-        about = f"{len(result.pressures.readings) if result.pressures else 0} readings"
-    elif result.log is not None:
-        test = result.log.road_test
-        about = f"{test.rows} rows, {test.duration:.0f} s"
-    st.caption(f"{origin}**{show.plain(file.name)}** · {about}")
-
-
-def _choice(slot: Slot) -> None:
-    current = getattr(session().case, slot.name)
-    known = catalogue_list(slot.name).entries
-    ids = [name for name, entry in known.items() if slot.part is None or slot.part in entry.measures]
-    options = [*dict.fromkeys([*ids, *([current] if isinstance(current, str) else [])]), OWN]
-    picked = st.selectbox(
-        slot.label,
-        options,
-        index=options.index(current if isinstance(current, str) else OWN),
-        key=_key(slot.name),
-        format_func=lambda option: shown_name(known[option]) if option in known else option,
-    )
-    if picked != OWN:
-        choose(**{slot.name: picked})
-        return
-    if isinstance(current, SourceFile):
-        st.caption(f"**{show.plain(current.name)}**")
-    own = st.file_uploader(f"Your own file: {slot.label.lower()}", key=_key(f"own-{slot.name}"))
-    if own is not None:
-        choose(**{slot.name: SourceFile(own.name, own.getvalue())})
-
-
-def pick(slot: str, name: str) -> None:
-    """Choose an entry of the catalogue by id, in job and sidebar; for a callback, before anything is drawn."""
-    choose(**{slot: name})
-    st.session_state[_key(slot)] = name
+    _in_book()
 
 
 def _left_aside() -> None:
@@ -199,22 +151,6 @@ def _left_aside() -> None:
         if faults:
             files = ", ".join(show.plain(fault.place.file) for fault in faults)
             st.warning(f"**Own files that cannot be used:** {files}. What is wrong: page Catalogue.")
-
-
-def _fluid_state() -> None:
-    """Ask whether the fluid in the transmission is fresh or used."""
-    states = (None, *get_args(FluidState))
-    low, high = USED_THINNER
-    picked = st.radio(
-        "The fluid is",
-        states,
-        states.index(session().case.fluid_state),
-        key=_key("fluid_state"),
-        format_func=lambda state: state or "not known: taken as fresh",
-        horizontal=True,
-        help=f"Used fluid is thinner: as its own data say or, without any, by {low} to {high} % (representative).",
-    )
-    choose(fluid_state=picked)
 
 
 def _start() -> PageCase:
@@ -277,39 +213,6 @@ def _controller() -> Controller:
         return controller_of(session().good)
 
 
-def _profile() -> None:
-    hints, start = get_type_hints(Profile), session().start
-    with st.expander("Engine: profile and options"):
-        name = st.selectbox("Profile", list(PROFILES), list(PROFILES).index(start.profile), key=_key("profile"))
-        base = PROFILES[name].options
-        first = base | dict(start.options if name == start.profile else ())
-        options = {}
-        for option, label in OPTIONS.items():
-            values = list(get_args(hints[option]))
-            key = f"{_key(option)}-{name}"
-            tip = "; ".join(f"{VALUES.get(value, value)}: `{option}={value}`" for value in values)
-            options[option] = st.selectbox(label, values, values.index(first[option]), _value_name, key=key, help=tip)
-        options["eccentricity"] = _eccentricity(name, first["eccentricity"])
-        st.caption("`workshop` is the better physics; `paper` computes as the source study printed.")
-    choose(profile=name, options=tuple((key, value) for key, value in options.items() if value != base[key]))
-
-
-def _eccentricity(profile: str, first: float | str) -> float | str:
-    unknown = st.toggle(
-        "Where the spools lie is unknown",
-        first == UNKNOWN,
-        key=f"{_key('position')}-{profile}",
-        help="Every flow is the mean over all positions, 1.5 times that of concentric spools.",
-    )
-    fixed = 0.0 if isinstance(first, str) else first
-    ratio = st.slider("Eccentricity e/c", 0.0, 1.0, fixed, 0.05, key=f"{_key('ecc')}-{profile}", disabled=unknown)
-    return UNKNOWN if unknown else ratio
-
-
-def _value_name(value: str) -> str:
-    return VALUES.get(value, value)
-
-
 def _in_book() -> None:
     """Say under which name the job is kept."""
     in_book = session().in_book
@@ -353,14 +256,15 @@ def _notices() -> None:
     _book_notices()
     if now.good.sample:
         st.caption("**Sample job**: representative data. Put your own files in the sidebar (top left on a phone).")
-    for slot, (label, _) in FILES.items():
+    for slot, label in NAMES.items():
         if slot in now.refused:
             kept = getattr(now.good, slot)
             still = f"Shown are still the results of {kept.name}." if kept else "The job is as it was."
             hint = f"What was read of it, and how to have it read otherwise: page {WHERE[slot]}."
             show.refusal(label.lower(), now.refused[slot], f"{still} {hint}")
-    if "job" in now.refused:
-        show.refusal("job", now.refused["job"], "The job is as it was.")
+    for slot in ("job", "dropped"):
+        if slot in now.refused:
+            show.refusal("part of the job", now.refused[slot], "The job is as it was.")
     for slot in ("catalogue", "settings"):
         if slot in now.refused:
             show.refusal("These choices cannot be computed.", now.refused[slot], "Shown is the last job that could.")

@@ -11,6 +11,7 @@ from atleak.wording import Wording, languages, wording
 
 OTHERWISE = "en", "metric"
 _CHOICES = ("language", "units")
+_CHANGES = "reader-changes"
 _MARK = st.components.v2.component(
     "atleak_reader",
     css=".st-key-atleak-reader {position: absolute}",  # it shows nothing and takes no place
@@ -50,11 +51,17 @@ def draw_choices() -> None:
     st.caption(words("reader.kept"))
 
 
+def changes() -> int:
+    """Return how often language or units were changed in this session; fields with numbers are written anew then."""
+    return int(st.session_state.get(_CHANGES, 0))
+
+
 def _choice(name: str, current: str, labels: Mapping[str, str], label: str) -> None:
     options, key = list(labels), f"pick-{name}"
 
     def changed() -> None:
         st.session_state[_kept(name)] = st.session_state[key]
+        st.session_state[_CHANGES] = changes() + 1
 
     st.selectbox(
         label, options, options.index(current), key=key, format_func=lambda each: labels[each], on_change=changed

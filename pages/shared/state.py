@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import streamlit as st
 
 from atleak.diagnosis import Diagnosis
-from atleak.errors import AtleakError, CatalogueError, PressureTableError, ReadingsError, RoadTestError
-from atleak.job.case import SLOTS, SourceFile
+from atleak.errors import (
+    AtleakError,
+    CatalogueError,
+    OtherControllerError,
+    PressureTableError,
+    ReadingsError,
+    RoadTestError,
+)
+from atleak.job.case import SLOTS, Choice, SourceFile
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
 from atleak.jobs.judged_anew import JudgedOtherwise
-from pages.shared.cases import FITTED, PageCase, chosen_by_id, diagnosis_of, held, opened_case, sample_case
+from pages.shared.cases import (
+    FITTED,
+    PageCase,
+    catalogue_list,
+    chosen_by_id,
+    diagnosis_of,
+    held,
+    opened_case,
+    sample_case,
+)
 
 FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
 JOB = "job"  # the parameter of the address that names a job of the job book
 RECORD = "job-record"  # where the session keeps it; no parameter of the address may have this name
-REPLACING = 60.0  # [s] within which a new file replaces the one taken away: an uploader does both, one after the other
+UNDOABLE = 10  # steps back that a session keeps
 
 
 @dataclass(frozen=True)
@@ -30,6 +45,16 @@ class Refusal:
     name: str
     error: AtleakError
     file: SourceFile | None = None
+
+
+@dataclass(frozen=True)
+class Before:
+    """The job as it was before something was done that can be undone."""
+
+    done: str  # what was done, for people
+    case: PageCase
+    record: Job
+    in_book: InBook
 
 
 @dataclass
@@ -62,10 +87,12 @@ class Session:
     case: PageCase
     good: PageCase
     refused: dict[str, Refusal]
-    before: PageCase | None = None  # the job before the last file came in, to return to if that file is refused
-    away: dict[str, tuple[float, dict[str, Any]]] = field(
-        default_factory=dict
-    )  # by slot: when a file was taken out of the job, and the choices that went with it
+    tried: dict[str, PageCase] = field(default_factory=dict)  # by slot: the job before the file that is tried came in
+    own: dict[str, SourceFile] = field(default_factory=dict)  # by slot: the last file of one's own that was given
+    turns: int = 0  # part of the keys of the choices' widgets: they start anew where something else made the choice
+    notices: tuple[str, ...] = ()  # what was done with the files that came in last
+    follow: bool = False  # whether the sheet that is tried may choose the controller that its head names
+    undo: list[Before] = field(default_factory=list)
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # part shown [s], by the log's SHA-256
     over: SourceFile | None = None  # a second log, drawn over the job's
     offset: float = 0.0  # [s] by which it is shifted
@@ -101,51 +128,83 @@ def job_generation() -> int:
 
 
 def put_file(slot: str, file: SourceFile | None) -> None:
-    """Take in a file that was chosen, or take away the one that was removed.
-
-    An uploader whose file is replaced takes the old one away first. The job to go back to holds that file again, should
-    the new one be refused.
-    """
+    """Take in a file of the job, or take it away. One that cannot be used leaves the job as it was."""
     now = session()
-    refused = now.refused.pop(slot, None)
-    if file is None and refused is not None:
-        return  # the refused file was taken away: the one before it is still in the job
-    at, fitted = now.away.pop(slot, (0.0, {}))
-    now.before = now.case
-    if file is None and not now.case.sample:
-        now.away[slot] = time.monotonic(), {name: getattr(now.case, name) for name in (slot, *FITTED[slot])}
-    elif file is not None and fitted and time.monotonic() - at < REPLACING:
-        now.before = replace(now.case, **fitted)
+    now.refused.pop(slot, None)
+    now.tried.setdefault(slot, next(iter(now.tried.values()), now.case))
     now.case = now.case.with_file(slot, file)
+
+
+def take_away(slot: str) -> None:
+    """Take a file out of the job, or the refused one that was to replace it; for a callback."""
+    now = session()
+    if now.refused.pop(slot, None) is None:
+        remember(f"{getattr(now.case, slot).name} taken away")
+        put_file(slot, None)
 
 
 def choose(**changes: Any) -> None:
     """Change choices; another controller than the sample's drops the sample's files, which fit only that.
 
-    Files that were refused are tried again with it: a sheet that was made for another valve body is why it is chosen.
+    Files that were refused are tried again: a sheet that was made for another valve body is why it is chosen.
     """
     now = session()
     other = changes.get("controller", now.case.controller) != now.case.controller
     if other:
         changes |= {"point": None, "temperature": None, "engine_speed": None, "gear": None, "complaint": None}
         changes["repairs"] = ()
-        now.away.clear()
         if now.case.sample:
             changes |= {**dict.fromkeys(FILES), "sample": False}
-    now.case = replace(now.case, **changes)
-    for slot, refusal in list(now.refused.items()) if other else ():
+    chosen = replace(now.case, **changes)
+    if chosen == now.case:
+        return
+    now.case = chosen
+    for slot, refusal in list(now.refused.items()):
         if slot in FILES and refusal.file is not None:
             put_file(slot, refusal.file)
 
 
+def pick(slot: str, choice: Choice) -> None:
+    """Make a choice in place of the widget that shows it, which starts anew; for a callback."""
+    now = session()
+    now.turns += 1
+    if isinstance(choice, SourceFile):
+        now.own[slot] = choice
+    choose(**{slot: choice})
+
+
+def remember(done: str) -> None:
+    """Keep the job as it is, to come back to it from what is done next."""
+    now = session()
+    now.undo = [*now.undo[1 - UNDOABLE :], Before(done, now.case, job(), now.in_book)]
+
+
+def last_done() -> str | None:
+    """Return what can be undone; what left the job as it was, such as a file that was refused, is no part of it."""
+    now = session()
+    while now.undo and (now.undo[-1].case, now.undo[-1].record) == (now.case, job()):
+        now.undo.pop()
+    return now.undo[-1].done if now.undo else None
+
+
+def undo() -> None:
+    """Go back to the job before what was done last; for a callback."""
+    now = session()
+    last = now.undo.pop()
+    same = last.in_book.id is not None and last.in_book.id == now.in_book.id
+    show_job(last.case, last.record, now.in_book if same else last.in_book)
+
+
 def take_sample() -> None:
     """Return to the sample job, with fresh widgets and an empty job record."""
+    remember("sample job taken")
     show_job(sample_case(), Job(), InBook())
 
 
 def new_job() -> None:
     """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
+    remember("new, empty job")
     case = PageCase(**{name: getattr(now.good, name) for name in KEPT} | chosen_by_id(now.good))
     show_job(case, Job(), InBook())
 
@@ -153,8 +212,9 @@ def new_job() -> None:
 def show_job(case: PageCase, record: Job, in_book: InBook) -> None:
     """Show another job, with fresh widgets."""
     now = session()
-    st.session_state["atleak"] = Session(case, case, {}, start=case, generation=now.generation + 1, in_book=in_book)
-    st.session_state.pop("pictures", None)
+    st.session_state["atleak"] = Session(
+        case, case, {}, start=case, generation=now.generation + 1, in_book=in_book, undo=now.undo
+    )
     st.query_params.pop(JOB, None)
     put_job(record)
 
@@ -169,40 +229,64 @@ def open_job(name: str, content: bytes) -> bool:
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return False
+    remember(f"{name} opened")
     show_job(case, job_file.job, InBook(new=True))
     return True
 
 
 def current_diagnosis() -> Diagnosis:
-    """Return the diagnosis of the job as chosen, or of the last that computed; ``refused`` keeps the reason."""
+    """Return the diagnosis of the job as chosen, or of the last that computed; ``refused`` keeps the reason.
+
+    A file that cannot be used is left out, and the rest of what is tried with it is taken.
+    """
     now = session()
-    for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job"))):
+    for slot in ("settings", *(kind for kind in now.refused if kind not in (*FILES, "job", "dropped"))):
         now.refused.pop(slot, None)
     try:
         result = diagnosis_of(now.case)
     except AtleakError as error:
         slot = _at_fault(now, error)
-        if slot in FILES and now.before is not None:
+        if slot in now.tried:
+            if now.follow and _follow(now, error):
+                return current_diagnosis()
             file = getattr(now.case, slot)
             now.refused[slot] = Refusal(file.name, error, file)
-            now.case, now.before = now.before, None
+            now.case = _without(now.case, slot, now.tried.pop(slot))
             return current_diagnosis()
         now.refused[slot] = Refusal("", error)
         return diagnosis_of(now.good)
-    now.good, now.before = held(now.case), None
+    now.good = held(now.case)
+    now.tried.clear()
+    now.follow = False
     return result
 
 
+def _follow(now: Session, error: AtleakError) -> bool:
+    """Choose the controller that the head of a new sheet names, where the catalogue holds it; return whether it did."""
+    now.follow = False
+    first = next(iter(getattr(error, "problems", (error,))))
+    known = {name.casefold(): name for name in catalogue_list("controller").entries}
+    if not isinstance(first, OtherControllerError) or first.named.casefold() not in known:
+        return False
+    name = known[first.named.casefold()]
+    pick("controller", name)
+    now.notices += (f"The sheet's head names the valve body {name}: it was chosen.",)
+    return True
+
+
+def _without(case: PageCase, slot: str, before: PageCase) -> PageCase:
+    """Return the job without a file that cannot be used: with the one before it, or all of the sample again."""
+    if not before.sample:
+        return replace(case, **{name: getattr(before, name) for name in (slot, *FITTED[slot])})
+    case = replace(case, **FITTED[slot]).with_files({slot: None})
+    return case if any(getattr(case, name) for name in FILES) else before
+
+
 def _at_fault(now: Session, error: AtleakError) -> str:
-    changed = [
-        slot for slot in FILES if now.before is not None and getattr(now.case, slot) != getattr(now.before, slot)
-    ]
-    if isinstance(error, PressureTableError):
-        return next((slot for slot in ("pressures", "readings") if slot in changed), "settings")
-    if isinstance(error, ReadingsError):
-        return "readings" if "readings" in changed else "settings"
-    if isinstance(error, RoadTestError):
-        return "road_test" if "road_test" in changed else "settings"
-    if isinstance(error, CatalogueError):
+    """Return the file that is tried and cannot be used, or which kind of choice cannot be."""
+    files = {PressureTableError: ("pressures", "readings"), ReadingsError: ("readings",), RoadTestError: ("road_test",)}
+    slots = next((slots for kind, slots in files.items() if isinstance(error, kind)), None)
+    if slots is None and isinstance(error, CatalogueError):
         return "catalogue"
-    return changed[0] if changed else "settings"
+    tried = [slot for slot in slots or FILES if getattr(now.tried.get(slot), slot, None) != getattr(now.case, slot)]
+    return next((slot for slot in tried if slot in now.tried), "settings")

@@ -20,9 +20,10 @@ from atleak.report.controller_workbook import write_controller_workbook
 from atleak.system.drafts import draft_text, drafts, forget_draft, keep_draft, new_token
 from atleak.views.controller_form import Checked, Draft, checked, copy_of, draft_of, read_draft
 from atleak.views.evidence_rows import evidence_counts, still_to_measure
-from pages.shared import panel, show
+from pages.shared import show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.learn_form import learn_form
+from pages.shared.state import pick
 from pages.shared.transmission_tables import NEW_PARTS
 
 _STATE = "transmission"
@@ -273,7 +274,7 @@ def draw_saving(editing: Editing, found: Checked) -> None:
         st.button(
             "Use it for this job",
             disabled=found.controller is None or not is_saved,
-            on_click=panel.pick,
+            on_click=pick,
             args=("controller", name),
             help="Chooses it as the valve body in the sidebar. Save it first.",
         )

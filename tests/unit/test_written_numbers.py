@@ -6,11 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from atleak.unit_systems import SYSTEMS
+from atleak.wording import languages, wording
 from atleak.written_numbers import (
     ENGINE_SPEED,
     MILEAGE,
     SHIFT,
     TEMPERATURE,
+    AskedNumber,
     decimal_number,
     possible_values,
     read_number,
@@ -132,3 +135,27 @@ def test_an_entry_is_taken_or_doubted(text: str, asked, value: float | None, wor
     assert entry.value == value
     assert words in entry.doubt
     assert bool(words) == bool(entry.doubt)
+
+
+@given(
+    asked=st.sampled_from(ASKED),
+    language=st.sampled_from(languages()),
+    units=st.sampled_from(tuple(SYSTEMS)),
+    part=st.floats(0.0, 1.0),
+)
+def test_what_a_field_shows_is_read_back_in_every_language_and_unit(
+    asked: AskedNumber, language: str, units: str, part: float
+) -> None:
+    say = wording(language, units)
+    shown = asked.to(say)
+    value = shown.limits[0] + part * (shown.limits[1] - shown.limits[0])
+    assert read_number(written(value, shown, say), shown, say).value == value
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_doubt_names_limits_and_unit_as_the_reader_has_them(language: str) -> None:
+    say = wording(language, "us")
+    doubt = read_number("900", TEMPERATURE.to(say), say).doubt
+    assert "900 °F" in doubt
+    assert "−76" in doubt
+    assert "392 °F" in doubt

@@ -7,6 +7,7 @@ do not fit each other.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,6 +50,12 @@ def is_workbook(path: str | Path) -> bool:
             return stream.read(4) in {b"PK\x03\x04", b"\xd0\xcf\x11\xe0"}
     except OSError:
         return False
+
+
+def describes_controller(sheets: Sequence[Sheet]) -> bool:
+    """Return whether these sheets of a workbook describe a valve body: every sheet is there that one needs."""
+    matched = _matched([sheet for sheet in sheets if not sheet.is_text], Description())
+    return all(sheet.name in matched for sheet in SHEETS if sheet.needed)
 
 
 def read_controller_workbook(source: str | Path | bytes, *, name: str | None = None) -> DescribedController:

@@ -9,7 +9,7 @@ from statistics import fmean
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
-from atleak.errors import Message, ReadingsError
+from atleak.errors import Message, OtherControllerError, ReadingsError
 from atleak.intake.readings.columns import Columns
 from atleak.intake.readings.headings import Header
 from atleak.intake.readings.sheet_tables import Table
@@ -254,7 +254,7 @@ def _correction_above(sheet: Sheet, header: Header) -> Iterator[Message]:
 
 def other_controller(
     sheet: Sheet, header: Header, controller: Controller, made_for: str | None = None
-) -> ReadingsError | None:
+) -> OtherControllerError | None:
     """Return an error where the head of the sheet names another controller than the one it is read for.
 
     ``made_for`` is the id of one from which this one was copied, and which the head may name as well.
@@ -272,11 +272,13 @@ def other_controller(
                 named = beside if _ID.fullmatch(beside) else None
             if named is None or plain(named) in mine or (plain(named) not in known and "_" not in named):
                 continue
-            return ReadingsError(
+            error = OtherControllerError(
                 f"the sheet was made for controller {named}, not for {controller.id}",
                 place=sheet.place(row, index),
                 value=" ".join(cell.split())[:80],
                 expected=f"that controller, chosen with --controller {named} (or the path of its file); or the line "
                 "taken out of the sheet",
             )
+            error.named = named
+            return error
     return None

@@ -47,12 +47,37 @@ def texts(app: AppTest) -> str:
     return "\n".join(widget.value for widget in kinds).replace("\\", "")
 
 
-def uploader(app: AppTest, label: str):
-    return next(widget for widget in app.sidebar.file_uploader if widget.label == label)
+SLOTS = {"Measuring sheet": "readings", "Road-test log": "road_test", "Gauge readings": "pressures"}
+
+
+class InJob:
+    """A file of the job: dropped into the panel, which tells by its content what it is, or taken away by its button."""
+
+    def __init__(self, app: AppTest, label: str) -> None:
+        self.app, self.label = app, label
+
+    def upload(self, name: str, content: bytes, kind: str) -> AppTest:
+        return next(zone for zone in self.app.sidebar.file_uploader).upload(name, content, kind)
+
+    def set_value(self, value: tuple[str, bytes, str] | None):
+        if value is not None:
+            return self.upload(*value)
+        return next(each for each in self.app.button if each.key == f"away-{SLOTS[self.label]}").click()
+
+
+def uploader(app: AppTest, label: str = "") -> InJob:
+    return InJob(app, label)
+
+
+def settle(app: AppTest, page: str, label: str, value: object) -> AppTest:
+    """Make a choice on the page of settings, and come back to a page."""
+    go(app, "22_Settings")
+    choice(app, label).select(value).run()
+    return go(app, page)
 
 
 def choice(app: AppTest, label: str):
-    return next(widget for widget in app.sidebar.selectbox if widget.label == label)
+    return next(widget for widget in (*app.sidebar.selectbox, *app.selectbox) if widget.label == label)
 
 
 def number(app: AppTest, label: str):

@@ -7,7 +7,7 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.job.record import Job
 
-from .conftest import go, texts
+from .conftest import go, texts, uploader
 
 pytestmark = pytest.mark.page("13_Estimate")
 
@@ -44,10 +44,9 @@ def test_what_is_typed_of_a_line_stays_on_every_page_and_counts_in_the_sums(app:
     assert [fields(app, name)[0].value for name in ("Price", "Work", "Labour rate")] == ["61,55", "1,25", "95,50"]
 
 
-@pytest.mark.page("6_Report")
+@pytest.mark.page("1_Job")
 def test_a_record_with_a_decision_on_a_land_that_the_valve_body_lacks_is_refused_by_name(app: AppTest) -> None:
-    uploader = next(widget for widget in app.file_uploader if widget.label == "Job record")
     record = b'[[repair_decisions]]\ncomponent = "25"\nland = 9\n'
-    uploader.set_value(("job.toml", record, "application/toml")).run()
+    uploader(app).upload("job.toml", record, "application/toml").run()
     assert not app.session_state["job-record"].repair_decisions
     assert any("component 25 has no such land" in widget.value for widget in app.error)

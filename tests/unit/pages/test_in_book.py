@@ -14,7 +14,7 @@ from pages.shared.files import named
 
 from .conftest import go, number, texts
 
-pytestmark = pytest.mark.page("6_Report")
+pytestmark = pytest.mark.page("1_Job")
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def field(app: AppTest, label: str):
     return next(widget for widget in app.main.text_input if widget.label == label)
 
 
-def reloaded(app: AppTest, page: str = "6_Report") -> AppTest:
+def reloaded(app: AppTest, page: str = "1_Job") -> AppTest:
     """The same address in a browser that knows nothing of the first."""
     other = AppTest.from_file(app._script_path, default_timeout=240)
     other.query_params["job"] = app.query_params["job"]

@@ -71,7 +71,7 @@ def test_jobs_are_looked_up_merged_erased_archived_and_opened(filled: dict[str, 
     assert "Backups and exports made earlier still hold it all" in app.warning[0].value
     app.button(key="job-erase-now").click().run()
     assert not app.exception
-    assert "The customer's data of 1 job are erased." in texts(app)
+    assert "The customer's data are erased; jobs: 1." in texts(app)
     assert "No job fits." in texts(app)
     assert book.load(filled["Ana Lima"]).file.job.customer.name == ""
     app.text_input(key="job-list-text").set_value("cy core").run()

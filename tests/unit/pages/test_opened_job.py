@@ -26,7 +26,7 @@ from atleak.job.record import Job
 from atleak.uncertainty import DEFAULTS
 from atleak.views.diagnosis_record import diagnosis_record
 
-from .conftest import ROOT, go
+from .conftest import ROOT, go, uploader
 
 pytestmark = pytest.mark.page("2_Readings")
 LOG = (
@@ -133,8 +133,7 @@ def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_wit
 
 
 def open_job(app: AppTest, content: bytes, name: str = "job.zip") -> AppTest:
-    place = next(widget for widget in app.sidebar.file_uploader if widget.label == "Job file")
-    return place.set_value((name, content, "application/zip")).run()
+    return uploader(app).upload(name, content, "application/zip").run()
 
 
 def shown(app: AppTest) -> dict:
@@ -144,7 +143,7 @@ def shown(app: AppTest) -> dict:
 
 
 def field(app: AppTest, label: str):
-    kinds = (*app.sidebar.selectbox, *app.sidebar.text_input, *app.sidebar.slider, *app.sidebar.toggle)
+    kinds = (*app.selectbox, *app.text_input, *app.slider, *app.toggle)
     return next(widget for widget in kinds if widget.label == label)
 
 
@@ -161,12 +160,12 @@ def test_a_job_file_opens_to_the_same_result_and_stays_so(app: AppTest, content:
     assert shown(app) == expected
 
 
-def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
+def test_panel_and_settings_start_from_the_job(app: AppTest, content: bytes) -> None:
     open_job(app, content)
+    go(app, "22_Settings")
     expected = {
         "Valve body": "four_speed_2023",
         "Fluid": "mobil_atf_220",
-        "Limits": "own file (TOML) …",
         "Spools measured with": "micrometer",
         "Sleeves measured with": "air_gauge",
         "Complaint": "slips_in_second",
@@ -180,9 +179,10 @@ def test_the_panel_starts_from_the_job(app: AppTest, content: bytes) -> None:
         "Mileage [km]": "106315",
     }
     assert {label: field(app, label).value for label in expected} == expected
+    assert field(app, "Limits").value.name == "our limits.toml"
     assert field(app, "Engine speed [rpm]").value == "1234.5"
     said = "\n".join(widget.value for widget in app.sidebar.caption).replace("\\", "")
-    for text in ("two.xlsx", "drive.csv", "our limits.toml", "guard factor, assumptions, values for the log"):
+    for text in ("two.xlsx", "drive.csv", "guard factor, assumptions, values for the log"):
         assert text in said
     assert app.session_state["job-record"].number == "A-17"
 
@@ -233,7 +233,7 @@ def test_what_is_no_job_file_is_refused_and_the_job_stays(app: AppTest, content:
     before = shown(app)
     open_job(app, bad, "photo.zip")
     assert not app.exception
-    assert any("photo.zip was not taken as job" in error.value.replace("\\", "") for error in app.error)
+    assert any("photo.zip was not taken as " in error.value.replace("\\", "") for error in app.error)
     assert shown(app) == before
     app.run()
     assert any("photo.zip" in error.value.replace("\\", "") for error in app.error)
@@ -241,8 +241,7 @@ def test_what_is_no_job_file_is_refused_and_the_job_stays(app: AppTest, content:
 
 def test_a_sheet_of_ones_own_takes_the_place_of_the_jobs(app: AppTest, content: bytes, sample_readings: Path) -> None:
     open_job(app, content)
-    place = next(widget for widget in app.sidebar.file_uploader if widget.label == "Measuring sheet")
-    place.upload("mine.xlsx", sample_readings.read_bytes(), "application/octet-stream").run()
+    uploader(app).upload("mine.xlsx", sample_readings.read_bytes(), "application/octet-stream").run()
     assert not app.exception
     good = app.session_state["atleak"].good
     assert (good.readings.name, good.sheet_name, good.road_test.name) == ("mine.xlsx", None, "drive.csv")

@@ -126,7 +126,7 @@ def test_circuits_have_fields_of_their_own(page: AppTest) -> None:
 def test_an_opened_job_shows_what_was_typed_in_it(page: AppTest) -> None:
     typed = TypedGauges({Cell("D", Engine.SLOW_IDLE): "3,9"}, "bar", "85").written()
     case = Case(pressures=SourceFile(TYPED_FILE, typed))
-    uploader(page, "Job file").upload("job.zip", write_job_file(case.diagnose(), None, case), "application/zip").run()
+    uploader(page).upload("job.zip", write_job_file(case.diagnose(), None, case), "application/zip").run()
     go(page, PAGE)
     assert not page.exception
     assert field(page, "D, slow idle [bar]").value == "3,9"

@@ -14,7 +14,8 @@ def page() -> None:
 
     from atleak.verdicts import Verdict
     from atleak.views.columns import Column
-    from pages.shared import reader, show
+    from atleak.written_numbers import TEMPERATURE
+    from pages.shared import fields, reader, show
 
     reader.mark_page()
     rows: list[dict[str, Any]] = [
@@ -23,6 +24,7 @@ def page() -> None:
     ]
     show.rows_table(rows, [Column("verdict", "verdict"), Column("clearance", "clearance"), Column("held", "pressure")])
     st.text(reader.say().quantity(95.5, "temperature", 1))
+    st.code(fields.number("T", TEMPERATURE, 80.0, key="t"))
     reader.draw_choices()
 
 
@@ -70,3 +72,24 @@ def test_a_verdict_is_said_in_the_readers_language_and_nothing_judged_is_a_dash(
     first, second = opened("pl-PL").dataframe[0].value["Ocena"]
     assert first.strip("\u200a").endswith("krytyczny")
     assert second == "–"
+
+
+def test_a_number_is_typed_in_the_readers_unit_and_stays_the_same_value_in_every_other() -> None:
+    app = opened("de-DE")
+    (field,) = app.text_input
+    assert (field.label, field.value) == ("T [°C]", "80")
+    field.set_value("95,5").run()
+    assert app.code[0].value == "95.5"
+    app.selectbox[1].select("us").run()
+    (field,) = app.text_input
+    assert (field.label, field.value, app.code[0].value) == ("T [°F]", "203,9", "95.5")
+    field.set_value("212").run()
+    assert app.code[0].value == "100.0"
+    app.selectbox[1].select("metric").run()
+    (field,) = app.text_input
+    assert (field.label, field.value, app.code[0].value) == ("T [°C]", "100", "100.0")
+    field.set_value("heiß").run()
+    assert [each.value.replace("\\", "") for each in app.error] == [
+        "'heiß' ist keine Zahl: Temperatur in °C schreiben, etwa 95,5. Es bleibt bei 100 °C."
+    ]
+    assert app.code[0].value == "100.0"

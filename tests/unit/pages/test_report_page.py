@@ -1,4 +1,4 @@
-"""The report's page: what is typed there stays, and is in what is taken along."""
+"""The pages of job and report: what is typed there stays, and is in what is taken along."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from streamlit.testing.v1 import AppTest
 from atleak.job.record import Job
 from atleak.report.pdf.body import SECTIONS
 
-from .conftest import ROOT, go
+from .conftest import ROOT, go, uploader
 
-pytestmark = pytest.mark.page("6_Report")
+pytestmark = pytest.mark.page("1_Job")
 
 
 def field(app: AppTest, label: str):
     return next(widget for widget in (*app.text_input, *app.text_area) if widget.label == label)
 
 
+@pytest.mark.page("6_Report")
 def test_opens_without_a_word_and_offers_everything(app: AppTest) -> None:
     assert not app.exception
     assert not app.error
@@ -36,7 +37,7 @@ def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
     field(app, "Complaint").set_value("late 1-2 shift: 12.715")
     app.run()
     go(app, "2_Readings")
-    go(app, "6_Report")
+    go(app, "1_Job")
     assert not app.exception
     assert field(app, "Job number").value == "A-17"
     assert field(app, "Complaint").value == "late 1-2 shift: 12.715"
@@ -48,7 +49,7 @@ def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTes
     def measured() -> str:
         go(app, "2_Readings")
         (said,) = [caption.value for caption in app.caption if "Temperature of measuring" in caption.value]
-        go(app, "6_Report")
+        go(app, "1_Job")
         return said
 
     assert "assumed 20 °C" in measured()
@@ -79,7 +80,7 @@ def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
     assert job.fault_codes == ("P0730", "P0741")
     assert job.repair_decisions[0].reason == "too dear"
     go(app, "2_Readings")
-    go(app, "6_Report")
+    go(app, "1_Job")
     assert app.session_state["job-record"].repair_decisions == job.repair_decisions
 
 
@@ -97,16 +98,14 @@ def test_no_column_to_type_into_drops_a_decimal_comma(app: AppTest) -> None:
 
 def test_a_record_fills_the_form(app: AppTest) -> None:
     record = {"number": "9", "vehicle": {"vin": "W1"}, "notes": "seen"}
-    uploader = next(widget for widget in app.file_uploader if widget.label == "Job record")
-    uploader.set_value(("job.json", json.dumps(record).encode(), "application/json")).run()
+    uploader(app).upload("job.json", json.dumps(record).encode(), "application/json").run()
     assert not app.exception
     assert field(app, "VIN").value == "W1"
     assert field(app, "Notes").value == "seen"
 
 
 def test_a_record_that_cannot_be_used_is_refused_with_its_reason(app: AppTest) -> None:
-    uploader = next(widget for widget in app.file_uploader if widget.label == "Job record")
-    uploader.set_value(("job.toml", b"numbr = 1", "application/toml")).run()
+    uploader(app).upload("job.toml", b"numbr = 1\ncustomer = 2", "application/toml").run()
     assert any("did you mean" in widget.value for widget in app.error)
     assert app.session_state["job-record"].empty
 
@@ -121,8 +120,8 @@ def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(
     before = folds()
     field(app, "Make").set_value("Mercedes").run()
     assert folds() == before
-    uploader = next(widget for widget in app.file_uploader if widget.label == "Photos")
-    uploader.set_value([("a.png", target.getvalue(), "image/png")]).run()
+    photos = next(widget for widget in app.file_uploader if widget.label == "Photos")
+    photos.set_value([("a.png", target.getvalue(), "image/png")]).run()
     field(app, "Caption").set_value("scored").run()
     assert app.session_state["job-record"].photos[0].caption == "scored"
 
@@ -130,14 +129,14 @@ def test_the_form_stays_open_while_it_is_filled_and_a_new_photo_has_its_caption(
 def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     target = io.BytesIO()
     Image.new("RGB", (40, 30)).save(target, "PNG")
-    uploader = next(widget for widget in app.file_uploader if widget.label == "Photos")
-    uploader.set_value([("a.png", target.getvalue(), "image/png"), ("b.png", b"no picture", "image/png")]).run()
+    photos = next(widget for widget in app.file_uploader if widget.label == "Photos")
+    photos.set_value([("a.png", target.getvalue(), "image/png"), ("b.png", b"no picture", "image/png")]).run()
     assert not app.exception
     assert any("b.png" in widget.value.replace("\\", "") for widget in app.error)
     job: Job = app.session_state["job-record"]
     assert list(job.pictures) == ["photos/a.png"]
     go(app, "2_Readings")
-    go(app, "6_Report")
+    go(app, "1_Job")
     assert list(app.session_state["job-record"].pictures) == ["photos/a.png"]
 
 
@@ -151,6 +150,7 @@ def test_the_example_of_the_documentation_runs(tmp_path: Path, monkeypatch: pyte
     assert (tmp_path / "report.xlsx").read_bytes().startswith(b"PK")
 
 
+@pytest.mark.page("6_Report")
 def test_sections_are_all_chosen_and_paper_is_named_as_people_do(app: AppTest) -> None:
     assert next(widget for widget in app.selectbox if widget.label == "Paper").options == ["A4", "Letter"]
     (sections,) = app.get("button_group")

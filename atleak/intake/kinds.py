@@ -1,0 +1,69 @@
+"""Say what a file of measured values holds: diameters, gauge readings, the log of a road test, or a valve body.
+
+Only the content counts, never the name. Nothing is read to the end here: whoever reads the file says what is wrong
+with it.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from atleak.catalogue.controller import Controller
+from atleak.errors import ReadingsError
+from atleak.intake import gauge_table
+from atleak.intake.controller_workbook import describes_controller
+from atleak.intake.readings.controller_names import ControllerNames
+from atleak.intake.readings.sheet_tables import find_tables
+from atleak.intake.sheets.sheet import Sheet
+from atleak.intake.sheets.sheet_file import read_sheets
+
+_WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+_LOG_OF_BUS = (b"MDF     ", b"UnFinMF ")  # ASAM MDF, finished and unfinished
+_START = 60_000  # bytes of a text that are looked at
+
+
+class Table(StrEnum):
+    """What a file of values may hold, by the name of the job's part that it becomes."""
+
+    READINGS = "readings"
+    ROAD_TEST = "road_test"
+    PRESSURES = "pressures"
+    CONTROLLER = "controller"
+
+
+def table_kind(data: bytes, controller: Controller) -> Table:
+    """Return what a workbook or a text holds.
+
+    Parameters
+    ----------
+    data
+        the file's bytes.
+    controller
+        whose component names a measuring sheet may use.
+
+    Returns
+    -------
+    Table
+        a workbook in which nothing is understood counts as a measuring sheet, any other file as a log.
+    """
+    if data.startswith(_LOG_OF_BUS):
+        return Table.ROAD_TEST
+    is_workbook = data.startswith(_WORKBOOK)
+    if not is_workbook:
+        data = data[:_START].rpartition(b"\n")[0] if len(data) > _START else data
+    names, likeness = ControllerNames(controller), gauge_table.likeness_of(controller)
+
+    def diameters(sheet: Sheet) -> float:
+        return max((table.header.score for table in find_tables(sheet, names) if table.header.complete), default=0.0)
+
+    try:
+        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)))
+    except ReadingsError:
+        return Table.READINGS if is_workbook else Table.ROAD_TEST
+    if describes_controller(sheets):
+        return Table.CONTROLLER
+    if any(map(diameters, sheets)):
+        return Table.READINGS
+    if gauge_table.find_tabs(sheets, controller).tables:
+        return Table.PRESSURES
+    return Table.ROAD_TEST if any(sheet.rows for sheet in sheets) else Table.READINGS

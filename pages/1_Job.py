@@ -1,0 +1,12 @@
+"""Ask whose job this is, and what was seen and decided: the job record as a form."""
+
+import streamlit as st
+
+from pages.shared import job_form, panel, reader, steps
+
+case, diagnosis = panel.shown()
+steps.draw(diagnosis)
+say = reader.say()
+st.title(say("job.title"))
+st.caption(say("job.optional"))
+job_form.draw(diagnosis.controller)

@@ -1,0 +1,22 @@
+"""Choose what a job takes from the catalogue, its instruments and how the engine computes."""
+
+import streamlit as st
+
+from atleak.job.case import SLOTS
+from pages.shared import choices, panel, reader
+
+panel.shown()
+say = reader.say()
+st.title(say("settings.title"))
+st.subheader(say("settings.fluid"))
+choices.catalogue_entry("fluid")
+choices.fluid_state()
+st.subheader(say("settings.limits"))
+choices.catalogue_entry("limits")
+st.caption(say("settings.own"))
+st.subheader(say("settings.instruments"))
+for slot in SLOTS.values():
+    if slot.part is not None:
+        choices.catalogue_entry(slot.name)
+st.subheader(say("settings.engine"))
+choices.engine()

@@ -1,0 +1,147 @@
+"""Ask for what a job takes from the catalogue, and how the engine computes.
+
+Each choice is taken as soon as it is made, before anything is drawn: the result above it on the page holds it already.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, get_args, get_type_hints
+
+import streamlit as st
+
+from atleak.catalogue.fluid import USED_THINNER, FluidState
+from atleak.engine.profile import PROFILES, UNKNOWN, Profile
+from atleak.job.case import SLOTS, Choice, SourceFile
+from pages.shared import show
+from pages.shared.cases import catalogue_list, shown_name
+from pages.shared.state import choose, session
+
+OPTIONS = {
+    "diameter": "Diameter in the gap law",
+    "viscosity": "Viscosity",
+    "pump_draw": "Counted as drawn from the pump",
+    "pump_efficiency": "Pump efficiency",
+    "entry_loss": "Loss at a gap's entry and exit",
+    "form": "Clearance that differs around the bore",
+}
+VALUES = {
+    "mean": "mean of spool and sleeve",
+    "spool": "of the spool",
+    "d341": "ASTM D341",
+    "tabulated": "table",
+    "regression": "the study's regression",
+    "into_sump": "flow into the sump",
+    "all_gaps": "flow of all gaps",
+    "wilson": "Wilson slip",
+    "constant": "constant",
+    "auto": "subtracted where it matters",
+    "on": "subtracted everywhere",
+    "off": "left out",
+    "mean_of_cubes": "mean of the cubes",
+    "cube_of_mean": "cube of the mean",
+}
+
+
+def catalogue_entry(name: str) -> None:
+    """Ask which entry of the catalogue the job takes: a shipped one, one of the user's own, or the file given last."""
+    now, slot = session(), SLOTS[name]
+    current = getattr(now.case, name)
+    known = catalogue_list(name).entries
+    options: list[Choice] = [each for each, entry in known.items() if slot.part is None or slot.part in entry.measures]
+    given = current if isinstance(current, SourceFile) else now.own.get(name)
+    options += [given] if given is not None else [] if current in options else [current]
+
+    def shown(option: Choice) -> str:
+        if isinstance(option, SourceFile):
+            return f"own file: {option.name}"
+        return shown_name(known[option]) if option in known else option
+
+    _select(slot.label, name, options, current, shown, lambda picked: choose(**{name: picked}))
+
+
+def fluid_state() -> None:
+    """Ask whether the fluid in the transmission is fresh or used."""
+    key, states = _key("fluid_state"), (None, *get_args(FluidState))
+    low, high = USED_THINNER
+    st.radio(
+        "The fluid is",
+        states,
+        states.index(session().case.fluid_state),
+        key=key,
+        format_func=lambda state: state or "not known: taken as fresh",
+        horizontal=True,
+        help=f"Used fluid is thinner: as its own data say or, without any, by {low} to {high} % (representative).",
+        on_change=lambda: choose(fluid_state=st.session_state[key]),
+    )
+
+
+def engine() -> None:
+    """Ask for the profile, and for every option in which the job may differ from it."""
+    case, hints = session().case, get_type_hints(Profile)
+    profiles = list(PROFILES)
+    _select("Profile", "profile", profiles, case.profile, str, lambda name: choose(profile=name, options=()))
+    base = PROFILES[case.profile].options
+    chosen = base | dict(case.options)
+
+    def take(option: str, value: Any) -> None:
+        now = session().case
+        values = PROFILES[now.profile].options | dict(now.options) | {option: value}
+        differing = ((name, each) for name, each in values.items() if each != PROFILES[now.profile].options[name])
+        choose(options=tuple(differing))
+
+    for option, label in OPTIONS.items():
+        values = list(get_args(hints[option]))
+        tip = "; ".join(f"{VALUES.get(value, value)}: `{option}={value}`" for value in values)
+        _select(label, option, values, chosen[option], _value_name, partial(take, option), tip)
+    _eccentricity(chosen["eccentricity"], partial(take, "eccentricity"))
+    st.caption("`workshop` is the better physics; `paper` computes as the source study printed.")
+
+
+def _eccentricity(current: float | str, take: Callable[[float | str], None]) -> None:
+    unknown, ratio = _key("position"), _key("eccentricity")
+    fixed = st.session_state.get("fixed-eccentricity", 0.0) if isinstance(current, str) else current
+
+    def changed() -> None:
+        st.session_state["fixed-eccentricity"] = st.session_state[ratio]
+        take(UNKNOWN if st.session_state[unknown] else st.session_state[ratio])
+
+    st.toggle(
+        "Where the spools lie is unknown",
+        current == UNKNOWN,
+        key=unknown,
+        help="Every flow is the mean over all positions, 1.5 times that of concentric spools.",
+        on_change=changed,
+    )
+    st.slider("Eccentricity e/c", 0.0, 1.0, fixed, 0.05, key=ratio, disabled=current == UNKNOWN, on_change=changed)
+
+
+def _value_name(value: str) -> str:
+    return VALUES.get(value, value)
+
+
+def _select(
+    label: str,
+    name: str,
+    options: Sequence[Any],
+    current: Any,
+    shown: Callable[[Any], str],
+    take: Callable[[Any], None],
+    tip: str | None = None,
+) -> None:
+    key = _key(name)
+    st.selectbox(
+        label,
+        options,
+        options.index(current),
+        key=key,
+        format_func=lambda option: show.plain(shown(option)) if isinstance(option, SourceFile) else shown(option),
+        help=tip,
+        on_change=lambda: take(st.session_state[key]),
+    )
+
+
+def _key(name: str) -> str:
+    now = session()
+    return f"{name}-{now.generation}-{now.turns}"

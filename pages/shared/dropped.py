@@ -1,0 +1,71 @@
+"""Take in whatever files somebody hands over, each told by its content."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from atleak.catalogue.controller_toml import written_toml
+from atleak.errors import AtleakError
+from atleak.intake.controller_workbook import read_controller_workbook
+from atleak.job.case import SLOTS, SourceFile
+from atleak.job.decisions import check_decisions
+from atleak.job.file import parse_job
+from atleak.job.kinds import Kind, kind_of, slots_of
+from atleak.report.pdf.pictures import printable_picture
+from pages.shared.cases import catalogue_entry, controller_of
+from pages.shared.state import Refusal, job, open_job, pick, put_file, put_job, remember, session
+
+_ORDER = tuple(Kind)  # a job before what is added to it, its valve body before the sheet
+_OF_JOB = (Kind.READINGS, Kind.ROAD_TEST, Kind.PRESSURES)
+
+
+def take(files: Sequence[SourceFile]) -> None:
+    """Take files into the job, each to its place; what cannot be used is kept in ``refused`` of the session."""
+    kinds = [(kind_of(file, controller_of(session().good)), file) for file in files]
+    session().notices = ()
+    for slot in ("job", "dropped"):
+        session().refused.pop(slot, None)
+    for kind, file in sorted(kinds, key=lambda each: _ORDER.index(each[0])):
+        now = session()  # another one where a job was opened
+        try:
+            _take(kind, file)
+        except AtleakError as error:
+            now.refused["dropped"] = Refusal(file.name, error)
+
+
+def _take(kind: Kind, file: SourceFile) -> None:
+    now = session()
+    if kind is not Kind.JOB:  # which does it itself
+        remember(f"{file.name} taken in")
+    if kind in _OF_JOB:
+        now.follow = kind is Kind.READINGS or now.follow
+        put_file(kind, file)
+    elif kind is Kind.JOB:
+        open_job(file.name, file.content)
+    elif kind is Kind.RECORD:
+        record = parse_job(file.content, file.name)
+        check_decisions(record, controller_of(now.case), file.name)
+        put_job(record.with_pictures(job().pictures))
+        _say(f"{file.name} is this job's record now.")
+    elif kind is Kind.PICTURE:
+        printable_picture(file.name, file.content)
+        put_job(job().with_photo(file.name, file.content))
+        _say(f"{file.name} is among the photos of page Job.")
+    elif kind is Kind.CONTROLLER_WORKBOOK:
+        described = read_controller_workbook(file.content, name=file.name)
+        name = f"{described.controller.id}.toml"
+        _choose(("controller",), SourceFile(name, written_toml(described.data).encode("utf-8")))
+    else:
+        slot = next(slot for slot in SLOTS.values() if slot.name.endswith(kind))
+        _choose(slots_of(kind, catalogue_entry(slot.name, file)), file)
+
+
+def _choose(slots: Sequence[str], file: SourceFile) -> None:
+    for slot in slots:
+        pick(slot, file)
+    names = ", ".join(SLOTS[slot].label.lower() for slot in slots)
+    _say(f"{file.name} is used for: {names}.")
+
+
+def _say(text: str) -> None:
+    session().notices += (text,)

@@ -1,0 +1,80 @@
+"""What a file that is handed over is, told by its content whatever its name says."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import openpyxl
+import pytest
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.entries import KINDS, catalogue_files
+from atleak.job.case import Case, SourceFile
+from atleak.job.file import write_job_file
+from atleak.job.kinds import Kind, kind_of, slots_of
+from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.measuring_sheet import write_template
+
+GAUGES = b"Range;Engine;Tap;Pressure [kPa]\nD;idle;line;412\nR;stall;line;1500\n"
+LOG = b"time [s];engine speed [rpm];line pressure [kPa]\n" + b"0,1;800;412\n" * 50
+
+
+def as_workbook(text: bytes) -> bytes:
+    book = openpyxl.Workbook()
+    for line in text.decode().splitlines():
+        book.active.append([float(cell.replace(",", ".")) if cell[:1].isdigit() else cell for cell in line.split(";")])
+    target = io.BytesIO()
+    book.save(target)
+    return target.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (b"component;part;plane;direction;diameter [mm]\naccumulator;piston;1;0;18,0\n", Kind.READINGS),
+        (GAUGES, Kind.PRESSURES),
+        (as_workbook(GAUGES), Kind.PRESSURES),
+        (LOG, Kind.ROAD_TEST),
+        (as_workbook(LOG), Kind.ROAD_TEST),
+        (b"MDF     4.10", Kind.ROAD_TEST),
+        (b"", Kind.ROAD_TEST),
+        (as_workbook(b""), Kind.READINGS),
+        (b"\x89PNG\r\n\x1a\n", Kind.PICTURE),
+        (b"RIFF\0\0\0\0WEBPVP8 ", Kind.PICTURE),
+        (b'number = "2026-0417"\n[customer]\nname = "A"\n', Kind.RECORD),
+        (b'{"number": "2026-0417"}', Kind.RECORD),
+    ],
+)
+def test_a_file_is_told_by_its_content(minimal: Controller, content: bytes, kind: Kind) -> None:
+    assert kind_of(SourceFile("anything.dat", content), minimal) is kind
+
+
+def test_templates_and_samples_are_told(minimal: Controller, sample_readings: Path, sample_log: Path) -> None:
+    assert kind_of(SourceFile("a", write_template(minimal)), minimal) is Kind.READINGS
+    assert kind_of(SourceFile("a", write_controller_workbook()), minimal) is Kind.CONTROLLER_WORKBOOK
+    assert kind_of(SourceFile("a", sample_readings.read_bytes()), minimal) is Kind.READINGS
+    assert kind_of(SourceFile("a", sample_log.read_bytes()), minimal) is Kind.ROAD_TEST
+
+
+def test_a_job_file_is_told(minimal: Controller) -> None:
+    job_file = write_job_file(Case(controller="minimal_example").diagnose())
+    assert kind_of(SourceFile("a.xlsx", job_file), minimal) is Kind.JOB
+
+
+@pytest.mark.parametrize("folder", KINDS)
+def test_every_shipped_entry_is_told_also_where_it_has_a_fault(minimal: Controller, folder: str) -> None:
+    for path in catalogue_files(folder).values():
+        text = path.read_text(encoding="utf-8")
+        kind = kind_of(SourceFile("own.txt", text.encode()), minimal)
+        assert f"{kind}s".replace("ss", "s") == folder
+        broken = text.replace("= ", "= ,", 5)
+        assert kind_of(SourceFile("own.toml", broken.encode()), minimal) is kind
+
+
+def test_an_instrument_is_chosen_for_what_it_measures() -> None:
+    class Gauge:
+        measures = ("sleeve",)
+
+    assert slots_of(Kind.INSTRUMENT, Gauge()) == ("sleeve_instrument",)
+    assert slots_of(Kind.FLUID, object()) == ("fluid",)
