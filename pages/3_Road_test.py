@@ -40,7 +40,7 @@ if own is not None:
     road_page.findings(diagnosis)
 happened = kept_with(test, "events", "", lambda: events(test)) if own is None else own.events
 st.subheader(say("road_test.happened"))
-log_view.events_table(happened)
+log_view.events_table(test, happened)
 
 st.subheader(say("road_test.picture"))
 ends = log_view.window(test, happened)

@@ -5,9 +5,9 @@
 
 from atleak.channel_formulas.evaluation import NAMES, FormulaChannel, evaluate, formula_channel
 from atleak.channel_formulas.parsing import FUNCTIONS, parse
-from atleak.channel_formulas.scales import Scale, channel_scales, formula_scale
+from atleak.channel_formulas.scales import channel_scales, formula_scale
 
 __all__ = [
-    "FUNCTIONS", "NAMES", "FormulaChannel", "Scale", "channel_scales", "evaluate", "formula_channel", "formula_scale",
+    "FUNCTIONS", "NAMES", "FormulaChannel", "channel_scales", "evaluate", "formula_channel", "formula_scale",
     "parse",
 ]  # fmt: skip

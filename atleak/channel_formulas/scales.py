@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 from atleak.channel_formulas.evaluation import Dimension
 from atleak.intake.road_test.describe import workshop_unit
 from atleak.intake.units import Unit, unit
 from atleak.road_test import RoadTest
+from atleak.views.log_rows import Scale
 from atleak.wording import Wording
 
-Scale = tuple[str, Callable[[Any], Any]]
 _SHOWN = {  # kind of quantity → the reader's kind, and the unit that atleak's records have it in
     "pressure": ("pressure", unit("kPa", "pressure")),
     "rotational_speed": ("engine_speed", unit("rpm", "rotational_speed")),

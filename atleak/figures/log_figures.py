@@ -11,12 +11,13 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from atleak.channel_formulas import FormulaChannel, Scale, formula_scale
+from atleak.channel_formulas import FormulaChannel, formula_scale
 from atleak.events import Event
 from atleak.figures.frame import framed
 from atleak.look import CURVES, SCREEN, SUSPECT
 from atleak.road_test import Channel, RoadTest
 from atleak.thinning import thinned
+from atleak.views.log_rows import Scales
 from atleak.views.operating_map import Histogram, OperatingMap
 from atleak.views.road_words import event_name
 from atleak.wording import Wording
@@ -41,7 +42,7 @@ class LaidOver:
 
 def log_channels(
     test: RoadTest,
-    scales: Mapping[str, Scale],
+    scales: Scales,
     say: Wording,
     marked: Sequence[Event] = (),
     formulas: Sequence[FormulaChannel] = (),

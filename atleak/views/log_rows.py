@@ -16,7 +16,8 @@ from atleak.views.road_words import event_remark
 from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT
 
-Scale = tuple[str, Callable[[Any], Any]]
+Scale = tuple[str, Callable[[Any], Any]]  # a unit's name, and the function from SI to it
+Scales = Mapping[str, Scale]  # by quantity
 Curve = tuple[str, np.ndarray, np.ndarray, str]  # name, stamps [s], values in the reader's unit, that unit
 
 
@@ -68,9 +69,7 @@ def circuit_rows(road: RoadLeakage) -> list[dict[str, Any]]:
     ]
 
 
-def log_curves(
-    test: RoadTest, road: RoadLeakage | None, scales: Mapping[str, Scale], say: Wording, file: str = ""
-) -> list[Curve]:
+def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wording, file: str = "") -> list[Curve]:
     """Return every channel of a log, and its leakage, pump flow and share, in the reader's units; suspect ones are NaN.
 
     Parameters
@@ -149,6 +148,8 @@ def short(value: float | None, say: Wording) -> str:
     if value is None or not math.isfinite(value):
         return say.number(None, 0)
     size = abs(value)
+    if value.is_integer():
+        return say.number(value, 0)
     digits = 3 if size < 0.001 else min(max(2 - math.floor(math.log10(size)), 0), 5)
     return say.number(value, digits)
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.events.event import segments
 from atleak.road_test import RoadTest
+from atleak.views.log_rows import Scale
 from atleak.workshop_units import PERCENT
 
-Scale = tuple[str, Callable[[Any], Any]]
 _COLUMNS, _ROWS, _BARS = 16, 10, 24  # most cells of the map in a direction, and most bars of a histogram
 
 

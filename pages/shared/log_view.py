@@ -1,4 +1,4 @@
-"""Show a log: the part that is looked at, its picture with a second log and formulas, its values, and where it was driven."""
+"""Show a log: the part that is looked at, its picture, formulas, values, and where it was driven."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ class Part:
         return self.ends, tuple((each.name, each.formula) for each in self.formulas), over
 
 
-def events_table(happened: Sequence[Event]) -> None:
+def events_table(test: RoadTest, happened: Sequence[Event]) -> None:
     """Show every event of a log."""
     say = reader.say()
     if not happened:
         st.write(say("road_test.no_event"))
         return
-    rows = event_rows(happened, say)
+    rows = kept_with(test, "event rows", say, lambda: event_rows(happened, say))
     config = {}
     for key in rows[0]:
         heading = say(f"columns.{key}")
@@ -78,9 +78,14 @@ def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | N
     if not last > first:
         return None
     kept = session().windows
-    chosen = st.selectbox(
-        say("road_test.look_at"), [None, *happened], key="window-event", format_func=partial(_event_name, say=say)
+    names = kept_with(test, "event names", say, lambda: [_event_name(event, say) for event in happened])
+    number = st.selectbox(
+        say("road_test.look_at"),
+        [None, *range(len(happened))],
+        key=_picked(test),
+        format_func=lambda number: say("road_test.whole") if number is None else names[number],
     )
+    chosen = None if number is None else happened[number]
     ends = (first, last) if chosen is None else (chosen.start, chosen.stop)
     if chosen is None:
         ends = kept.get(test.sha256, ends)
@@ -98,13 +103,15 @@ def look_between(test: RoadTest, start: float, stop: float) -> None:
     ends = (min(max(start, first), last), min(max(stop, first), last))
     if ends[1] > ends[0]:
         session().windows[test.sha256] = ends
-        st.session_state["window-event"] = None
+        st.session_state[_picked(test)] = None
         st.session_state["window-set"] = st.session_state.get("window-set", 0) + 1  # a fresh slider starts from it
 
 
-def _event_name(event: Event | None, say: Wording) -> str:
-    if event is None:
-        return say("road_test.whole")
+def _picked(test: RoadTest) -> str:
+    return f"window-event-{test.sha256}"
+
+
+def _event_name(event: Event, say: Wording) -> str:
     first, last = say.number(event.start, 1), say.number(event.stop, 1)
     return say("road_test.from_to", what=event_name(event, say), first=first, last=last)
 
@@ -138,7 +145,7 @@ def _one(test: RoadTest, typed: LogFormula, above: Mapping[str, FormulaChannel])
 
 
 def formulas_form(test: RoadTest) -> None:
-    """Ask for channels that are computed from the log's own, and list those there are, each with why it is not drawn."""
+    """Ask for channels that are computed from the log's own, and list those there are."""
     say = reader.say()
     generation = job_generation()
     with fields.fold(say("formulas.fold"), key=f"formulas-fold-{generation}") as place:

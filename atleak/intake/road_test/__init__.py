@@ -39,7 +39,7 @@ def read_road_test(
         A path, or the file's bytes (then ``name`` names it in messages). Delimited text in any usual encoding, xlsx,
         MDF4, or a gz of one of them; the content decides, not the extension.
     mapping
-        Quantity → column, by header text or ``column 3``; `NOT_LOGGED` where no column holds it, whatever its name says.
+        Quantity → column, by header text or ``column 3``; `NOT_LOGGED` where no column holds it.
     units
         Quantity → unit, where the file does not state it or states it wrongly.
     constants
