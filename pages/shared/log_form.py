@@ -39,11 +39,10 @@ class Tried:
 
 def pending(case: PageCase) -> tuple[SourceFile, Understood] | None:
     """Return the log to show: the one refused for an open question, else that of the job."""
-    refused, tried = session().refused.get("road_test"), _tried()
+    refused = session().refused.get("road_test")
     if refused is not None and refused.file is not None:
-        file = refused.file
-        choices = Case()
-        if tried is not None and tried.sha256 == file.sha256:
+        file, choices = refused.file, Case()
+        if (tried := _tried_for(file)) is not None:
             choices = Case(columns=tuple(tried.columns.items()), units=tuple(tried.units.items()), remember=False)
         try:
             return file, understood(file, choices)
@@ -61,10 +60,16 @@ def _tried() -> Tried | None:
     return tried
 
 
+def _tried_for(file: SourceFile) -> Tried | None:
+    """Return the columns that were chosen for this log and not taken."""
+    tried = _tried()
+    return None if tried is None or tried.sha256 != file.sha256 else tried
+
+
 def refused(file: SourceFile) -> bool:
-    """Tell whether this log was refused: what was understood of it then says why."""
+    """Tell whether this log, or a column chosen for it, was refused: what was understood of it then says why."""
     refusal = session().refused.get("road_test")
-    return refusal is not None and refusal.file == file
+    return _tried_for(file) is not None or (refusal is not None and refusal.file == file)
 
 
 def keep_what_was_taken(case: PageCase) -> None:
@@ -73,9 +78,18 @@ def keep_what_was_taken(case: PageCase) -> None:
     if tried is None or file is None or "road_test" in session().refused:
         return
     if file.sha256 == tried.sha256 and dict(case.columns) == tried.columns and dict(case.units) == tried.units:
+        if not _used(tried, Kept().log(case)):
+            return  # the form shows them, and why they were not used
         why = remember_columns(file, dict(tried.columns), dict(tried.units))
         session().unkept = (file.sha256, why) if why else ("", "")
     del st.session_state[_TRIED]
+
+
+def _used(tried: Tried, log: Understood) -> bool:
+    """Tell whether every column that was chosen gave its quantity: one may lack the unit or the values for it."""
+    test = log.road_test
+    chosen = [name for name, column in tried.columns.items() if column != NOT_LOGGED and name != "time"]
+    return test is not None and all(name in test.channels for name in chosen)
 
 
 def facts(log: Understood, say: Wording) -> str:
@@ -195,7 +209,7 @@ def form(file: SourceFile, log: Understood, case: PageCase) -> None:
         st.warning(say("mapping.ask", quantity=quantity, why=show.plain(question.why)))
     if session().unkept[0] == file.sha256:
         st.warning(say("mapping.not_kept", why=show.plain(session().unkept[1])))
-    wanting = bool(log.ambiguous or not asked.recognised or (asked.missing and log.unused))
+    wanting = bool(log.ambiguous or refused(file) or not asked.recognised or (asked.missing and log.unused))
     key = f"columns-{session().generation}-{file.sha256}-{wanting}"
     with fields.fold(say("mapping.fold"), key=key, opened=wanting) as place:
         if not place.open:
@@ -210,8 +224,7 @@ def form(file: SourceFile, log: Understood, case: PageCase) -> None:
 def _asked(
     file: SourceFile, log: Understood, case: PageCase, say: Wording, columns: tuple[LogColumn, ...] = ()
 ) -> _Asked:
-    tried = _tried()
-    if tried is not None and tried.sha256 == file.sha256:
+    if (tried := _tried_for(file)) is not None:
         chosen, units = dict(tried.columns), dict(tried.units)
     else:
         earlier = remembered_columns(file) if file != case.road_test or case.remember else None
@@ -223,9 +236,9 @@ def _asked(
 
 
 def _say_what_is_wanting(asked: _Asked, file: SourceFile) -> None:
-    say, tried = asked.say, _tried()
+    say = asked.say
     with st.container():
-        if tried is not None and tried.sha256 == file.sha256:
+        if _tried_for(file) is not None:
             st.warning(say("mapping.not_taken"))
         if not asked.recognised:
             st.info(say("mapping.nothing"))

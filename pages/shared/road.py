@@ -72,10 +72,10 @@ def _sentences(log: RoadFindings, say: Wording) -> list[str]:
 
 def alone(diagnosis: Diagnosis) -> None:
     """Show a road test without a measuring sheet: its findings are all there is."""
-    st.subheader(reader.say()("road_test.says"))
+    st.subheader(reader.say()("road_test.alone"))
     findings(diagnosis, said_above=True)
     if diagnosis.road is not None:
-        st.subheader(reader.say()("road_test.leakage"))
+        st.subheader(reader.say()("road_test.alone_over"))
     leakage(diagnosis)
 
 
