@@ -4,24 +4,27 @@ from pathlib import Path
 
 import streamlit as st
 
-from pages.shared import book, panel, reader
+from pages.shared import book, panel, reader, steps
 
 HERE = Path(__file__).parent
 
 st.set_page_config("atleak", page_icon=HERE / "pages" / "shared" / "icon.svg", layout="wide")
 # A page's number gives its place: a job's way up to nine, from ten on the job book, from twenty on the rare ones.
-GROUPS = ("", "Job book", "More")
+GROUPS = ("", "group_book", "group_more")
+say = reader.say()
 page_files = {int(path.stem.partition("_")[0]): path for path in (HERE / "pages").glob("[0-9]*_*.py")}
-groups: dict[str, list[st.Page]] = {group: [] for group in GROUPS}
+groups: dict[str, list[st.Page]] = {say(f"pages.{group}") if group else "": [] for group in GROUPS}
 for number, path in sorted(page_files.items()):
-    title = path.stem.partition("_")[2].replace("_", " ")
+    title = say.get("pages", path.stem.partition("_")[2])
     if number:
-        groups[GROUPS[number // 10]].append(st.Page(path, title=title))
+        list(groups.values())[number // 10].append(st.Page(path, title=title))
     else:  # where the bare address leads
         groups[""].append(st.Page(path, title=title, default=True, visibility="hidden"))
 page = st.navigation(groups, position="top")
 reader.mark_page()
-panel.draw()
+result = panel.draw()
+if page in groups[""][1:]:
+    steps.draw(result)
 try:
     page.run()
 finally:  # also where the page ends early

@@ -12,10 +12,11 @@ from typing import Literal
 
 from atleak.engine.road_pressure import PlaceFinding, RoadPressure
 from atleak.road_findings import RoadFindings
+from atleak.unit_systems import Quantity
 from atleak.workshop_units import KPA
 
 CheckSource = Literal["practice", "ford_2017", "study", "project"]
-WARM = 50.0  # [°C] to which workshops warm a transmission up before its road test
+WARM, HOTTEST = 50.0, 80.0  # [°C] between which workshops have a transmission before its road test
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class NextCheck:
 
     code: str
     source: CheckSource
-    values: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, str | Quantity] = field(default_factory=dict)
 
 
 def next_checks(
@@ -85,7 +86,8 @@ def _against_command(findings: RoadFindings, limit: float | None, *, low: bool) 
         return
     if limit is None:
         return
-    values = {"kpa": f"{abs(compared.difference) * KPA:.0f}", "limit": f"{limit * KPA:.0f}"}
+    kpa = abs(compared.difference) * KPA
+    values = {"kpa": Quantity(kpa, "pressure"), "limit": Quantity(limit * KPA, "pressure")}
     if compared.difference <= -limit:
         yield NextCheck("below_commanded", "ford_2017", values)
     elif compared.difference >= limit:
@@ -117,4 +119,6 @@ def _temperature(findings: RoadFindings) -> Iterator[NextCheck]:
     if findings.temperatures is None:
         yield NextCheck("log_temperature", "project")
     elif findings.temperatures[1] < WARM:
-        yield NextCheck("warm_up", "practice", {"highest": f"{findings.temperatures[1]:.0f}", "warm": f"{WARM:.0f}"})
+        reached, warm, hottest = (Quantity(each, "temperature") for each in (findings.temperatures[1], WARM, HOTTEST))
+        values = {"highest": reached, "warm": warm, "hottest": hottest}
+        yield NextCheck("warm_up", "practice", values)

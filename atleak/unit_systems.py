@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from atleak.errors import unknown
 from atleak.workshop_units import INCH, KPA, MILE, MM, PSI, QUART, UM
@@ -43,6 +43,14 @@ class ShownUnit:
         return self.digits if digits is None else max(0, digits + self.finer)
 
 
+class Quantity(NamedTuple):
+    """A value in the unit of atleak's records, to be written in the reader's, with so many places in its own."""
+
+    value: float
+    kind: str
+    digits: int = 0
+
+
 _METRIC = {
     "clearance": ShownUnit("µm", 1),
     "length": ShownUnit("mm", 3),
@@ -58,6 +66,7 @@ _METRIC = {
     "density": ShownUnit("g/cm³", 3),
     "time": ShownUnit("s", 1),
     "percent": ShownUnit("%", 1),
+    "number": ShownUnit("", 2),
 }
 _INCHES = 1.0 / (INCH * MM)
 _TENTHS = 1.0e4 / (INCH * UM)

@@ -15,12 +15,13 @@ from typing import Any
 
 from atleak.errors import unknown
 from atleak.look import look_of
-from atleak.unit_systems import ShownUnit, unit_system
+from atleak.unit_systems import Quantity, ShownUnit, unit_system
 from atleak.verdicts import Band, Verdict
 from atleak.workshop_units import PERCENT
 
 _FOLDER = Path(__file__).parent / "texts"
 _PLACE = re.compile(r"\{(\w+)\}")
+_UNIT = "unit_"  # begins a place that holds the reader's unit of a kind of quantity
 _FROM_THE_RIGHT = ("R", "AL", "AN")  # Unicode's classes of letters and digits
 _NARROW = "\u00a0"  # between thousands, and between a number and its unit: no line breaks there
 
@@ -47,7 +48,9 @@ class Wording:
     system: Mapping[str, ShownUnit]
 
     def __call__(self, key: str, /, **values: object) -> str:
-        """Return the text of a dotted key, its ``{places}`` filled in.
+        """Return the text of a dotted key, its ``{places}`` filled in, ``{unit_pressure}`` with the reader's unit.
+
+        A place may be given a `Quantity`, which is written in the reader's unit.
 
         Raises
         ------
@@ -55,7 +58,13 @@ class Wording:
             if no language has the key.
         """
         table, _, name = key.partition(".")
-        return _PLACE.sub(lambda match: isolated(str(values[match[1]])), self.texts[table][name])
+        return _PLACE.sub(lambda match: self._filled(match[1], values), self.texts[table][name])
+
+    def _filled(self, place: str, values: Mapping[str, object]) -> str:
+        if place not in values and place.startswith(_UNIT):
+            return self.unit(place.removeprefix(_UNIT))
+        value = values[place]
+        return self.value(*value) if isinstance(value, Quantity) else isolated(str(value))
 
     def get(self, table: str, name: str) -> str:
         """Return the text for a name, or the name itself where no text is known for it."""
@@ -125,6 +134,19 @@ class Wording:
         """
         unit = self.system[kind].spelled or self.system[kind]
         return f"{self._in(unit, value, digits)}{_NARROW}{self.get('units', unit.name)}"
+
+    def plain_value(self, value: float, kind: str) -> str:
+        """Return a value of atleak's records in the reader's unit with no more digits than it has, without the unit."""
+        return self._plain_in(self.system[kind], value)
+
+    def plain_quantity(self, value: float, kind: str) -> str:
+        """Return a value of atleak's records in the reader's unit with no more digits than it has, with that unit."""
+        unit = self.system[kind].spelled or self.system[kind]
+        return f"{self._plain_in(unit, value)}{_NARROW}{self.get('units', unit.name)}"
+
+    def _plain_in(self, unit: ShownUnit, value: float) -> str:
+        shown = unit.shown(value)
+        return self.plain(shown, 6 if shown == value else 4)  # converting brings digits that nobody stated
 
     def _in(self, unit: ShownUnit, value: float | None, digits: int | None) -> str:
         return self.number(None if value is None else unit.shown(value), unit.places(digits))

@@ -15,7 +15,7 @@ if diagnosis.without_sheet:
     st.stop()
 st.write(
     "Every flagged land starts as proposed, with the repair that was chosen for it. What you change is your own and "
-    "stays as it is, whatever is measured next. Further lines: among the repair decisions on the page Report."
+    "stays as it is, whatever is measured next. Further lines: among the repair decisions on the page Job."
 )
 made = estimate_form.draw(diagnosis)
 

@@ -2,10 +2,9 @@
 
 import streamlit as st
 
-from pages.shared import job_form, panel, reader, steps
+from pages.shared import job_form, panel, reader
 
 case, diagnosis = panel.shown()
-steps.draw(diagnosis)
 say = reader.say()
 st.title(say("job.title"))
 st.caption(say("job.optional"))

@@ -17,7 +17,7 @@ if unit is None:
 spool, sleeve = unit.instruments.spool, unit.instruments.sleeve
 st.markdown(
     f"Spools measured with **{show.plain(spool.name)}**, sleeves with **{show.plain(sleeve.name)}**; bars are "
-    f"{unit.coverage:.0%} intervals. Choose the instruments in the sidebar."
+    f"{unit.coverage:.0%} intervals. Choose the instruments on the page Settings."
 )
 show.messages(unit.messages, "the instruments and what else is uncertain")
 

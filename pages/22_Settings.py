@@ -8,6 +8,8 @@ from pages.shared import choices, panel, reader
 panel.shown()
 say = reader.say()
 st.title(say("settings.title"))
+st.subheader(say("reader.title"))
+reader.draw_choices()
 st.subheader(say("settings.fluid"))
 choices.catalogue_entry("fluid")
 choices.fluid_state()

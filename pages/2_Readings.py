@@ -20,7 +20,7 @@ else:
     said = f"{len(readings.readings)} readings in {unit}; {diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     st.markdown(f"**{show.plain(readings.file)}**{show.plain(where)}: {show.plain(said)}.")
     at = measuring_temperature(diagnosis, wording("en"))
-    st.caption(f"Temperature of measuring: {at}. It is stated in the job record, page Report, or in the sheet's head.")
+    st.caption(f"Temperature of measuring: {at}. It is stated in the job record, page Job, or in the sheet's head.")
 st.download_button(
     "Measuring sheet to fill in",
     lambda: write_template(controller),

@@ -12,7 +12,7 @@ from atleak.report.pdf.body import SECTIONS
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
 from atleak.wording import languages, wording
-from pages.shared import conditions, files, panel, steps
+from pages.shared import conditions, files, panel
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job
 
@@ -20,7 +20,6 @@ ALL = "Record, sheet, log, photos and catalogue files in one zip: another atleak
 RECORD = "What page Job holds, for the next time or for the command line."
 
 case, diagnosis = panel.shown()
-steps.draw(diagnosis)
 st.title("Report")
 record = job()
 name = files.named("atleak", record.number)

@@ -77,6 +77,11 @@ class RuleKind(StrEnum):
         return _UNITS[self][1]
 
     @property
+    def quantity(self) -> str | None:
+        """Return the kind of quantity that it is, where people may read it in another unit; None for a fraction."""
+        return _UNITS[self][3]
+
+    @property
     def suffix(self) -> str:
         """Return that unit as the end of a key; none of a plain number."""
         return _UNITS[self][2]
@@ -97,13 +102,13 @@ class RuleKind(StrEnum):
         return self in {RuleKind.WEAR, RuleKind.CLEARANCE, RuleKind.PAIR_SHARE}
 
 
-_FRACTION, _PRESSURE = (PERCENT, "%", "percent"), (KPA, "kPa", "kpa")
-_UNITS: Mapping[RuleKind, tuple[float, str, str]] = {
+_FRACTION, _PRESSURE = (PERCENT, "%", "percent", None), (KPA, "kPa", "kpa", "pressure")
+_UNITS: Mapping[RuleKind, tuple[float, str, str, str | None]] = {
     RuleKind.WEAR: _FRACTION,
-    RuleKind.CLEARANCE: (UM, "µm", "um"),
+    RuleKind.CLEARANCE: (UM, "µm", "um", "clearance"),
     RuleKind.PAIR_SHARE: _FRACTION,
     RuleKind.TOTAL_SHARE: _FRACTION,
-    RuleKind.RESERVE: (1.0, "", ""),
+    RuleKind.RESERVE: (1.0, "", "", None),
     RuleKind.CIRCUIT_LOSS: _PRESSURE,
     RuleKind.BELOW_LINE: _PRESSURE,
     RuleKind.PERMISSIBLE_PRESSURE: _FRACTION,

@@ -15,6 +15,7 @@ from atleak.job.record import Job, RepairDecision
 from atleak.repair.money import decimals
 from atleak.rules import Rule
 from atleak.views.repair_words import Named, label_of
+from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
 
 _COLUMNS = (
@@ -90,7 +91,7 @@ class EstimateWords:
         return f"{self.rule(rule)} {self._value(rule)} ({self.say.level(rule.level)})"
 
     def _value(self, rule: Rule) -> str:
-        return f"{self.say.number(rule.value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}".rstrip()
+        return rule_value(rule.value, rule.kind, self.say)
 
     @property
     def sums(self) -> list[tuple[str, Sum]]:

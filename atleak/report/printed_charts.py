@@ -92,13 +92,19 @@ def road_chart(
         if share is not None:
             flow.plot(
                 time,
-                columns["pump_capacity_dm3_min"],
+                say.convert(columns["pump_capacity_dm3_min"], "flow"),
                 color=PAPER.pump,
                 lw=0.9,
                 ls=(0, (5, 2)),
                 label=say("charts.capacity"),
             )
-        flow.plot(time, columns["leakage_dm3_min"], color=PAPER.leakage, lw=1.4, label=say("charts.leakage"))
+        flow.plot(
+            time,
+            say.convert(columns["leakage_dm3_min"], "flow"),
+            color=PAPER.leakage,
+            lw=1.4,
+            label=say("charts.leakage"),
+        )
         flow.set_ylabel(say("charts.flow"))
         flow.set_ylim(bottom=0.0)
         figure.legend(*flow.get_legend_handles_labels(), loc="outside upper left", ncols=2, frameon=False, fontsize=8)
@@ -110,7 +116,7 @@ def road_chart(
             below.set_ylim(0.0, top)
             _bands(below, bands, top, say)
         for number, (at, leakage, part) in enumerate(marks, start=1):
-            _mark(flow, at, leakage, number)
+            _mark(flow, at, say.convert(leakage, "flow"), number)
             if share is not None:
                 _mark(axes[1], at, part, number)
         axes[-1].set_xlabel(say("charts.time"))
@@ -241,29 +247,28 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
     The crossing at the condition's own temperature carries its engine speed and its 95 % interval; upright lines are
     the engine speeds that are marked.
     """
+    flow = say.convert(DM3_MIN, "flow")
     with _drawing():
         figure = Figure(figsize=(7.0, 2.9), layout="constrained")
         axes = figure.subplots()
-        axes.plot(data.speeds * RPM, data.supply * DM3_MIN, color=PAPER.pump, lw=1.6, label=say("charts.supply"))
+        axes.plot(data.speeds * RPM, data.supply * flow, color=PAPER.pump, lw=1.6, label=say("charts.supply"))
         for number, demand in enumerate(data.demands):
             own = demand.of_condition
             axes.axhline(
-                demand.flow * DM3_MIN,
+                demand.flow * flow,
                 color=PAPER.leakage if own else PAPER.soft,
                 lw=1.4 if own else 0.8,
                 ls="-" if own else (0, _DASHES[number % len(_DASHES)]),
-                label=say("charts.taken_at", temperature=say.plain(demand.temperature)),
+                label=say("charts.taken_at", temperature=say.plain_value(demand.temperature, "temperature")),
             )
-            axes.plot(
-                [demand.crossing * RPM], [demand.flow * DM3_MIN], "o", ms=6 if own else 3, color=PAPER.ink, zorder=5
-            )
+            axes.plot([demand.crossing * RPM], [demand.flow * flow], "o", ms=6 if own else 3, color=PAPER.ink, zorder=5)
         demand = data.demand
         if data.interval is not None:
             ends = [end * RPM for end in data.interval]
-            axes.plot(ends, [demand.flow * DM3_MIN] * 2, color=PAPER.ink, lw=1.1, marker="|", ms=7, zorder=4)
+            axes.plot(ends, [demand.flow * flow] * 2, color=PAPER.ink, lw=1.1, marker="|", ms=7, zorder=4)
         axes.annotate(
             f"{say.number(demand.crossing * RPM, 0)} 1/min",
-            (demand.crossing * RPM, demand.flow * DM3_MIN),
+            (demand.crossing * RPM, demand.flow * flow),
             xytext=(-4, 5),
             textcoords="offset points",
             ha="right",
@@ -284,7 +289,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
                 parse_math=False,
             )
         axes.set_xlim(0.0, float(data.speeds[-1]) * RPM)
-        axes.set_ylim(0.0, 1.05 * float(data.supply[-1]) * DM3_MIN or 1.0)
+        axes.set_ylim(0.0, 1.05 * float(data.supply[-1]) * flow or 1.0)
         axes.set_xlabel(say("charts.speed"))
         axes.set_ylabel(say("charts.flow"))
         _plain(axes, say)
@@ -299,17 +304,17 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
     A bar's line is the 95 % interval of what holds now; short upright marks are what is set or required, triangles
     what is permissible, and signs where a loss reaches a level.
     """
-    held = at.applied
+    held, scale = at.applied, say.convert(KPA, "pressure")
     repaired = any(each.repaired is not None for each in held)
     with _drawing():
         figure = Figure(figsize=(7.0, 0.9 + (0.5 if repaired else 0.38) * len(held)), layout="constrained")
         axes = figure.subplots()
         for place, each in zip(range(len(held))[::-1], held, strict=True):
             look = None if each.verdict is None else look_of(each.verdict)
-            axes.barh(place + 0.26, each.new * KPA, height=0.24, color="white", edgecolor=PAPER.ink, lw=0.7)
+            axes.barh(place + 0.26, each.new * scale, height=0.24, color="white", edgecolor=PAPER.ink, lw=0.7)
             axes.barh(
                 place,
-                each.now * KPA,
+                each.now * scale,
                 height=0.24,
                 color=PAPER.metal if look is None else look.fill,
                 edgecolor=PAPER.ink if look is None else look.line,
@@ -317,17 +322,21 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
                 hatch="" if look is None else look.hatch,
             )
             if each.repaired is not None:
-                axes.barh(place - 0.26, each.repaired * KPA, height=0.24, color=PAPER.rule, edgecolor=PAPER.ink, lw=0.5)
+                axes.barh(
+                    place - 0.26, each.repaired * scale, height=0.24, color=PAPER.rule, edgecolor=PAPER.ink, lw=0.5
+                )
             end = each.now
             if each.interval is not None:
-                ends = [end * KPA for end in each.interval]
+                ends = [end * scale for end in each.interval]
                 axes.plot(ends, [place, place], color=PAPER.ink, lw=1.1, marker="|", ms=5)
                 end = max(end, each.interval[1])
-            _marks(axes, each, place)
-            words = f"{say.number(each.now * KPA, 0)}" + ("" if each.verdict is None else f" {say.level(each.verdict)}")
+            _marks(axes, each, place, scale)
+            words = f"{say.value(each.now * KPA, 'pressure', 0)}" + (
+                "" if each.verdict is None else f" {say.level(each.verdict)}"
+            )
             axes.annotate(
                 words,
-                (max(end, each.new, *_permissible(each)) * KPA, place),
+                (max(end, each.new, *_permissible(each)) * scale, place),
                 xytext=(10, 0),
                 textcoords="offset points",
                 va="center",
@@ -338,7 +347,7 @@ def pressures_chart(at: PressuresAt, say: Wording) -> str:
         axes.set_yticks([])
         axes.set_ylim(-0.6, len(held) - 0.4)
         largest = max(max(each.now, each.new, *(each.interval or ()), *_permissible(each)) for each in held)
-        axes.set_xlim(0.0, 1.18 * largest * KPA or 1.0)
+        axes.set_xlim(0.0, 1.18 * largest * scale or 1.0)
         axes.set_xlabel(say("charts.pressure"))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: say.plain(value, 5)))
         axes.spines[["top", "right"]].set_visible(False)
@@ -353,17 +362,17 @@ def _permissible(held: HeldPressure) -> list[float]:
     return [pressure for pressure in stated if pressure is not None]
 
 
-def _marks(axes: Axes, held: HeldPressure, place: float) -> None:
-    """Mark the limits that apply to one pressure."""
+def _marks(axes: Axes, held: HeldPressure, place: float, scale: float) -> None:
+    """Mark the limits that apply to one pressure; ``scale`` is from Pa to the unit of the axis."""
     if held.set_pressure is not None:
-        axes.plot([held.set_pressure * KPA] * 2, [place - 0.42, place + 0.42], color=PAPER.ink, lw=1.6, zorder=4)
+        axes.plot([held.set_pressure * scale] * 2, [place - 0.42, place + 0.42], color=PAPER.ink, lw=1.6, zorder=4)
     if held.permissible is not None:
         for pressure, marker in ((held.permissible.low, ">"), (held.permissible.high, "<")):
             if pressure is not None:
-                axes.plot([pressure * KPA], [place], marker, ms=6, color=PAPER.ink, zorder=5)
+                axes.plot([pressure * scale], [place], marker, ms=6, color=PAPER.ink, zorder=5)
     for level, pressure in held.limits if held.circuit else ():
         if pressure > 0.0:
-            _sign(axes, level, pressure * KPA, place)
+            _sign(axes, level, pressure * scale, place)
 
 
 def _row_name(axes: Axes, name: str, place: float) -> None:

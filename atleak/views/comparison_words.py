@@ -69,7 +69,9 @@ def with_uncertainty(change: Change | None, say: Wording) -> str:
     if change is None or change.interval is None:
         return "–"
     half = 0.5 * (change.interval[1] - change.interval[0]) * UM
-    return f"{signed_number(change.value * UM, 1, say)} ± {say.number(half, 1)}"
+    digits = say.digits("clearance", 1)
+    value = signed_number(say.convert(change.value * UM, "clearance"), digits, say)
+    return f"{value} ± {say.value(half, 'clearance', 1)}"
 
 
 def signed_number(value: float, digits: int, say: Wording) -> str:

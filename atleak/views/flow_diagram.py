@@ -128,9 +128,9 @@ def flow_rows(diagram: FlowDiagram) -> list[dict[str, Any]]:
 
 
 def flow_words(flow: float, say: Wording) -> str:
-    """Return a flow [dm³/min] with as many digits as small ones need: ``7.6``, ``0.088``."""
+    """Return a flow [m³/s] in the reader's unit, with as many digits as small ones need: ``7.6``, ``0.088``."""
     value = flow * DM3_MIN
-    return say.number(value, 1 if value >= 1.0 else 2 if value >= 0.1 else 3)
+    return say.value(value, "flow", 1 if value >= 1.0 else 2 if value >= 0.1 else 3)
 
 
 def _verdicts(diagnosis: Diagnosis, projection: Projection, flows: Sequence[Flow]) -> dict[Place, Verdict]:
@@ -239,7 +239,8 @@ class _Words:
         """Return the name of a place, of a section or circuit with its pressure."""
         if place.kind is not Kind.SECTION:
             return self.name(place)
-        return f"{self.name(place)} {self.say.number(self.pressures[place.name] * KPA, 0)} kPa"
+        pressure = self.say.value(self.pressures[place.name] * KPA, "pressure", 0)
+        return f"{self.name(place)} {pressure} {self.say.unit('pressure')}"
 
     def name(self, place: Place) -> str:
         """Return the name of a place."""

@@ -96,7 +96,7 @@ def _lines(place: DrawnPlace, say: Wording) -> list[str]:
     name, flow = shortened(place.words, _LETTERS), flow_words(place.flow, say)
     if place.pressure is None:
         return [f"{name} {flow}"]
-    return [name, f"{say.number(place.pressure * KPA, 0)} kPa, {flow} dm³/min"]
+    return [name, f"{say.value(place.pressure * KPA, 'pressure', 0)} {say.unit('pressure')}, {flow} {say.unit('flow')}"]
 
 
 def _arrange(columns: Mapping[int, list[_Box]], boxes: list[_Box], diagram: FlowDiagram, height: float) -> None:

@@ -84,8 +84,8 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
         count=len(pattern.cells),
         worst="" if worst is None else f"{worst.range}, {say.get('engine_states', worst.engine)}",
         percent=say.percent(amount, 0),
-        kpa=say.number(amount * KPA, 0),
-        limit=say.number(BELOW_LINE * KPA, 0),
+        kpa=say.value(amount * KPA, "pressure", 0),
+        limit=say.value(BELOW_LINE * KPA, "pressure", 0),
     )
 
 

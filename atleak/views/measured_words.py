@@ -47,9 +47,9 @@ def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
         f"gauges.{'below' if rule.circuit is None else 'circuit'}",
         tap=tap_text(diagnosis.controller, each.cell.tap, say),
         cell=f"{each.cell.range}, {say.get('engine_states', each.cell.engine)}",
-        pressure=say.number(each.reading.pressure * KPA, 0),
-        limit=say.number(_low(each) * KPA, 0),
-        kpa=say.number((below or 0.0) * KPA, 0),
+        pressure=say.value(each.reading.pressure * KPA, "pressure", 0),
+        limit=say.value(_low(each) * KPA, "pressure", 0),
+        kpa=say.value((below or 0.0) * KPA, "pressure", 0),
         percent=say.percent(rule.value),
         verdict=say.signed(rule.verdict),
     )

@@ -29,10 +29,10 @@ def pump_sentence(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -
         return f"{measured} {say('pump.counts_nowhere')}"
     projection = diagnosis.hot_idle or diagnosis.projection
     slip, new = slips(diagnosis, projection)
-    words = {"condition": named(projection.condition), "slip": say.number(slip * DM3_MIN, 2)}
+    words = {"condition": named(projection.condition), "slip": say.value(slip * DM3_MIN, "flow", 2)}
     if new is None:
         return f"{measured} {say('pump.slips', **words)}"
-    return f"{measured} {say('pump.slips_more', new=say.number(new * DM3_MIN, 2), **words)}"
+    return f"{measured} {say('pump.slips_more', new=say.value(new * DM3_MIN, 'flow', 2), **words)}"
 
 
 def _clearances(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
@@ -40,7 +40,9 @@ def _clearances(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     for name, now, new, most in zip(("side", "tip"), pump.measured.um, pump.clearances.um, pump.limits.um, strict=True):
         if now is not None:
             beside = [
-                say(f"pump.{word}", um=say.plain(um)) for word, um in (("new", new), ("most", most)) if um is not None
+                say(f"pump.{word}", clearance=say.plain_quantity(um, "clearance"))
+                for word, um in (("new", new), ("most", most))
+                if um is not None
             ]
-            said = say(f"pump.{name}", um=say.plain(now))
+            said = say(f"pump.{name}", clearance=say.plain_quantity(now, "clearance"))
             yield f"{said} ({', '.join(beside)})" if beside else said

@@ -67,8 +67,8 @@ class OptionRow:
 def leaves(option: Option, key: LandKey, say: Wording) -> str:
     """Return the radial clearance that an option leaves of a land [µm]: a number, or the ends of a range."""
     if option.repair.keeps_clearance:
-        return say.number(option.states[key].radial_clearance * UM, 1)
-    return "–".join(say.number(end * UM, 1) for end in option.states[key].land.mounting_ends)
+        return say.value(option.states[key].radial_clearance * UM, "clearance", 1)
+    return "–".join(say.value(end * UM, "clearance", 1) for end in option.states[key].land.mounting_ends)
 
 
 def option_rows(plan: RepairPlan) -> list[OptionRow]:

@@ -32,10 +32,10 @@ def commanded_sentence(log: RoadFindings, say: Wording) -> Iterator[str]:
     if compared is not None and decided is not None:
         yield say(
             "findings.commanded",
-            kpa=say.number(compared.difference * KPA, 0),
+            kpa=say.value(compared.difference * KPA, "pressure", 0),
             at=say.number(compared.at, 1),
-            actual=say.number(compared.actual * KPA, 0),
-            commanded=say.number(compared.commanded * KPA, 0),
+            actual=say.value(compared.actual * KPA, "pressure", 0),
+            commanded=say.value(compared.commanded * KPA, "pressure", 0),
             verdict=say.signed(decided.rule.verdict),
         )
 
@@ -68,7 +68,7 @@ def permitted_sentence(log: RoadFindings, say: Wording) -> str:
         seconds=say.number(permitted.below, 1),
         start=say.number(lowest.start, 1),
         stop=say.number(lowest.stop, 1),
-        kpa=say.number(lowest.outside * KPA, 0),
+        kpa=say.value(lowest.outside * KPA, "pressure", 0),
         percent=say.percent(lowest.fraction),
     )
 
@@ -78,8 +78,8 @@ def _place(departure: Departure, say: Wording) -> dict[str, str]:
         "gear": str(departure.gear),
         "state": say(f"states.{departure.state}"),
         "at": say.number(departure.at, 1),
-        "pressure": say.number(departure.pressure * KPA, 0),
-        "limit": say.number(departure.limit * KPA, 0),
+        "pressure": say.value(departure.pressure * KPA, "pressure", 0),
+        "limit": say.value(departure.limit * KPA, "pressure", 0),
     }
 
 
@@ -123,7 +123,7 @@ def log_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
     if log.temperatures is None:
         yield say("findings.no_temperature")
     else:
-        low, high = (say.number(each, 0) for each in log.temperatures)
+        low, high = (say.value(each, "temperature", 0) for each in log.temperatures)
         yield say("findings.temperatures", low=low, high=high)
     if not log.gears:
         yield say("findings.no_gears")

@@ -47,7 +47,10 @@ def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
     if measured_at is None:
         return ""
     said = "assumed" if measured_at.assumed else "corrected" if measured_at.corrects else "stated"
-    values = {"temperature": say.plain(measured_at.value), "reference": say.plain(REFERENCE_TEMPERATURE)}
+    values = {
+        "temperature": say.plain_value(measured_at.value, "temperature"),
+        "reference": say.plain_value(REFERENCE_TEMPERATURE, "temperature"),
+    }
     return say(f"facts.temperature_{said}", **values)
 
 
@@ -62,21 +65,32 @@ def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
     return None if land.replace_mileage is None else crossing_in_words(land.replace_mileage, say)
 
 
+def rule_value(value: float, kind: RuleKind, say: Wording) -> str:
+    """Return what a rule judged, or its limit, with its unit: ``12.5 %``, ``18.0 µm``."""
+    carried = value * kind.factor
+    if kind.quantity is not None:
+        return say.quantity(carried, kind.quantity, 1)
+    return f"{say.number(carried, 1)}\u00a0{kind.unit}".rstrip()
+
+
 def crossing_in_words(at: Crossing, say: Wording) -> str:
     """Say at which mileage a limit is reached, to two digits, or before which it is not; no number nobody can foresee.
 
     ``160 000 km (140 000 to 180 000)``, ``not before 140 000 km``, ``not foreseeable``. What two digits would put
     before the vehicle's present mileage stands in full.
     """
+    present = say.convert(at.present, "distance")
     if at.foreseeable:
-        ends = ((each, float(f"{each:.2g}")) for each in (at.value, at.low, at.high))
-        value, low, high = (say.number(each if short < at.present else short, 0) for each, short in ends)
+        shown = (say.convert(each, "distance") for each in (at.value, at.low, at.high))
+        ends = ((each, float(f"{each:.2g}")) for each in shown)
+        value, low, high = (say.number(each if short < present else short, 0) for each, short in ends)
         return say("texts.replace_between", value=value, low=low, high=high)
     if at.not_before is None:
         return say("texts.not_foreseeable")
-    step = 10.0 ** (math.floor(math.log10(at.not_before)) - 1)
-    short = math.floor(at.not_before / step) * step
-    return say("texts.not_before", mileage=say.number(at.not_before if short < at.present else short, 0))
+    not_before = say.convert(at.not_before, "distance")
+    step = 10.0 ** (math.floor(math.log10(not_before)) - 1)
+    short = math.floor(not_before / step) * step
+    return say("texts.not_before", mileage=say.number(not_before if short < present else short, 0))
 
 
 def when_new(diagnosis: Diagnosis, projection: Projection) -> str:
@@ -118,7 +132,7 @@ def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) ->
         required=_kpa(point.main_pressure, say),
         held=_kpa(line.now, say),
         new=_kpa(line.new, say),
-        interval=_interval(line.interval, KPA, 0, say, "interval"),
+        interval=_interval(line.interval, KPA, "pressure", 0, say, "interval"),
     )
     parts = [sentence]
     if falls and at.projection.reserve >= 1.0 and at.followed is not None and at.followed.circuit is not None:
@@ -145,10 +159,10 @@ def reserve_sentence(at: PressuresAt, say: Wording) -> str:
         "held.reserve",
         reserve=say.number(at.projection.reserve, 2),
         new=say.number(at.reserve_new, 2),
-        interval=_interval(at.reserve_interval, 1.0, 2, say, "interval"),
+        interval=_interval(at.reserve_interval, 1.0, "number", 2, say, "interval"),
     )
     starved = at.projection.starved * DM3_MIN
-    return f"{sentence} {say('held.starved', flow=say.number(starved, 1))}" if starved >= _SHOWS else sentence
+    return f"{sentence} {say('held.starved', flow=say.value(starved, 'flow', 1))}" if starved >= _SHOWS else sentence
 
 
 def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> str:
@@ -159,7 +173,7 @@ def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> 
         circuit=name,
         held=_kpa(held.now, say),
         new=_kpa(held.new, say),
-        interval=_interval(held.interval, KPA, 0, say, "between"),
+        interval=_interval(held.interval, KPA, "pressure", 0, say, "between"),
     )
     words = [] if held.verdict is None else [say.signed(held.verdict)]
     if held.verdict is not None and held.verdict.flagged:
@@ -196,14 +210,16 @@ _BECAUSE_OF = (RuleKind.RESERVE, RuleKind.CIRCUIT_LOSS, RuleKind.PERMISSIBLE_PRE
 
 
 def _kpa(pressure: float, say: Wording) -> str:
-    return say.number(pressure * KPA, 0)
+    return say.value(pressure * KPA, "pressure", 0)
 
 
-def _interval(interval: tuple[float, float] | None, factor: float, digits: int, say: Wording, words: str) -> str:
+def _interval(
+    interval: tuple[float, float] | None, factor: float, kind: str, digits: int, say: Wording, words: str
+) -> str:
     """Return an interval in words; an empty text where nothing is known of it or it is narrower than what is shown."""
     if interval is None:
         return ""
-    low, high = (say.number(end * factor, digits) for end in interval)
+    low, high = (say.value(end * factor, kind, digits) for end in interval)
     return "" if low == high else say(f"held.{words}", low=low, high=high)
 
 

@@ -12,6 +12,7 @@ from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import to_json
 from pages.shared import show
 from pages.shared.cases import PageCase
+from pages.shared.state import job
 
 
 def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> None:
@@ -19,7 +20,7 @@ def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> 
     st.subheader("Take it along")
     with st.container(horizontal=True):
         source = case.readings or case.road_test
-        name = f"diagnosis_{Path(source.name).stem if source else diagnosis.controller.id}"
+        name = named("diagnosis", job().number or (Path(source.name).stem if source else diagnosis.controller.id))
         st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
         st.download_button("Excel workbook", lambda: write_workbook(diagnosis), f"{name}.xlsx", on_click="ignore")
     show.basis(diagnosis, record)

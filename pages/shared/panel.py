@@ -39,8 +39,8 @@ DROP_HELP = (
 NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
 
 
-def draw() -> None:
-    """Draw the sidebar, bring the job's results up to date and show refusals at the head of the page."""
+def draw() -> Diagnosis:
+    """Draw the sidebar, bring the job's results up to date and show refusals at the head of the page; return them."""
     st.session_state["framed"] = True
     for path in PAGES.glob(f"[0-9]*_{st.session_state.pop('wanted', '?')}.py"):
         st.switch_page(path, query_params=st.query_params.to_dict())
@@ -69,6 +69,7 @@ def draw() -> None:
             st.caption(show.plain(notice))
     with st.container():  # one element however many notices there are: the elements below keep their places
         _notices()
+    return diagnosis_of(session().good)
 
 
 def shown() -> tuple[PageCase, Diagnosis]:
@@ -108,11 +109,11 @@ def _status(slot: str, result: Diagnosis) -> None:
         return
     about = "" if file is None else _about(slot, result)
     origin = "sample: " if now.good.sample else "still " if refused is not None else ""
-    with st.container(horizontal=True, vertical_alignment="center"):
-        if file is not None:
-            st.caption(f"{origin}**{show.plain(file.name)}** · {about}", width="stretch")
-        away = (refused or file).name
-        st.button("✕", key=f"away-{slot}", on_click=take_away, args=(slot,), help=f"Take {away} away", type="tertiary")
+    said, away = st.columns([5, 1], gap="small", vertical_alignment="center")
+    if file is not None:
+        said.caption(f"{origin}**{show.plain(file.name)}** · {about}")
+    tip = f"Take {(refused or file).name} away"
+    away.button("✕", key=f"away-{slot}", on_click=take_away, args=(slot,), help=tip, type="tertiary")
 
 
 def _about(slot: str, result: Diagnosis) -> str:

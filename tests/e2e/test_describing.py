@@ -69,7 +69,7 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     type_into(page, 1, 1, 3, "15,1")
     expect(page.get_by_text("Nothing is missing or wrong.")).to_be_visible()
 
-    page.get_by_role("link", name="Readings").click()
+    page.get_by_role("link", name="Readings", exact=True).click()
     expect(page.get_by_role("heading", name="Readings")).to_be_visible()
     from_menu(page, "More", "Transmission")
     expect(page.get_by_text("our_box_2012")).to_be_visible()
@@ -84,5 +84,5 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     wait_until_idle(page)
     chosen = page.get_by_test_id("stSidebar").get_by_role("combobox", name="Valve body")
     expect(chosen).to_have_value("Our box, 2012 (own: our_box_2012)")
-    page.get_by_role("link", name="Diagnosis").click()
+    page.get_by_role("link", name="Diagnosis", exact=True).click()
     expect(page.get_by_text("no land is measured").first).to_be_visible()

@@ -42,7 +42,7 @@ def test_a_killed_tab_and_a_killed_server_lose_no_digit_and_the_second_browser_i
 ) -> None:
     process, address = started(tmp_path, tmp_path / "home")
     try:
-        page = visit(f"{address}/Report")
+        page = visit(f"{address}/Job")
         for label, text in TYPED.items():
             typed_in(page, label, text)
         page.wait_for_url("**job=*")
@@ -54,14 +54,14 @@ def test_a_killed_tab_and_a_killed_server_lose_no_digit_and_the_second_browser_i
         end(process, signal.SIGKILL)
         process, address = started(tmp_path, tmp_path / "home")
 
-        first = visit(f"{address}/Report?job={job}")
+        first = visit(f"{address}/Job?job={job}")
         for label, text in TYPED.items():
             expect(first.get_by_label(label, exact=True)).to_have_value(text)
-        first.get_by_role("link", name="Readings").first.click()
+        first.get_by_role("link", name="Readings", exact=True).first.click()
         first.wait_for_url(f"**/Readings?job={job}")
-        first.get_by_role("link", name="Report").first.click()
+        first.get_by_role("link", name="Job", exact=True).first.click()
         expect(first.get_by_label("VIN", exact=True)).to_have_value(TYPED["VIN"])
-        second = visit(f"{address}/Report?job={job}")
+        second = visit(f"{address}/Job?job={job}")
         expect(second.get_by_label("VIN", exact=True)).to_have_value(TYPED["VIN"])
         typed_in(second, "Make", "BMW")
         wait_until_kept(book, job, lambda record: record.vehicle.make == "BMW")

@@ -37,6 +37,7 @@ def write_pdf(
     language: str = "en",
     paper: str = DEFAULT_PAPER,
     sections: Iterable[str] | None = None,
+    units: str = "metric",
 ) -> bytes:
     """Return the bytes of the report.
 
@@ -53,6 +54,8 @@ def write_pdf(
     sections
         names of `atleak.report.pdf.body.SECTIONS`; all of them unless given, or of a road test alone those that are not
         about lands.
+    units
+        one of `atleak.unit_systems.SYSTEMS`.
 
     Raises
     ------
@@ -64,7 +67,7 @@ def write_pdf(
     Where a text holds characters that the bundled fonts lack (an emoji, say), the file is a plain PDF and
     says so on top of its first page.
     """
-    job, say = job or Job(), wording(language)
+    job, say = job or Job(), wording(language, units)
     chosen = chosen_sections(sections, without_sheet=diagnosis.without_sheet)
     size = find_paper(paper)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:

@@ -124,8 +124,8 @@ class Body:
             PrintedColumn(names.column("pair"), names.pair, width=4),
             PrintedColumn(names.column("land"), names.land, side="c"),
             PrintedColumn(names.column("verdict"), names.verdict),
-            PrintedColumn(names.column("clearance"), names.clearance, "µm", side="r"),
-            PrintedColumn(names.column("mounting"), names.mounting, "µm", side="r"),
+            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="r"),
+            PrintedColumn(names.column("mounting"), names.mounting, say.unit("clearance"), side="r"),
             PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
             PrintedColumn(names.column("share_largest"), names.share_largest, "%", width=3, side="r"),
         ]
@@ -169,18 +169,27 @@ class Body:
             PrintedColumn(names.column("pair"), names.pair, width=1),
             PrintedColumn(names.column("land"), names.land, side="c"),
             PrintedColumn(
-                names.column("sleeve"), lambda at: say.number(at.state.sleeve_diameter * MM, 4), "mm", side="r"
+                names.column("sleeve"),
+                lambda at: say.value(at.state.sleeve_diameter * MM, "length", 4),
+                say.unit("length"),
+                side="r",
             ),
             PrintedColumn(
-                names.column("spool"), lambda at: say.number(at.state.spool_diameter * MM, 4), "mm", side="r"
+                names.column("spool"),
+                lambda at: say.value(at.state.spool_diameter * MM, "length", 4),
+                say.unit("length"),
+                side="r",
             ),
-            PrintedColumn(names.column("clearance"), names.clearance, "µm", side="r"),
-            PrintedColumn(names.column("mounting"), names.mounting, "µm", side="r"),
+            PrintedColumn(names.column("clearance"), names.clearance, say.unit("clearance"), side="r"),
+            PrintedColumn(names.column("mounting"), names.mounting, say.unit("clearance"), side="r"),
             PrintedColumn(names.column("wear"), names.wear, "%", side="r"),
             PrintedColumn(
-                names.column("effective"), lambda at: say.number(at.effective_clearance * UM, 1), "µm", side="r"
+                names.column("effective"),
+                lambda at: say.value(at.effective_clearance * UM, "clearance", 1),
+                say.unit("clearance"),
+                side="r",
             ),
-            PrintedColumn(names.column("leakage"), names.leakage, "dm³/min", side="r"),
+            PrintedColumn(names.column("leakage"), names.leakage, say.unit("flow"), side="r"),
             PrintedColumn(names.column("share"), names.share, "%", side="r"),
             PrintedColumn(names.column("verdict"), names.verdict),
         ]
@@ -237,7 +246,9 @@ class Body:
         oil, dirt = job.fluid_condition, job.contamination
         remarks = [
             oil.product,
-            say("facts.changed_at", mileage=say.number(oil.changed_at_km, 0)) if oil.changed_at_km is not None else "",
+            say("facts.changed_at", mileage=say.value(oil.changed_at_km, "distance", 0))
+            if oil.changed_at_km is not None
+            else "",
             f"{say('facts.level')}: {oil.level}" if oil.level else "",
             f"{say('facts.colour')}: {oil.colour}" if oil.colour else "",
             f"{say('facts.smell')}: {oil.smell}" if oil.smell else "",
@@ -283,7 +294,7 @@ class Body:
                 "facts.viscosity_at",
                 nu=say.number(fluid.kinematic_viscosity(projection.condition.temperature, model) * MM2_S, 2),
                 rho=say.number(fluid.density(projection.condition.temperature, model) * G_CM3, 4),
-                temperature=say.plain(projection.condition.temperature),
+                temperature=say.plain_value(projection.condition.temperature, "temperature"),
             )
             for projection in diagnosis.reported
         ]
@@ -350,9 +361,12 @@ class Body:
         """Return all that a level asks for: its limit, a least growth in µm, growth over the same land or unit new."""
         say, limit = self.say, dict(steps.levels)[level]
         if steps.has_limit(level):
-            yield f"{say.plain(limit * kind.factor)}\u00a0{kind.unit}".rstrip()
+            carried, quantity = limit * kind.factor, kind.quantity
+            yield (
+                say.plain_quantity(carried, quantity) if quantity else f"{say.plain(carried)}\u00a0{kind.unit}".rstrip()
+            )
         if level in steps.at_least:
-            yield say("rules.at_least", um=say.plain(steps.at_least[level] * UM))
+            yield say("rules.at_least", clearance=say.plain_quantity(steps.at_least[level] * UM, "clearance"))
         if level in steps.growth:
             growth, added = steps.growth[level]
             yield say("rules.growth", growth=say.plain(growth * PERCENT))

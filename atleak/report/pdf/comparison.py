@@ -38,7 +38,13 @@ _MOVED = 5e3  # [Pa] that a pressure must have moved to be named to a customer: 
 
 
 def write_comparison_pdf(
-    comparison: Comparison, before: Job, after: Job, *, language: str = "en", paper: str = DEFAULT_PAPER
+    comparison: Comparison,
+    before: Job,
+    after: Job,
+    *,
+    language: str = "en",
+    paper: str = DEFAULT_PAPER,
+    units: str = "metric",
 ) -> bytes:
     """Return the bytes of the page for the customer.
 
@@ -52,6 +58,8 @@ def write_comparison_pdf(
         one of `atleak.wording.languages`.
     paper
         one of `atleak.paper.PAPERS`.
+    units
+        one of `atleak.unit_systems.SYSTEMS`.
 
     Raises
     ------
@@ -63,7 +71,7 @@ def write_comparison_pdf(
     Tagged and archival as the report is (`atleak.report.pdf.write_pdf`). One page: as many of the flagged pairs are
     listed as fit, the worst before first.
     """
-    say, size = wording(language), find_paper(paper)
+    say, size = wording(language, units), find_paper(paper)
     page = _Page(comparison, before, after, say)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         letterhead = after if not after.workshop.empty else before
@@ -125,7 +133,7 @@ class _Page:
             (
                 job.number,
                 self.say.date(job.date) if job.date else "",
-                "" if mileage is None else self.say("texts.mileage", value=self.say.number(mileage, 0)),
+                "" if mileage is None else self.say("texts.mileage", value=self.say.value(mileage, "distance", 0)),
             )
         )
 
@@ -273,8 +281,8 @@ class _Page:
         return self.say(
             "comparison.pressures",
             name=name,
-            before=self.say.number(change.before * KPA, 0),
-            after=self.say.number(change.after * KPA, 0),
+            before=self.say.value(change.before * KPA, "pressure", 0),
+            after=self.say.value(change.after * KPA, "pressure", 0),
             condition=condition_name(at.condition, self.say),
             how=how_sure(change, self.say),
         )
@@ -289,12 +297,14 @@ class _Page:
         sides = ("before", "after")
         columns = [
             PrintedColumn(say("printed.pair"), lambda land: self._named(*land.key), width=1),
-            PrintedColumn(say("comparison.new"), self._mounting, "µm", side="r"),
+            PrintedColumn(say("comparison.new"), self._mounting, say.unit("clearance"), side="r"),
             *(
-                PrintedColumn(say(f"comparison.clearance_{side}"), partial(self._clearance, side), "µm", side="r")
+                PrintedColumn(
+                    say(f"comparison.clearance_{side}"), partial(self._clearance, side), say.unit("clearance"), side="r"
+                )
                 for side in sides
             ),
-            PrintedColumn(say("comparison.change"), self._change, "µm", side="r"),
+            PrintedColumn(say("comparison.change"), self._change, say.unit("clearance"), side="r"),
             *(PrintedColumn(say(f"comparison.verdict_{side}"), partial(self._verdict, side)) for side in sides),
         ]
         yield {"shortened": [table(columns, flagged[:length]) for length in self.lengths]}
@@ -308,11 +318,12 @@ class _Page:
     def _mounting(self, land: LandComparison) -> str:
         newest = land.after or land.before
         assert newest is not None
-        return "–".join(self.say.number(end * UM, 1) for end in newest.state.land.mounting_ends)
+        return "–".join(self.say.value(end * UM, "clearance", 1) for end in newest.state.land.mounting_ends)
 
     def _clearance(self, side: str, compared: LandComparison) -> str:
         land: LandDiagnosis | None = getattr(compared, side)
-        return self.say.number(land.state.radial_clearance * UM if land and land.state.measured else None, 1)
+        value = land.state.radial_clearance * UM if land and land.state.measured else None
+        return self.say.value(value, "clearance", 1)
 
     def _change(self, land: LandComparison) -> str:
         if land.change is not None and not land.significant:

@@ -138,7 +138,7 @@ class Conditions:
                     PrintedColumn("", lambda row: str(row.number), side="r"),
                     PrintedColumn(say("printed.repair"), lambda row: row.name(say), width=6),
                     PrintedColumn(say("printed.use"), lambda row: row.use(say), width=3),
-                    PrintedColumn(say("printed.leaves"), lambda row: row.leaves(say), "µm", side="r"),
+                    PrintedColumn(say("printed.leaves"), lambda row: row.leaves(say), say.unit("clearance"), side="r"),
                     PrintedColumn(say("printed.price"), lambda row: row.price(say), width=2, side="r"),
                     PrintedColumn(say("printed.hours"), lambda row: row.hours(say), "h", side="r"),
                     PrintedColumn(say("printed.tool"), lambda row: row.option.repair.tool or "–", width=3),

@@ -49,7 +49,7 @@ class Front:
             ("engine", vehicle.engine),
             ("registration", vehicle.registration),
             ("vin", vehicle.vin),
-            ("mileage", "" if mileage is None else say("texts.mileage", value=say.number(mileage, 0))),
+            ("mileage", "" if mileage is None else say("texts.mileage", value=say.value(mileage, "distance", 0))),
             ("transmission", joined((box.maker, box.code), " ")),
             ("serial", box.serial),
             ("note", box.note),
@@ -158,7 +158,12 @@ class Front:
         say, diagnosis = self.say, self.diagnosis
         columns = [
             PrintedColumn(say("printed.condition"), lambda at: self.names.condition(at.condition), width=1),
-            PrintedColumn(say("printed.temperature"), lambda at: say.plain(at.condition.temperature), "°C", side="r"),
+            PrintedColumn(
+                say("printed.temperature"),
+                lambda at: say.plain_value(at.condition.temperature, "temperature"),
+                say.unit("temperature"),
+                side="r",
+            ),
             PrintedColumn(
                 say("printed.speed"),
                 lambda at: say.number(at.condition.engine_speed * RPM, 0),
@@ -166,12 +171,17 @@ class Front:
                 side="r",
             ),
             PrintedColumn(say("printed.gear"), lambda at: str(at.condition.gear), side="r"),
-            PrintedColumn(say("printed.pressure"), self._pressure, "kPa", side="r"),
-            PrintedColumn(say("printed.leakage"), lambda at: say.number(at.leakage * DM3_MIN, 2), "dm³/min", side="r"),
+            PrintedColumn(say("printed.pressure"), self._pressure, say.unit("pressure"), side="r"),
+            PrintedColumn(
+                say("printed.leakage"),
+                lambda at: say.value(at.leakage * DM3_MIN, "flow", 2),
+                say.unit("flow"),
+                side="r",
+            ),
             PrintedColumn(
                 say("printed.capacity"),
-                lambda at: say.number(at.pump_capacity * DM3_MIN, 2),
-                "dm³/min",
+                lambda at: say.value(at.pump_capacity * DM3_MIN, "flow", 2),
+                say.unit("flow"),
                 side="r",
             ),
             PrintedColumn(say("printed.share"), self._share, "%", side="r"),
@@ -195,8 +205,8 @@ class Front:
         return [self.say(sentence, condition=self.names.condition(at.condition), low=low, high=high)]
 
     def _pressure(self, at: Projection) -> str:
-        required = self.say.number(at.condition.main_pressure * KPA, 0)
-        held = self.say.number(at.main_pressure_held * KPA, 0)
+        required = self.say.value(at.condition.main_pressure * KPA, "pressure", 0)
+        held = self.say.value(at.main_pressure_held * KPA, "pressure", 0)
         return self.say("texts.held_of", required=required, held=held) if at.pressure_falls else required
 
     def _share(self, at: Projection) -> str:

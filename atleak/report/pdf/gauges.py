@@ -62,14 +62,14 @@ class GaugeSection:
             ("below_line", lambda each: each.below_line),
         )
         gauge, *others = [
-            PrintedColumn(say(f"printed.{name}"), _in_kpa(value, say), "kPa", side="r")
+            PrintedColumn(say(f"printed.{name}"), _in_kpa(value, say), say.unit("pressure"), side="r")
             for name, value in numbers
             if any(value(each) is not None for each in check.readings)
         ]
         permitted = PrintedColumn(
             say("printed.permissible"),
             lambda each: permissible_text(each.permissible, say) or "–",
-            "kPa",
+            say.unit("pressure"),
             side="r",
         )
         decision = PrintedColumn(say("printed.decision"), lambda each: decided(each, say), width=3)
@@ -79,7 +79,7 @@ class GaugeSection:
 def _in_kpa(value: Any, say: Wording) -> Any:
     def cell(each: CheckedReading) -> str:
         pascal = value(each)
-        return "–" if pascal is None else say.number(pascal * KPA, 0)
+        return "–" if pascal is None else say.value(pascal * KPA, "pressure", 0)
 
     return cell
 

@@ -70,7 +70,7 @@ class Pressures:
         say = self.say
         crossings = []
         for each in self._speeds.demands:
-            taken = say("charts.taken_at", temperature=say.plain(each.temperature))
+            taken = say("charts.taken_at", temperature=say.plain_value(each.temperature, "temperature"))
             speed = say.number(each.crossing * RPM, 0)
             crossings.append(f"{taken}: {self.names.flow_with_unit(each.flow)}, {speed} 1/min")
         return f"{joined(crossings, '; ')}."
@@ -117,12 +117,12 @@ class Pressures:
         return self.names.condition(at.projection.condition)
 
     def _kpa(self, pressure: float | None) -> str:
-        return self.say.number(None if pressure is None else pressure * KPA, 0)
+        return self.say.value(None if pressure is None else pressure * KPA, "pressure", 0)
 
     def _held(self, each: HeldPressure) -> str:
         low, high = each.interval or (None, None)
         low, high = (None if end is None else end * KPA for end in (low, high))
-        return self._kpa(each.now) + self.names.interval(low, high, 0)
+        return self._kpa(each.now) + self.names.interval(low, high, 0, "pressure")
 
     def _verdict(self, each: HeldPressure) -> dict[str, str] | str:
         if each.verdict is None:
@@ -134,20 +134,20 @@ class Pressures:
         if all(pressure(each) is None for each in items):
             return []
         name = self.names.column("held_repaired")
-        return [PrintedColumn(name, lambda each: self._kpa(pressure(each)), "kPa", side="r")]
+        return [PrintedColumn(name, lambda each: self._kpa(pressure(each)), self.say.unit("pressure"), side="r")]
 
     # --- the line and the pump
 
     def _line(self, conditions: Sequence[PressuresAt]) -> Block:
-        column = self.names.column
+        column, unit = self.names.column, self.say.unit("pressure")
         return table(
             [
                 PrintedColumn(column("condition"), self._condition, width=3),
-                PrintedColumn(column("required"), self._required, "kPa", side="r"),
-                PrintedColumn(column("held"), lambda at: self._held(at.line), "kPa", side="r"),
-                PrintedColumn(column("held_new"), lambda at: self._kpa(at.line.new), "kPa", side="r"),
+                PrintedColumn(column("required"), self._required, unit, side="r"),
+                PrintedColumn(column("held"), lambda at: self._held(at.line), unit, side="r"),
+                PrintedColumn(column("held_new"), lambda at: self._kpa(at.line.new), unit, side="r"),
                 *self._repaired(lambda at: at.line.repaired, conditions),
-                PrintedColumn(column("permissible"), self._permissible, "kPa", side="r"),
+                PrintedColumn(column("permissible"), self._permissible, unit, side="r"),
                 PrintedColumn(column("verdict"), lambda at: self._verdict(at.line)),
                 PrintedColumn(column("decision"), lambda at: self._decision(at.line.decided)),
                 PrintedColumn(column("costs"), lambda at: self._causes(at.line), width=2),
@@ -174,7 +174,7 @@ class Pressures:
             low, high = at.reserve_interval or (None, None)
             return say.number(at.projection.reserve, 2) + self.names.interval(low, high, 2)
 
-        unit = "dm³/min"
+        unit = self.say.unit("flow")
         columns = [
             PrintedColumn(column("condition"), self._condition, width=3),
             PrintedColumn(column("supply"), lambda at: flow(at.projection.pump_supply), unit, side="r"),
@@ -202,17 +202,17 @@ class Pressures:
     # --- circuits
 
     def _circuits(self, at: PressuresAt) -> Iterable[Block]:
-        say, column = self.say, self.names.column
+        say, column, unit = self.say, self.names.column, self.say.unit("pressure")
         applied = [each for each in at.circuits if not each.vented]
         yield text(say("texts.circuits_at", condition=self._condition(at)), leads=True)
         yield table(
             [
                 PrintedColumn(column("circuit"), lambda each: self.names.section(each.id), width=3),
-                PrintedColumn(column("held"), self._held, "kPa", side="r"),
-                PrintedColumn(column("held_new"), lambda each: self._kpa(each.new), "kPa", side="r"),
+                PrintedColumn(column("held"), self._held, unit, side="r"),
+                PrintedColumn(column("held_new"), lambda each: self._kpa(each.new), unit, side="r"),
                 *self._repaired(lambda each: each.repaired, applied),
-                PrintedColumn(column("set_pressure"), lambda each: self._kpa(each.set_pressure), "kPa", side="r"),
-                PrintedColumn(column("lost"), lambda each: self._kpa(each.loss), "kPa", side="r"),
+                PrintedColumn(column("set_pressure"), lambda each: self._kpa(each.set_pressure), unit, side="r"),
+                PrintedColumn(column("lost"), lambda each: self._kpa(each.loss), unit, side="r"),
                 PrintedColumn(column("verdict"), self._verdict),
                 PrintedColumn(column("decision"), lambda each: self._decision(each.decided)),
                 PrintedColumn(column("costs"), self._causes, width=2),

@@ -13,6 +13,7 @@ from atleak.rules import Rule
 from atleak.uncertainty import Decision
 from atleak.views.condition_matrix import MatrixRow
 from atleak.views.road_instants import instant_record
+from atleak.views.sentences import rule_value
 from atleak.wording import Wording, isolated
 from atleak.workshop_units import DM3_MIN, PERCENT, RPM, UM
 
@@ -23,9 +24,9 @@ def condition_name(point: OperatingPoint, say: Wording) -> str:
     """Return the name of a condition in the reader's language."""
     if point.name in say.texts["conditions"] and point.name != STATED:
         name = say(f"conditions.{point.name}")
-        return say("conditions.at", name=name, temperature=say.plain(point.temperature))
+        return say("conditions.at", name=name, temperature=say.plain_value(point.temperature, "temperature"))
     if point.name == STATED:
-        temperature, speed = say.plain(point.temperature), say.number(point.engine_speed * RPM, 0)
+        temperature, speed = say.plain_value(point.temperature, "temperature"), say.number(point.engine_speed * RPM, 0)
         return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
     return point.label.replace(" °C", "\u00a0°C")
 
@@ -66,11 +67,11 @@ class PrintedNames:
 
     def clearance(self, land: LandDiagnosis) -> str:
         """Return the radial clearance [µm] with half its interval where the uncertainty is known."""
-        value = self.say.number(land.state.radial_clearance * UM, 1)
+        value = self.say.value(land.state.radial_clearance * UM, "clearance", 1)
         interval = land.uncertainty.clearance_interval if land.uncertainty else None
         if interval is None:
             return value
-        return f"{value} ± {self.say.number((interval[1] - interval[0]) / 2.0 * UM, 1)}"
+        return f"{value} ± {self.say.value((interval[1] - interval[0]) / 2.0 * UM, 'clearance', 1)}"
 
     def land(self, land: LandDiagnosis) -> str:
         """Return the land's number in its pair."""
@@ -83,7 +84,7 @@ class PrintedNames:
 
     def mounting(self, land: LandDiagnosis) -> str:
         """Return the mounting clearance [µm], a range where no more is known."""
-        return "–".join(self.say.number(end * UM, 1) for end in land.state.land.mounting_ends)
+        return "–".join(self.say.value(end * UM, "clearance", 1) for end in land.state.land.mounting_ends)
 
     def wear(self, land: LandDiagnosis) -> str:
         """Return the wear [%]."""
@@ -103,27 +104,27 @@ class PrintedNames:
     def leakage(self, land: LandDiagnosis) -> str:
         """Return the leakage [dm³/min] with its interval where the uncertainty is known and the land leaks at all."""
         row = self.rows[land.key]
-        interval = self.interval(row["leakage_low_dm3_min"], row["leakage_high_dm3_min"], 3)
+        interval = self.interval(row["leakage_low_dm3_min"], row["leakage_high_dm3_min"], 3, "flow")
         return self.flow(land.leakage, 3) + interval * (land.leakage > 0.0)
 
-    def interval(self, low: float | None, high: float | None, digits: int) -> str:
+    def interval(self, low: float | None, high: float | None, digits: int, kind: str = "percent") -> str:
         """Return an interval on a separate line; an empty text where it is not known."""
         if low is None or high is None:
             return ""
-        return f"\n({self.say.number(low, digits)}–{self.say.number(high, digits)})"
+        return f"\n({self.say.value(low, kind, digits)}–{self.say.value(high, kind, digits)})"
 
     def flow(self, value: float, digits: int = 2) -> str:
         """Return a flow [m³/s] in dm³/min, without the unit."""
-        return self.say.number(value * DM3_MIN, digits)
+        return self.say.value(value * DM3_MIN, "flow", digits)
 
     def flow_with_unit(self, value: float | None) -> str:
         """Return a flow [m³/s] in dm³/min with the unit; a dash where it is not known."""
-        return "–" if value is None else f"{self.flow(value)} dm³/min"
+        return "–" if value is None else f"{self.flow(value)} {self.say.unit('flow')}"
 
     def instant_leakage(self, instant: Instant) -> str:
         """Return the leakage at an instant of the road test, with its interval where it is known."""
         record = instant_record(instant, self.diagnosis.uncertainty)
-        interval = self.interval(record["leakage_low_dm3_min"], record["leakage_high_dm3_min"], 2)
+        interval = self.interval(record["leakage_low_dm3_min"], record["leakage_high_dm3_min"], 2, "flow")
         return self.flow_with_unit(instant.leakage) + interval
 
     def instant_share(self, instant: Instant) -> str:
@@ -202,7 +203,7 @@ class PrintedNames:
         )
 
     def _value(self, rule: Rule, value: float) -> str:
-        return f"{self.say.number(value * rule.kind.factor, 1)}\u00a0{rule.kind.unit}".rstrip()
+        return rule_value(value, rule.kind, self.say)
 
     def _rule(self, rule: Rule) -> str:
         if rule.kind.is_share and rule.condition is not None:

@@ -537,7 +537,7 @@ def test_the_first_page_says_which_pressure_decided_with_its_numbers(
 ) -> None:
     (found, numbers), say = decided, wording(language)
     text = text_of(write_pdf(found, language=language, sections=["limits"]))
-    first = text[: text.index(say("columns.band"))]
+    first = text[: text.index(say("printed.band"))]
     digits = 2 if found.decided_by.kind is RuleKind.RESERVE else 0
     assert say.level(found.verdict).capitalize() in first
     assert [number for number in numbers if say.number(number, digits).replace("\u00a0", " ") not in first] == []

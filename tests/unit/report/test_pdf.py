@@ -164,7 +164,7 @@ def test_a_mileage_stands_beside_a_repair_only_where_one_visit_tells_it(worn):
     say = wording("en")
     assert "160 000 km (140 000 to 180 000)" in with_it
     assert say("texts.replace_at") in with_it
-    assert say("columns.replace_at") not in without
+    assert say("printed.replace_at") not in without
 
 
 def test_many_conditions_are_set_a_few_abreast(worn):
@@ -536,3 +536,19 @@ def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):
         assert page.splitlines()[0].split(" · ")[1:3] == ["2026-0417", "12-345-67 Internal leakage of a valve body"]
     for numbers in (", 44-17, somebody@example.org", "Transmission אבג 4G-22"):
         assert numbers in first
+
+
+@pytest.mark.parametrize(
+    ("units", "there", "gone"),
+    [
+        ("us", ("psi", "°F", "qt/min", "0.0001 in", "mi"), ("kPa", "°C", "dm³/min", "µm", "km")),
+        ("metric_bar", ("bar", "°C", "l/min", "µm"), ("kPa", "dm³/min", "psi")),
+    ],
+)
+def test_the_readers_units_stand_in_tables_sentences_and_charts(worn, units, there, gone):
+    sections = ["flagged", "matrix", "pressures", "repair_order", "all", "shares"]  # others quote files and sources
+    said = text_of(write_pdf(replace(worn, mileage=100_000.0), units=units, sections=sections))
+    for unit in there:
+        assert unit in said
+    for unit in gone:
+        assert not re.search(rf"(?<![\w/]){re.escape(unit)}(?![\w/])", said), unit
