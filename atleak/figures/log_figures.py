@@ -24,7 +24,7 @@ from atleak.wording import Wording
 
 POINTS = 2000  # samples of a channel that are drawn, besides the edges of its gaps
 LINES = 60  # most events that are marked through all curves; the lane above them shows every one
-LABELLED = 20  # with more events the figure is too narrow for their names
+LABELLED = 20  # with more shifts the figure is too narrow for their gears
 MARKED = 800  # most suspect samples and breaks of a log that are marked
 _FINEST = 1500  # parts of the time shown: events of a kind that lie nearer together are drawn as one
 _ROW, _LANE = 130, 22  # pixels
@@ -246,11 +246,11 @@ def _mark(figure: go.Figure, test: RoadTest, inside: Sequence[Event], say: Wordi
         shapes.append(
             {**upright, "x0": begin, "x1": begin, "line": {"dash": "dash", "width": 1, "color": SCREEN.share}}
         )
-        text = f"{event.from_gear}→{event.to_gear}" if shift else say(f"events.{event.kind}")
-        notes.append(
-            {"x": begin, "y": 1.0, "xref": "x", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
-             "showarrow": False, "font": {"size": 10}, "text": text}
-        )  # fmt: skip
+        if shift:  # the lane names the others
+            notes.append(
+                {"x": begin, "y": 1.0, "xref": "x", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
+                 "showarrow": False, "font": {"size": 10}, "text": f"{event.from_gear}→{event.to_gear}"}
+            )  # fmt: skip
     figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
 
 
@@ -334,4 +334,4 @@ def _span(edges: np.ndarray, number: int, unit: str, say: Wording) -> str:
 
 
 def _seconds(value: float, say: Wording) -> str:
-    return f"{say.number(value, 0 if value >= 10.0 else 1)} s"
+    return f"{say.number(value, 0 if value >= 10.0 else 1 if value >= 0.95 else 2)} s"

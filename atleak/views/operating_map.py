@@ -14,6 +14,7 @@ from atleak.views.log_rows import Scale
 from atleak.workshop_units import PERCENT
 
 _COLUMNS, _ROWS, _BARS = 16, 10, 24  # most cells of the map in a direction, and most bars of a histogram
+_NARROWEST = 50.0, 1.0  # least width of a cell of the map, in rpm and in degrees: finer ones say nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +60,7 @@ def operating_map(test: RoadTest, road: RoadLeakage | None, speed: Scale, temper
     known = np.isfinite(x) & np.isfinite(y)
     if not known.any():
         return None
-    across, up = _edges(x[known], _COLUMNS), _edges(y[known], _ROWS)
+    across, up = _edges(x[known], _COLUMNS, _NARROWEST[0]), _edges(y[known], _ROWS, _NARROWEST[1])
     column, row = _cells(x[known], across), _cells(y[known], up)
     shape = (len(up) - 1, len(across) - 1)
     cell = row * shape[1] + column
@@ -103,10 +104,10 @@ def sample_times(test: RoadTest) -> np.ndarray:
     return times
 
 
-def _edges(values: np.ndarray, most: int) -> np.ndarray:
-    """Return round edges around all values, at most so many cells."""
+def _edges(values: np.ndarray, most: int, narrowest: float = 0.0) -> np.ndarray:
+    """Return round edges around all values, at most so many cells, none narrower than that."""
     low, high = float(values.min()), float(values.max())
-    least = max((high - low) / (most - 1), 1e-9 * max(abs(low), abs(high), 1.0))
+    least = max((high - low) / (most - 1), narrowest, 1e-9 * max(abs(low), abs(high), 1.0))
     power = 10.0 ** math.floor(math.log10(least))
     step = next(each * power for each in (1.0, 2.0, 2.5, 5.0, 10.0) if each * power >= least * (1.0 - 1e-9))
     first = math.floor(low / step + 1e-9)

@@ -26,6 +26,9 @@ from pages.shared.state import choose, put_file, session
 NEEDED = ("main_pressure", "engine_speed", "atf_temperature", "gear")  # what results rest on most, asked first
 ASK = "\x00choose"  # no column has such a name
 _TRIED = "columns-tried"
+_NUMBERS = frozenset(
+    ("log_least", "log_mean", "log_largest", "log_first", "log_second", "log_samples", "log_suspect", "log_rate")
+)
 
 
 @dataclass(frozen=True)
@@ -108,8 +111,7 @@ def facts(log: Understood, say: Wording) -> str:
 def understood_table(log: Understood) -> None:
     """Show what was understood of every column, the time first."""
     say = reader.say()
-    rows = kept_with(log, "columns", say, lambda: _understood_rows(log, say))
-    st.dataframe(_frame(rows, say), hide_index=True, width="stretch", column_config=_config(rows, say), placeholder="–")
+    values_table(kept_with(log, "columns", say, lambda: _understood_rows(log, say)))
 
 
 def _understood_rows(log: Understood, say: Wording) -> list[dict[str, Any]]:
@@ -143,8 +145,18 @@ def _frame(rows: list[dict[str, Any]], say: Wording) -> pd.DataFrame:
 
 
 def _config(rows: list[dict[str, Any]], say: Wording) -> dict[str, Any]:
-    helps = say.texts["column_help"]
-    return {say(f"columns.{key}"): st.column_config.Column(help=helps.get(key)) for key in (rows[0] if rows else ())}
+    """Return how the columns of written values look: numbers stand on the right."""
+    helps, config = say.texts["column_help"], {}
+    for key in rows[0] if rows else ():
+        side: Any = "right" if key in _NUMBERS else "left"
+        config[say(f"columns.{key}")] = st.column_config.TextColumn(help=helps.get(key), alignment=side)
+    return config
+
+
+def values_table(rows: list[dict[str, Any]]) -> None:
+    """Show rows of values that are written already, by the keys of their columns."""
+    say = reader.say()
+    st.dataframe(_frame(rows, say), hide_index=True, width="stretch", column_config=_config(rows, say), placeholder="–")
 
 
 # --- the form
@@ -273,13 +285,13 @@ def _columns_table(asked: _Asked) -> None:
 def _fields(asked: _Asked, file: SourceFile) -> None:
     say = asked.say
     picked, units = {}, {}
-    st.markdown(f"**{say('mapping.first')}**")
-    for name in NEEDED:
-        picked[name], units[name] = _field(asked, file, name)
-    st.markdown(f"**{say('mapping.others')}**")
-    for name in QUANTITIES:
-        if name not in NEEDED:
-            picked[name], units[name] = _field(asked, file, name)
+    others = tuple(name for name in QUANTITIES if name not in NEEDED)
+    for title, names in (("mapping.first", NEEDED), ("mapping.others", others)):
+        st.markdown(f"**{say(title)}**")
+        for first in range(0, len(names), 2):
+            places = st.columns([3, 1, 3, 1])
+            for name, left, right in zip(names[first : first + 2], places[::2], places[1::2], strict=False):
+                picked[name], units[name] = _field(asked, file, name, left, right)
     st.caption(say("mapping.remembered_here"))
     used = st.form_submit_button(say("mapping.use"))
     place = st.container()
@@ -287,10 +299,9 @@ def _fields(asked: _Asked, file: SourceFile) -> None:
         _use(asked, file, picked, {name: unit for name, unit in units.items() if unit}, place)
 
 
-def _field(asked: _Asked, file: SourceFile, name: str) -> tuple[str, str]:
+def _field(asked: _Asked, file: SourceFile, name: str, left: Any, right: Any) -> tuple[str, str]:
     say, kind, options = asked.say, QUANTITIES[name].unit_kind, asked.options(name)
     start = asked.start(name)
-    left, right = st.columns([3, 1])
     picked = left.selectbox(
         say(f"log_quantities.{name}"),
         options,

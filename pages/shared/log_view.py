@@ -24,7 +24,7 @@ from atleak.views.operating_map import histogram, operating_map
 from atleak.views.road_words import event_name
 from atleak.wording import Wording
 from atleak.written_numbers import SHIFT
-from pages.shared import fields, reader, show
+from pages.shared import fields, log_form, reader, show
 from pages.shared.cases import understood
 from pages.shared.state import RECORD, job, job_generation, session
 
@@ -274,9 +274,7 @@ def values_table(part: Part, road: RoadLeakage | None) -> None:
         rows = [*rows, *kept_with(part.whole, "values laid over", (part.key, say), lambda: _rows_over(part, say))]
     if not rows:
         return
-    helps = say.texts["column_help"]
-    config = {key: st.column_config.Column(say(f"columns.{key}"), help=helps.get(key)) for key in rows[0]}
-    st.dataframe(rows, hide_index=True, width="stretch", column_config=config, placeholder="–")
+    log_form.values_table(rows)
     st.caption(say("road_test.values_help"))
 
 

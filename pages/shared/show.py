@@ -310,6 +310,8 @@ def chart(figure: go.Figure, key: str, on_span: Callable[[float, float], None] |
         if on_span is not None:
             figure.update_layout(dragmode="select", selectdirection="h")
         figure.update_traces(textfont_color=ink, selector={"type": "scatter"})
+    for trace in figure.select_traces({"type": "heatmap"}):
+        trace.colorbar.tickfont.color = trace.colorbar.title.font.color = ink
     for trace in figure.data:
         if trace.type in ("bar", "scatter") and trace.error_x.color == SCREEN.soft:
             trace.error_x.color = ink

@@ -54,7 +54,7 @@ def test_events_are_marked_where_they_begin_and_shaded_where_they_last(log_of) -
     log = log_of(np.arange(20.0), main_pressure=600e3, engine_speed=20.0)
     events = [Event("gear_shift", 3.0, 3.5, 1, 2), Event("hot_idle", 8.0, 12.0), Event("stall", 40.0, 41.0)]
     figure = log_channels(log, {}, SAY, events)
-    assert [note.text for note in figure.layout.annotations] == ["1→2", "hot idle"]
+    assert [note.text for note in figure.layout.annotations] == ["1→2"]
     assert {shape.x0 for shape in figure.layout.shapes if shape.type == "line"} == {3.0, 8.0}
     assert {(shape.x0, shape.x1) for shape in figure.layout.shapes if shape.type == "rect"} == {(8.0, 12.0)}
     assert list(curve(figure, "hot idle").x)[:2] == [8.0, 12.0]

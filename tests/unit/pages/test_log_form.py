@@ -65,8 +65,8 @@ def use_columns(app: AppTest) -> AppTest:
 
 
 def most_leakage(app: AppTest) -> float:
-    table = next(each.value for each in app.dataframe if "log_channel" in each.value)
-    return float(table.set_index("log_channel")["log_largest"]["leakage"])
+    table = next(each.value for each in app.dataframe if "Channel" in each.value)
+    return float(table.set_index("Channel")["Largest"]["leakage"])
 
 
 def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
@@ -170,14 +170,14 @@ def test_a_formula_is_drawn_listed_kept_with_the_job_and_refused_in_words(app: A
 
     unfold(app, "formulas-fold")
     draw("drop", "p_g − p_k")
-    table = next(each.value for each in app.dataframe if "log_channel" in each.value).set_index("log_channel")
-    assert table["log_in"]["drop"] == "kPa"
+    table = next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
+    assert table["in"]["drop"] == "kPa"
     draw("sum", "p_g + n")
     assert "at character 5: a rotational speed cannot be added to a pressure" in texts(app)
     assert [each.name for each in app.session_state["job-record"].log_formulas] == ["drop"]
     go(app, "2_Readings")
     go(app, "3_Road_test")
-    assert "drop" in next(each.value for each in app.dataframe if "log_channel" in each.value)["log_channel"].tolist()
+    assert "drop" in next(each.value for each in app.dataframe if "Channel" in each.value)["Channel"].tolist()
     next(button for button in app.button if button.label == "Take away").click().run()
     assert app.session_state["job-record"].log_formulas == ()
 
