@@ -101,7 +101,7 @@ def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wo
     return curves
 
 
-def value_rows(curves: Sequence[Curve], ends: tuple[float, float], say: Wording) -> list[dict[str, Any]]:
+def value_rows(curves: Sequence[Curve], ends: tuple[float, float], say: Wording) -> list[dict[str, str]]:
     """Return one row for every curve that has a value: its least, mean, largest, and the last value at each end.
 
     Parameters

@@ -267,15 +267,18 @@ def _picture(part: Part, happened: Sequence[Event], say: Wording) -> object:
 def values_table(part: Part, road: RoadLeakage | None) -> None:
     """Show each channel's least, mean and largest, and its values at both cursors; likewise of the log laid over it."""
     say = reader.say()
-    rows = kept_with(
-        part.whole, "values", (part.key, id(road), say), lambda: value_rows(_curves(part, road, say), part.cursors, say)
-    )
+    owner = part.whole if road is None else road.extremes
+    rows = kept_with(owner, "values", (part.key, say), partial(_rows, part, road, say))
     if part.over is not None:
         rows = [*rows, *kept_with(part.whole, "values laid over", (part.key, say), lambda: _rows_over(part, say))]
     if not rows:
         return
     log_form.values_table(rows)
     st.caption(say("road_test.values_help"))
+
+
+def _rows(part: Part, road: RoadLeakage | None, say: Wording) -> list[dict[str, str]]:
+    return value_rows(_curves(part, road, say), part.cursors, say)
 
 
 def _curves(part: Part, road: RoadLeakage | None, say: Wording) -> list[Curve]:
@@ -333,8 +336,10 @@ def _map(part: Part, road: RoadLeakage | None, say: Wording) -> None:
     cells = None
     if "engine_speed" in scales and "atf_temperature" in scales:
         speed, temperature = scales["engine_speed"], scales["atf_temperature"]
-        key = (part.ends, id(road), say)
-        cells = kept_with(part.whole, "map", key, lambda: operating_map(part.test, road, speed, temperature), most=2)
+        owner = part.whole if road is None else road.extremes
+        cells = kept_with(
+            owner, "map", (part.ends, say), lambda: operating_map(part.test, road, speed, temperature), most=2
+        )
     if cells is None:
         st.info(say("operating_map.map_lacks"))
         return
@@ -377,4 +382,4 @@ def leakage(diagnosis: Diagnosis, part: Part) -> RoadLeakage:
     assert diagnosis.road is not None
     if part.ends is None:
         return diagnosis.road
-    return kept_with(diagnosis, "leakage of a part", part.ends, lambda: diagnosis.over(part.test), most=1)
+    return diagnosis.over(part.test)

@@ -95,7 +95,8 @@ def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:
     """Draw leakage, pump flow and share over a log, or over a part of it."""
     limits = diagnosis.limits
     key = (tuple(limits.fixed_bands), show.dark())
-    show.chart(kept_with(road, "chart", key, lambda: figures.road_leakage(road, limits), most=2), "road")
+    # what is computed over the log stays the same object where nothing changed that it rests on
+    show.chart(kept_with(road.extremes, "chart", key, lambda: figures.road_leakage(road, limits), most=2), "road")
 
 
 def as_new(diagnosis: Diagnosis) -> None:
