@@ -35,12 +35,15 @@ def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:
     named = job.number or job.vehicle.registration or job.vehicle.vin
     readings = "all" if measured == lands else "some" if measured else "none"
     log = diagnosis.log
+    verdict = say.signed(diagnosis.verdict)
+    if measured < lands and not diagnosis.verdict.flagged and measured:
+        verdict = say("steps.so_far", verdict=verdict)
     driven = say("steps.no_log") if log is None else f"{say.number(log.road_test.duration, 0)} s"
     return (
         Step("job", bool(named), named or say("steps.no_number")),
         Step("readings", measured == lands, say(f"steps.readings_{readings}", measured=measured, lands=lands)),
         Step("road_test", log is not None, driven),
-        Step("diagnosis", diagnosis.verdict is not Verdict.NOT_MEASURED, say.signed(diagnosis.verdict)),
+        Step("diagnosis", diagnosis.verdict is not Verdict.NOT_MEASURED, verdict),
         Step("what_if", True),
         Step("report", True),
     )

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import openpyxl
 import pytest
+from PIL import Image
 
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
@@ -20,6 +21,11 @@ from pages.shared.show import WIDTHS
 from .conftest import AT_REST, from_menu
 
 Visit = Callable[[str], Page]
+SHEET = "component;part;plane;direction;diameter [mm]\n" + "".join(
+    f"5;{part};1;{direction};{size}\n"
+    for part, size in (("piston", "14.0"), ("sleeve", "14.07"))
+    for direction in (0, 90)
+)
 
 
 def upload(page: Page, name: str, data: bytes) -> None:
@@ -287,12 +293,15 @@ def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
     assert WIDTHS["Pair"] + 2 * CONDITION_WIDTH <= matrix.bounding_box()["width"] + 2.0
 
 
-GROUPS = {"Catalogue": "More", "Uncertainty": "More", "Job_book": "Job book", "Unit": "Job book"}
+GROUPS = {"Catalogue": "More", "Uncertainty": "More", "Settings": "More", "Job_book": "Job book", "Unit": "Job book"}
 
 
 @pytest.mark.page("2_Readings")
-def test_every_page_opens(page: Page, server: str) -> None:
-    for address in ("Road_test", "Report", "Uncertainty", "Catalogue", "Readings", "Job_book", "Unit", "Diagnosis"):
+def test_every_page_opens_at_its_address_and_the_console_stays_silent(page: Page, server: str) -> None:
+    wrong: list[str] = []
+    page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    for address in ("Job", "Road_test", "Report", *GROUPS, "Readings", "Diagnosis"):
         name = address.replace("_", " ")
         if group := GROUPS.get(address):
             from_menu(page, group, name)
@@ -302,6 +311,35 @@ def test_every_page_opens(page: Page, server: str) -> None:
         wait_until_idle(page)
         assert page.get_by_test_id("stException").count() == 0
         assert page.url.rstrip("/") == f"{server}/{address}"
+    assert wrong == []
+
+
+def test_files_of_several_kinds_are_dropped_at_once_and_undone(visit: Visit, server: str, sample_log: Path) -> None:
+    page = visit(server)
+    page.get_by_test_id("stMain").get_by_role("button", name="New, empty job").click()
+    expect(page.get_by_role("heading", name="Job", level=1)).to_be_visible()
+    wait_until_idle(page)
+    picture = io.BytesIO()
+    Image.new("RGB", (40, 30)).save(picture, "PNG")
+    files = {
+        "hund.dat": SHEET.replace(".", ",").encode(),
+        "katze.dat": sample_log.read_bytes(),
+        "maus.dat": picture.getvalue(),
+        "record.json": b'{"number": "2026-0417"}',
+    }
+    place = page.get_by_test_id("stSidebar").get_by_test_id("stFileUploader").locator("input[type=file]")
+    place.set_input_files([{"name": name, "mimeType": "", "buffer": data} for name, data in files.items()])
+    status(page, re.compile("hund.dat · 1 of 47 lands measured"))
+    status(page, re.compile("katze.dat · 1201 rows"))
+    wait_until_idle(page)
+    expect(page.get_by_label("Job number").last).to_have_value("2026-0417")  # beside the old form for a moment
+    page.get_by_text("Logo and photos").click()
+    expect(page.get_by_role("textbox", name="Caption")).to_be_visible()
+    page.locator(".st-key-away-readings button").first.click()
+    status(page, "No measuring sheet yet")
+    page.get_by_role("button", name="Undo: hund.dat taken away").click()
+    status(page, re.compile("hund.dat · 1 of 47 lands measured"))
+    assert page.get_by_test_id("stException").count() == 0
 
 
 def test_a_pages_own_address_opens_it(visit: Visit, server: str) -> None:
