@@ -55,7 +55,7 @@ if own is not None and diagnosis.road is not None:
         st.subheader(say("road_test.leakage"))
         road_page.as_new(diagnosis)
         road_page.leakage_chart(road, diagnosis)
-        show.extremes(road, diagnosis.uncertainty)
+        road_page.extremes(road, diagnosis.uncertainty)
         show.messages(road.messages, say("road_test.about_leakage"))
     except AtleakError as error:
         st.warning(show.plain(error))

@@ -10,31 +10,20 @@ from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
-from atleak.catalogue.limits import Limits, RuleKind
+from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
-from atleak.engine.road_leakage import RoadLeakage
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import HATCHING, SCREEN, look_of
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
-from atleak.views.road_series import RoadSeries, road_series
-from atleak.wording import signed, wording
+from atleak.wording import signed
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
-_SYMBOLS = {
-    "max_leakage_sustained": "diamond",
-    "max_leakage": "diamond-open",
-    "min_leakage": "triangle-down-open",
-    "max_share_sustained": "star",
-    "max_share": "star-open",
-}
-_OF_SHARE = ("max_share_sustained", "max_share")  # the instants that are marked in the curve of the share
 
 
 def land_name(land: LandDiagnosis) -> str:
@@ -178,83 +167,6 @@ def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
                 text=f"{look.sign} {name}" if high - low > _NAMED * right else look.sign, font={"size": 10},
             )  # fmt: skip
     return right
-
-
-def road_leakage(road: RoadLeakage, limits: Limits, points: int = POINTS) -> go.Figure:
-    """Draw leakage, pump flow and share with the edges of its bands over a log, one above the other.
-
-    Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
-    """
-    series = road_series(road, points)
-    with_share = "share_percent" in series.columns
-    figure = make_subplots(rows=3 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.06)
-    _line(figure, series, "leakage_dm3_min", "leakage", SCREEN.leakage, 1)
-    if with_share:
-        _line(figure, series, "pump_capacity_dm3_min", "pump flow", SCREEN.pump, 2, dash="dash")
-        _line(figure, series, "share_percent", "share", SCREEN.share, 3, dash="dashdot")
-        _band_edges(figure, limits, float(np.nanmax(series.columns["share_percent"], initial=0.0)))
-        figure.update_yaxes(title="pump flow<br>[dm³/min]", row=2, col=1)
-        figure.update_yaxes(title="share [%]", row=3, col=1)
-    _instants(figure, series)
-    figure.update_yaxes(title="leakage<br>[dm³/min]", row=1, col=1)
-    figure.update_yaxes(rangemode="tozero")
-    figure.update_xaxes(title="time [s]", row=3 if with_share else 1, col=1)
-    return framed(figure, 620 if with_share else 320, hovermode="x unified")
-
-
-def _line(
-    figure: go.Figure, series: RoadSeries, name: str, label: str, colour: str, row: int, dash: str = "solid"
-) -> None:
-    figure.add_trace(
-        go.Scatter(
-            x=series.columns["time_s"],
-            y=series.columns[name],
-            name=label,
-            mode="lines",
-            line={"color": colour, "dash": dash, "width": 2},
-            connectgaps=False,
-            hovertemplate="%{y:.2f}",
-        ),
-        row=row,
-        col=1,
-    )
-
-
-def _band_edges(figure: go.Figure, limits: Limits, top: float) -> None:
-    """Return the edges of the bands near the log's values: a high limit must not squeeze a low curve."""
-    for number, (name, level) in enumerate(limits.fixed_bands):
-        edge = level * PERCENT
-        if number and edge > 1.5 * top:
-            break
-        figure.add_hline(
-            y=edge, line={"color": look_of(name).screen, "dash": "dot", "width": 1.5}, row=3, col=1,
-            annotation={"text": f"{name} from {edge:g} %", "font": {"size": 11}}, annotation_position="top right",
-        )  # fmt: skip
-
-
-def _instants(figure: go.Figure, series: RoadSeries) -> None:
-    for row in series.instants:
-        instant, share = row.instant, row.name in _OF_SHARE
-        value = instant.share if share else instant.leakage
-        if value is None:
-            continue
-        figure.add_trace(
-            go.Scatter(
-                x=[instant.time],
-                y=[value * (PERCENT if share else DM3_MIN)],
-                name=f"{row.label(wording('en'))}, {instant.time:.2f} s",
-                mode="markers",
-                marker={
-                    "symbol": _SYMBOLS[row.name],
-                    "size": 12,
-                    "color": SCREEN.share if share else SCREEN.leakage,
-                    "line": {"width": 1.5},
-                },
-                hovertemplate="%{y:.2f}",
-            ),
-            row=3 if share else 1,
-            col=1,
-        )
 
 
 def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:

@@ -11,24 +11,39 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
+from atleak.catalogue.limits import Limits
 from atleak.channel_formulas import FormulaChannel, formula_scale
+from atleak.engine.road_leakage import RoadLeakage
 from atleak.events import Event
 from atleak.figures.frame import framed
-from atleak.look import CURVES, SCREEN, SUSPECT
+from atleak.look import CURVES, SCREEN, SUSPECT, look_of
 from atleak.road_test import Channel, RoadTest
 from atleak.thinning import thinned
 from atleak.views.log_rows import Scales
 from atleak.views.operating_map import Histogram, OperatingMap
+from atleak.views.road_series import RoadSeries, road_series
 from atleak.views.road_words import event_name
 from atleak.wording import Wording
+from atleak.workshop_units import DM3_MIN, PERCENT
 
 POINTS = 2000  # samples of a channel that are drawn, besides the edges of its gaps
+LEAKAGE_POINTS = 3000  # the same of the leakage over it
 LINES = 60  # most events that are marked through all curves; the lane above them shows every one
 LABELLED = 20  # with more shifts the figure is too narrow for their gears
 MARKED = 800  # most suspect samples and breaks of a log that are marked
 _FINEST = 1500  # parts of the time shown: events of a kind that lie nearer together are drawn as one
 _ROW, _LANE = 130, 22  # pixels
 _STEPS = frozenset({"gear", "selector", "lock_up"})
+
+
+_SYMBOLS = {
+    "max_leakage_sustained": "diamond",
+    "max_leakage": "diamond-open",
+    "min_leakage": "triangle-down-open",
+    "max_share_sustained": "star",
+    "max_share": "star-open",
+}
+_OF_SHARE = ("max_share_sustained", "max_share")  # the instants that are marked in the curve of the share
 
 
 @dataclass(frozen=True)
@@ -252,6 +267,80 @@ def _mark(figure: go.Figure, test: RoadTest, inside: Sequence[Event], say: Wordi
                  "showarrow": False, "font": {"size": 10}, "text": f"{event.from_gear}→{event.to_gear}"}
             )  # fmt: skip
     figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
+
+
+def road_leakage(road: RoadLeakage, limits: Limits, say: Wording, points: int = LEAKAGE_POINTS) -> go.Figure:
+    """Draw leakage, pump flow and share with the edges of its bands over a log, one above the other.
+
+    Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
+    """
+    series = road_series(road, points)
+    with_share = "share_percent" in series.columns
+    figure = make_subplots(rows=3 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    curves = [("leakage_dm3_min", "leakage_row", "flow", SCREEN.leakage, "solid")]
+    if with_share:
+        curves.append(("pump_capacity_dm3_min", "pump_flow", "flow", SCREEN.pump, "dash"))
+        curves.append(("share_percent", "share", "percent", SCREEN.share, "dashdot"))
+    for row, (column, name, kind, colour, dash) in enumerate(curves, start=1):
+        label, unit = say(f"road_test.{name}"), say.unit(kind)
+        figure.add_trace(
+            go.Scatter(
+                x=series.columns["time_s"],
+                y=say.convert(series.columns[column], kind),
+                name=label,
+                mode="lines",
+                line={"color": colour, "dash": dash, "width": 2},
+                connectgaps=False,
+                hovertemplate=f"%{{y:.2f}} {unit}",
+            ),
+            row=row,
+            col=1,
+        )
+        figure.update_yaxes(title=f"{label}<br>[{unit}]", row=row, col=1)
+    if with_share:
+        _band_edges(figure, limits, float(np.nanmax(series.columns["share_percent"], initial=0.0)), say)
+    _instants(figure, series, say)
+    figure.update_yaxes(rangemode="tozero")
+    figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=len(curves), col=1)
+    return framed(figure, 620 if with_share else 320, hovermode="x unified")
+
+
+def _band_edges(figure: go.Figure, limits: Limits, top: float, say: Wording) -> None:
+    """Draw the edges of the bands near the log's values: a high limit must not squeeze a low curve."""
+    for number, (band, level) in enumerate(limits.fixed_bands):
+        edge = level * PERCENT
+        if number and edge > 1.5 * top:
+            break
+        text = say("road_test.band_from", band=say.level(band), edge=say.plain(edge))
+        figure.add_hline(
+            y=edge, line={"color": look_of(band).screen, "dash": "dot", "width": 1.5}, row=3, col=1,
+            annotation={"text": text, "font": {"size": 11}}, annotation_position="top right",
+        )  # fmt: skip
+
+
+def _instants(figure: go.Figure, series: RoadSeries, say: Wording) -> None:
+    for row in series.instants:
+        instant, share = row.instant, row.name in _OF_SHARE
+        value = instant.share if share else instant.leakage
+        if value is None:
+            continue
+        figure.add_trace(
+            go.Scatter(
+                x=[instant.time],
+                y=[value * PERCENT if share else say.convert(value * DM3_MIN, "flow")],
+                name=f"{row.label(say)}, {say.number(instant.time, 2)} s",
+                mode="markers",
+                marker={
+                    "symbol": _SYMBOLS[row.name],
+                    "size": 12,
+                    "color": SCREEN.share if share else SCREEN.leakage,
+                    "line": {"width": 1.5},
+                },
+                hovertemplate="%{y:.2f}",
+            ),
+            row=3 if share else 1,
+            col=1,
+        )
 
 
 def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say: Wording) -> go.Figure:

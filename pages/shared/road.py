@@ -8,11 +8,13 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.figures import diagnosis_figures as figures
+from atleak.figures import log_figures as figures
 from atleak.keeping import kept_with
 from atleak.road_findings import RoadFindings
+from atleak.uncertainty import UnitUncertainty
 from atleak.views.columns import Column
 from atleak.views.log_rows import circuit_rows, place_rows, whole
+from atleak.views.road_instants import instant_record, road_instants
 from atleak.views.road_words import (
     check_sentences,
     deciding_sentence,
@@ -43,6 +45,17 @@ _CIRCUITS = (
     Column("circuit_at", "time", 1),
     Column("circuit_mean", "pressure", 0),
 )
+
+_INSTANTS = {  # by the name in the record
+    "time_s": Column("instant_time", "time", 2),
+    "leakage_dm3_min": Column("instant_leakage", "flow", 2),
+    "leakage_low_dm3_min": Column("instant_leakage_low", "flow", 2),
+    "leakage_high_dm3_min": Column("instant_leakage_high", "flow", 2),
+    "pump_capacity_dm3_min": Column("instant_pump", "flow", 1),
+    "share_percent": Column("instant_share", "percent", 2),
+    "share_low_percent": Column("instant_share_low", "percent", 1),
+    "share_high_percent": Column("instant_share_high", "percent", 1),
+}
 
 
 def findings(diagnosis: Diagnosis, *, said_above: bool = False) -> None:
@@ -84,7 +97,7 @@ def leakage(diagnosis: Diagnosis) -> None:
     if diagnosis.road is not None:
         as_new(diagnosis)
         leakage_chart(diagnosis.road, diagnosis)
-        show.extremes(diagnosis.road, diagnosis.uncertainty)
+        extremes(diagnosis.road, diagnosis.uncertainty)
         if diagnosis.road.circuit_ranges:
             show.rows_table(circuit_rows(diagnosis.road), _CIRCUITS)
             st.caption(reader.say()("road_test.circuits_help"))
@@ -93,10 +106,28 @@ def leakage(diagnosis: Diagnosis) -> None:
 
 def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:
     """Draw leakage, pump flow and share over a log, or over a part of it."""
-    limits = diagnosis.limits
-    key = (tuple(limits.fixed_bands), show.dark())
+    limits, say = diagnosis.limits, reader.say()
+    key = (tuple(limits.fixed_bands), show.dark(), say)
     # what is computed over the log stays the same object where nothing changed that it rests on
-    show.chart(kept_with(road.extremes, "chart", key, lambda: figures.road_leakage(road, limits), most=2), "road")
+    show.chart(kept_with(road.extremes, "chart", key, lambda: figures.road_leakage(road, limits, say), most=2), "road")
+
+
+def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
+    """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
+    say, rows = reader.say(), road_instants(road)
+    records = [instant_record(row.instant, uncertainty) for row in rows]
+    shown = [(name, column) for name, column in _INSTANTS.items() if any(each[name] is not None for each in records)]
+    cells = [
+        {"instant": row.label(say), **{column.key: record[name] for name, column in shown}}
+        for row, record in zip(rows, records, strict=True)
+    ]
+    show.rows_table(cells, [Column("instant"), *(column for _, column in shown)])
+    said = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
+    if uncertainty is not None:
+        said.append(say("road_test.intervals"))
+    if road.lower_bound:
+        said.append(say("texts.lower_bound"))
+    st.caption(plain(" ".join(said)))
 
 
 def as_new(diagnosis: Diagnosis) -> None:

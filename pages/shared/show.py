@@ -14,17 +14,14 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from atleak.diagnosis import NO_LEAKAGE, Diagnosis
-from atleak.engine.road_leakage import RoadLeakage
 from atleak.errors import AtleakError, Message
 from atleak.gauges.check import PressureCheck
 from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
-from atleak.uncertainty import UnitUncertainty
 from atleak.verdicts import Band, Verdict
 from atleak.views.columns import VERDICT, Column
 from atleak.views.drawing import controller_svg, on_dark
 from atleak.views.gauge_rows import gauge_rows
-from atleak.views.road_instants import instant_rows
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import Wording, signed, wording
 from pages.shared import reader
@@ -256,17 +253,6 @@ def _of_log(diagnosis: Diagnosis) -> list[Message]:
     of_leakage = diagnosis.road.messages if diagnosis.road is not None else ()
     why = [each for each in diagnosis.messages if each.code == NO_LEAKAGE]
     return [*diagnosis.log.road_test.messages, *of_leakage, *why]
-
-
-def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
-    """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
-    table(instant_rows(road, uncertainty), number=rounded)
-    said = wording("en")("texts.sustained", seconds=f"{road.extremes.window:g}")
-    if uncertainty is not None:
-        said += " From … to: 95 % intervals."
-    if road.lower_bound:
-        said += f" {wording('en')('texts.lower_bound')}"
-    st.caption(plain(said))
 
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:

@@ -11,12 +11,14 @@ from atleak.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import stated_condition
 from atleak.figures import diagnosis_figures as figures
 from atleak.figures import uncertainty_figures as of_uncertainty
+from atleak.figures.log_figures import road_leakage
+from atleak.wording import wording
 from atleak.workshop_units import DM3_MIN, PERCENT
 
 ALL = {
     "ranking": lambda diagnosis: figures.leakage_ranking(diagnosis),
     "share": lambda diagnosis: figures.total_share(diagnosis),
-    "road": lambda diagnosis: figures.road_leakage(diagnosis.road, diagnosis.limits),
+    "road": lambda diagnosis: road_leakage(diagnosis.road, diagnosis.limits, wording("en")),
     "wear": lambda diagnosis: figures.wear(diagnosis),
 }
 
@@ -80,7 +82,7 @@ def test_total_share_stands_beside_that_of_the_same_unit_new(sample: Diagnosis) 
 
 
 def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Diagnosis) -> None:
-    figure, road = figures.road_leakage(sample.road, sample.limits), sample.road
+    figure, road = road_leakage(sample.road, sample.limits, wording("en")), sample.road
     leakage, share = trace(figure, "leakage"), trace(figure, "share")
     assert np.nanmax(leakage.y) == pytest.approx(road.max_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.nanmin(leakage.y) == pytest.approx(road.min_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
@@ -95,7 +97,7 @@ def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Di
 def test_a_log_without_engine_speed_shows_leakage_alone(four_speed, hipol, limits, log_of) -> None:
     log = log_of(np.arange(50.0), main_pressure=600e3, converter_pressure=300e3, atf_temperature=80.0, gear=2.0)
     diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
-    figure = figures.road_leakage(diagnosis.road, diagnosis.limits)
+    figure = road_leakage(diagnosis.road, diagnosis.limits, wording("en"))
     assert {one.name for one in figure.data if one.mode == "lines"} == {"leakage"}
     assert all(one.error_x.array is None for one in figures.leakage_ranking(diagnosis).data)
 
@@ -113,8 +115,8 @@ def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(four_speed, hipol,
         gear=2.0,
     )
     diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
-    assert all(len(one.x) <= 4000 for one in figures.road_leakage(diagnosis.road, diagnosis.limits).data)
-    leakage = trace(figures.road_leakage(diagnosis.road, diagnosis.limits), "leakage")
+    assert all(len(one.x) <= 4000 for one in road_leakage(diagnosis.road, diagnosis.limits, wording("en")).data)
+    leakage = trace(road_leakage(diagnosis.road, diagnosis.limits, wording("en")), "leakage")
     assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(diagnosis.road.leakage) * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.isclose(leakage.x, 312.34).any()
 
