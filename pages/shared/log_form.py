@@ -81,18 +81,11 @@ def keep_what_was_taken(case: PageCase) -> None:
     if tried is None or file is None or "road_test" in session().refused:
         return
     if file.sha256 == tried.sha256 and dict(case.columns) == tried.columns and dict(case.units) == tried.units:
-        if not _used(tried, Kept().log(case)):
+        if not Kept().log(case).uses(tried.columns):
             return  # the form shows them, and why they were not used
         why = remember_columns(file, dict(tried.columns), dict(tried.units))
         session().unkept = (file.sha256, why) if why else ("", "")
     del st.session_state[_TRIED]
-
-
-def _used(tried: Tried, log: Understood) -> bool:
-    """Tell whether every column that was chosen gave its quantity: one may lack the unit or the values for it."""
-    test = log.road_test
-    chosen = [name for name, column in tried.columns.items() if column != NOT_LOGGED and name != "time"]
-    return test is not None and all(name in test.channels for name in chosen)
 
 
 def facts(log: Understood, say: Wording) -> str:
