@@ -87,6 +87,11 @@ class LandDiagnosis:
         return self.uncertainty is not None and self.uncertainty.suspect
 
     @property
+    def in_doubt(self) -> bool:
+        """Return whether its readings contradict themselves: repeats too far apart, or a pair tighter than new."""
+        return self.suspect or bool(self.state.doubts)
+
+    @property
     def probability_over_limit(self) -> float | None:
         """Return the probability that the true value is over the limit of the rule that gave the verdict."""
         decided = self.deciding_uncertainty
@@ -361,6 +366,26 @@ class Diagnosis:
     def without_sheet(self) -> bool:
         """Return whether a log, gauge readings or both are all there is: no measuring sheet was given."""
         return self.readings is None and (self.log is not None or self.pressures is not None)
+
+    @property
+    def unmeasured(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands of which a part was not measured, but for those that a ring seals."""
+        return tuple(land for land in self.lands if land.state.land.seal is None and land.state.status != "measured")
+
+    @property
+    def in_doubt(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands whose readings contradict themselves."""
+        return tuple(land for land in self.lands if land.in_doubt)
+
+    @property
+    def passed(self) -> bool:
+        """Tell whether the unit may be shown as good: within all limits, all of it measured, no reading in doubt.
+
+        Without a measuring sheet gauges and log alone say so.
+        """
+        if self.without_sheet:
+            return self.verdict == Verdict.OK
+        return self.verdict == Verdict.OK and not self.unmeasured and not self.in_doubt
 
     @property
     def judged(self) -> int:

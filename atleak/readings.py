@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import datetime as dt
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Literal
@@ -26,7 +26,9 @@ Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
 
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
+_TOLERATED = REPEAT_TOLERANCE + 1e-12  # [m] less than this beyond it is floating point
 NOMINAL_HEADING = "Nominal\ndiameter [mm]"  # of the printed form: it marks a sheet that was made from it
+TYPED_MARK = "atleak: readings typed in"  # the first cell of a sheet that was: it may hold nothing yet that counts
 NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal one is flagged: choice of this project
 
 
@@ -49,7 +51,7 @@ class Reading:
     coordinates: tuple[float, float] | None = None  # [m]
 
     @property
-    def station(self) -> tuple[str, str, str, float | None]:
+    def station(self) -> tuple[str, Part, str, float | None]:
         """Return what repeats have in common: component, part, plane and direction."""
         return self.component, self.part, self.plane, self.direction
 
@@ -132,6 +134,24 @@ class Station:
 
 
 @dataclass(frozen=True)
+class Disagreement:
+    """Repeats of one place that are further apart than `REPEAT_TOLERANCE`, and those of them that count."""
+
+    repeats: tuple[Reading, ...]
+    counted: tuple[Reading, ...]
+
+    @property
+    def agreed(self) -> bool:
+        """Tell whether most of the independent repeats agree: the others were left out as slips."""
+        return 2 * len(independent_repeats(self.counted)) > len(independent_repeats(self.repeats))
+
+    @property
+    def apart(self) -> float:
+        """Return how far the repeats are apart [m]."""
+        return _spread(self.repeats)
+
+
+@dataclass(frozen=True)
 class LandClearance:
     """The clearance of one land at 20 °C, and the readings it rests on.
 
@@ -163,6 +183,7 @@ class LandClearance:
     spool_repeats: int
     sleeve_repeats: int
     messages: tuple[Message, ...] = ()
+    doubts: tuple[Disagreement, ...] = ()  # places whose repeats are too far apart to be averaged
 
     @property
     def measured(self) -> bool:
@@ -226,6 +247,7 @@ class _PartMean:
     readings: int
     repeats: int
     messages: tuple[Message, ...]
+    doubts: tuple[Disagreement, ...]
 
     def at_reference(self, part_expansion: float, gauge_expansion: float, rise: float) -> _PartMean:
         """Return the same mean, read ``rise`` [K] above the reference temperature, as it is at that temperature."""
@@ -278,6 +300,7 @@ def clearances(
     and gauge (`atleak.equations.clearance.diameter_at_reference`). Radial clearance is half the difference of the mean
     diameters, eq. (28) of the source study. Repeats with the two coordinates swapped, as in the study's Table 1, or
     copied unchanged are no independent repeats: they count for the mean, which they leave as it is, not for the spread.
+    Of repeats further apart than `REPEAT_TOLERANCE` only those count that `repeats_that_count` names.
     """
     parts: dict[tuple[str, int], dict[Part, list[Reading]]] = defaultdict(lambda: {"spool": [], "sleeve": []})
     for reading in readings.readings if readings else ():
@@ -352,14 +375,16 @@ def _land_clearance(
         *(sleeve.messages if sleeve else ()),
         *_land_messages(result, place),
     )
-    return replace(result, messages=messages)
+    doubts = (*(spool.doubts if spool else ()), *(sleeve.doubts if sleeve else ()))
+    return replace(result, messages=messages, doubts=doubts)
 
 
 def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
     groups: dict[tuple[str, float | None], list[Reading]] = defaultdict(list)
     for reading in readings:
         groups[reading.plane, reading.direction].append(reading)
-    by_station = {station: fmean(reading.diameter for reading in group) for station, group in groups.items()}
+    counted = {station: repeats_that_count(group) for station, group in groups.items()}
+    by_station = {station: fmean(reading.diameter for reading in group) for station, group in counted.items()}
     planes: dict[str, list[float]] = defaultdict(list)
     for (plane, _), diameter in by_station.items():
         planes[plane].append(diameter)
@@ -377,8 +402,32 @@ def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
         readings=len(readings),
         repeats=min(len(group) for group in independent),
         messages=(),
+        doubts=tuple(
+            Disagreement(tuple(group), tuple(counted[station]))
+            for station, group in groups.items()
+            if len(counted[station]) < len(group)
+        ),
     )
-    return replace(mean, messages=tuple(_part_messages(land, part, readings, groups.values(), mean)))
+    return replace(mean, messages=tuple(_part_messages(land, part, readings, mean)))
+
+
+def repeats_that_count(repeats: Sequence[Reading]) -> list[Reading]:
+    """Return the repeats of one place that its mean is made of: all of them, where they agree.
+
+    One slip of the pen would move a mean of two by half of itself, and could so hide wear. Of repeats further apart
+    than `REPEAT_TOLERANCE` those count of which more than half agree, the others being slips. Where no more than half
+    do, nobody can tell which is wrong, and until it is measured again those count that make the pair widest.
+    """
+    if _spread(repeats) <= _TOLERATED:
+        return list(repeats)
+    widest_first = sorted(repeats, key=lambda each: -each.diameter if each.part == "sleeve" else each.diameter)
+    groups = [
+        [each for each in widest_first[place:] if abs(each.diameter - first.diameter) <= _TOLERATED]
+        for place, first in enumerate(widest_first)
+    ]
+    largest = max(groups, key=lambda group: len(independent_repeats(group)))  # of equal ones the widest
+    most = 2 * len(independent_repeats(largest)) > len(independent_repeats(repeats))
+    return largest if most else groups[0]
 
 
 def independent_repeats(repeats: Iterable[Reading]) -> list[Reading]:
@@ -399,7 +448,7 @@ def independent_repeats(repeats: Iterable[Reading]) -> list[Reading]:
     return kept
 
 
-def _spread(repeats: list[Reading]) -> float:
+def _spread(repeats: Iterable[Reading]) -> float:
     diameters = [reading.diameter for reading in repeats]
     return max(diameters) - min(diameters)
 
@@ -423,24 +472,26 @@ def _stations(
     )
 
 
-def _part_messages(
-    land: Land, part: Part, readings: list[Reading], groups: Collection[list[Reading]], mean: _PartMean
-) -> Iterable[Message]:
+def _part_messages(land: Land, part: Part, readings: list[Reading], mean: _PartMean) -> Iterable[Message]:
     name = f"component {land.component} land {land.land}"
     word = land.part_name if part == "spool" else "sleeve"
-    for group in groups:
-        first = group[0]
+    for doubt in mean.doubts:
+        first = doubt.repeats[0]
         where = f"{name}, {word}, plane {first.plane}{_direction(first.direction)}"
-        if _spread(group) > REPEAT_TOLERANCE + 1e-12:
-            values = ", ".join(_mm(reading.diameter) for reading in group)
-            yield Message(
-                "warning",
-                "repeats_disagree",
-                f"{where}: repeats are {_um(_spread(group))} µm apart ({values} mm), more than "
-                f"{_um(REPEAT_TOLERANCE)} µm: measure again",
-                max(group, key=lambda reading: abs(reading.diameter - mean.diameter)).place,
-            )
-    kept = {id(reading) for group in groups for reading in independent_repeats(group)}
+        values = ", ".join(_mm(reading.diameter) for reading in doubt.repeats)
+        counted = ", ".join(_mm(reading.diameter) for reading in doubt.counted)
+        why = "on which most of them agree" if doubt.agreed else "which makes the pair widest"
+        yield Message(
+            "warning",
+            "repeats_disagree",
+            f"{where}: repeats are {_um(doubt.apart)} µm apart ({values} mm), more than {_um(REPEAT_TOLERANCE)} µm: "
+            f"measure again; until then {counted} mm counts, {why}",
+            next(reading for reading in doubt.repeats if reading not in doubt.counted).place,
+        )
+    groups: dict[tuple[str, float | None], list[Reading]] = defaultdict(list)
+    for reading in readings:
+        groups[reading.plane, reading.direction].append(reading)
+    kept = {id(reading) for group in groups.values() for reading in independent_repeats(group)}
     lost = [reading for reading in readings if id(reading) not in kept]
     if lost:
         yield Message(
@@ -469,15 +520,18 @@ def _part_messages(
             f"{name}, {word}: the directions differ by {_um(mean.ovality)} µm: worn to one side, or a slip",
             readings[0].place,
         )
-    nominal = land.nominal_diameter if part == "spool" else land.nominal_sleeve_diameter
-    if abs(mean.diameter - nominal) > NOMINAL_TOLERANCE:
-        said = " (representative)" if "nominal_diameter_mm" in land.representative else ""
-        yield Message(
-            "warning",
-            "far_from_nominal",
-            f"{name}, {word}: mean diameter {_mm(mean.diameter)} mm, nominal{said} {_mm(nominal)} mm: is it this land?",
-            readings[0].place,
-        )
+    far = far_from_nominal(land, part, mean.diameter)
+    if far:
+        yield Message("warning", "far_from_nominal", f"{name}, {word}: mean diameter {far}", readings[0].place)
+
+
+def far_from_nominal(land: Land, part: Part, diameter: float) -> str:
+    """Say how a diameter [m], as corrected or as read, lies far from its nominal one; nothing where it does not."""
+    nominal = land.nominal_of(part)
+    if abs(diameter - nominal) <= NOMINAL_TOLERANCE:
+        return ""
+    said = " (representative)" if "nominal_diameter_mm" in land.representative else ""
+    return f"{_mm(diameter)} mm, nominal{said} {_mm(nominal)} mm: is it this land?"
 
 
 def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Message]:

@@ -70,6 +70,13 @@ class Wording:
         """Return the text for a name, or the name itself where no text is known for it."""
         return self.texts[table].get(name, name)
 
+    def name(self, name: str) -> str:
+        """Return a name of a valve body's file in the reader's language: of a valve, a circuit, an operating point.
+
+        Those of the shipped files are known; any other stays as it is.
+        """
+        return self.get("names", name)
+
     def level(self, level: Verdict | Band) -> str:
         """Return the word of a verdict or a band."""
         return self.texts["bands" if isinstance(level, Band) else "verdicts"][level]
@@ -132,8 +139,13 @@ class Wording:
         >>> wording("de").quantity(3.06, "clearance"), wording("en", "us").quantity(3.06, "clearance")
         ('3,1\u00a0µm', '0.00012\u00a0in')
         """
+        return self.span([value], kind, digits)
+
+    def span(self, values: Iterable[float | None], kind: str, digits: int | None = None) -> str:
+        """Return values of atleak's records in the reader's unit, with that unit behind the last: ``15.0–18.0 µm``."""
         unit = self.system[kind].spelled or self.system[kind]
-        return f"{self._in(unit, value, digits)}{_NARROW}{self.get('units', unit.name)}"
+        numbers = "–".join(self._in(unit, value, digits) for value in values)
+        return f"{numbers}{_NARROW}{self.get('units', unit.name)}"
 
     def plain_value(self, value: float, kind: str) -> str:
         """Return a value of atleak's records in the reader's unit with no more digits than it has, without the unit."""

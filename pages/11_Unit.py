@@ -3,18 +3,19 @@
 import streamlit as st
 
 from atleak.errors import BookError
-from pages.shared import panel, show, unit
+from pages.shared import panel, reader, show, unit
 from pages.shared.book import book
 
 panel.shown()
-st.title("Unit")
+say = reader.say()
+st.title(say("unit.title"))
 try:
     jobs = book()
     chosen = unit.choose(jobs)
     if chosen is None:
         st.stop()
     visited = unit.visits(jobs, chosen)
-    st.subheader("Visits")
+    st.subheader(say("unit.visits"))
     unit.draw_visits(visited)
     if (goal := unit.goal(visited)) is not None:
         page, parameters = goal
@@ -22,15 +23,15 @@ try:
     unit.draw_left_undone(visited)
     seen = unit.seen(visited)
     if seen is None:
-        st.info("No sheet of this unit can be read: nothing tells how it wears.")
+        st.info(say("unit.no_sheet"))
         st.stop()
-    st.subheader("Clearance over mileage")
+    st.subheader(say("unit.clearance"))
     unit.draw_clearance(seen)
-    st.subheader("Wear")
+    st.subheader(say("unit.wear"))
     unit.draw_wear(seen)
-    st.subheader("Total over mileage")
+    st.subheader(say("unit.totals"))
     unit.draw_totals(seen)
-    st.subheader("Among its kind")
+    st.subheader(say("unit.kind"))
     unit.draw_kind(jobs, chosen, seen)
 except BookError as error:
     st.error(show.plain(error))

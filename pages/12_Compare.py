@@ -4,11 +4,12 @@ import streamlit as st
 
 from atleak.errors import AtleakError
 from atleak.figures import comparison_figures as figures
-from pages.shared import comparison, panel, show
+from pages.shared import comparison, panel, reader, show
 
 panel.shown()
-st.title("Compare")
-st.write("Two jobs of one unit side by side: before and after a repair, or one visit and the next.")
+say = reader.say()
+st.title(say("pages.Compare"))
+st.write(say("compare.what"))
 try:
     chosen = comparison.choose()
     found = None if chosen is None else comparison.compared(*chosen)
@@ -16,32 +17,29 @@ except AtleakError as error:
     st.error(show.plain(error))
     st.stop()
 if found is None:
-    st.info("Choose a job for either side, from the job book or as a job file.")
+    st.info(say("compare.choose"))
     st.stop()
 both = found.comparison
 show.banner(both.after, comparison.sentence(both))
-show.messages(both.messages, "this comparison")
+show.messages(both.messages, say("about.comparison"))
 
-st.subheader("Lands")
+st.subheader(say("compare.lands"))
 lands = comparison.lands(both)
 if lands:
     comparison.land_table(both, lands)
-    st.caption(
-        "Lands that are or were flagged, or changed. ±: 95 % interval of the change, by the uncertainty of both "
-        "measurements; of lands that stayed as they were one in twenty is called changed by chance."
-    )
-    show.chart(figures.clearances(both, lands), "clearances")
-    st.caption("Open: before; filled: after, each with the sign of its verdict.")
+    st.caption(say("compare.lands_note"))
+    show.chart(figures.clearances(both, lands, say), "clearances")
+    st.caption(say("compare.clearances_note"))
 else:
-    st.write("No land is flagged at either visit, and none changed.")
-with st.expander(f"All {len(both.lands)} lands"):
+    st.write(say("compare.no_land"))
+with st.expander(say("compare.all_lands", count=len(both.lands))):
     comparison.land_table(both, both.lands)
 
-st.subheader("Totals and pressures")
+st.subheader(say("compare.totals"))
 comparison.totals(both)
 
-st.subheader("Road tests")
+st.subheader(say("compare.logs"))
 comparison.logs(both)
 
-st.subheader("Take it along")
+st.subheader(say("take_along.title"))
 comparison.downloads(found)

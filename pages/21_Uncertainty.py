@@ -4,40 +4,43 @@ import streamlit as st
 
 from atleak.figures import uncertainty_figures as figures
 from atleak.figures.diagnosis_figures import total_share
+from atleak.views.columns import Column
 from atleak.views.drawing import spool_svg
 from atleak.views.uncertainty_rows import budget_rows
-from pages.shared import panel, show, words
+from pages.shared import panel, reader, show, words
 
 case, diagnosis = panel.shown()
-st.title("Uncertainty")
+say = reader.say()
+st.title(say("pages.Uncertainty"))
 unit = diagnosis.uncertainty
 if unit is None:
-    st.info("No measuring sheet in the job: nothing was measured, so nothing can be said of its uncertainty.")
+    st.info(say("uncertainty.nothing"))
     st.stop()
-spool, sleeve = unit.instruments.spool, unit.instruments.sleeve
-st.markdown(
-    f"Spools measured with **{show.plain(spool.name)}**, sleeves with **{show.plain(sleeve.name)}**; bars are "
-    f"{unit.coverage:.0%} intervals. Choose the instruments on the page Settings."
-)
-show.messages(unit.messages, "the instruments and what else is uncertain")
+spool, sleeve = (f"**{show.plain(each.name)}**" for each in (unit.instruments.spool, unit.instruments.sleeve))
+st.markdown(say("uncertainty.instruments", spool=spool, sleeve=sleeve, coverage=say.percent(unit.coverage, 0)))
+show.messages(unit.messages, say("about.uncertainty"))
 
-st.subheader("Total share")
+st.subheader(say("uncertainty.total"))
 show.chart(total_share(diagnosis), "totals")
 
 show.open_verdicts(words.advice(diagnosis))
 
-st.subheader("Clearances")
-show.chart(figures.clearances(unit), "clearances")
-st.subheader("Leakages")
-show.chart(figures.leakages(unit), "leakages")
+st.subheader(say("uncertainty.clearances"))
+show.chart(figures.clearances(unit, say), "clearances")
+st.subheader(say("uncertainty.leakages"))
+show.chart(figures.leakages(unit, say), "leakages")
 
-st.subheader("What one land's uncertainty is made of")
+st.subheader(say("uncertainty.made_of"))
 measured = [land.uncertainty for land in diagnosis.ranked if land.uncertainty is not None]
-land = st.selectbox("Land", measured, format_func=lambda each: words.land_name(diagnosis, each.key))
-show.chart(figures.budget(land), "budget")
+land = st.selectbox(say("columns.land"), measured, format_func=lambda each: words.land_name(diagnosis, each.key))
+show.chart(figures.budget(land, say), "budget")
 verdicts = {each.key: each.verdict for each in diagnosis.lands}
-show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts), f"component {land.key[0]}", least_width=300)
-with st.expander("In numbers"):
-    show.table(budget_rows(land))
-with st.expander("What is assumed of everything that was not measured"):
-    show.table([{"what": name.replace("_", " "), "value": value} for name, value in unit.assumptions.settings.items()])
+label = f"{say('columns.component')} {land.key[0]}"
+show.svg(spool_svg(diagnosis.controller, land.key[0], verdicts), label, least_width=300)
+with st.expander(say("uncertainty.in_numbers")):
+    columns = [Column("uncertain_source"), Column("of_clearance", "percent"), Column("of_share", "percent")]
+    show.rows_table([{**row, "uncertain_source": row["source"]} for row in budget_rows(land)], columns)
+with st.expander(say("uncertainty.assumed")):
+    assumed = unit.assumptions.settings.items()
+    rows = [{"what": name.replace("_", " "), "value": say.plain(value)} for name, value in assumed]
+    show.rows_table(rows, [Column("what"), Column("value")])

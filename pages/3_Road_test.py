@@ -1,5 +1,7 @@
 """Show the road-test log: what was understood of it, open questions, its curves, and the leakage over it."""
 
+from functools import partial
+
 import streamlit as st
 
 from atleak.errors import AtleakError
@@ -38,7 +40,7 @@ own = diagnosis.log if file == case.road_test else None
 if own is not None:
     st.subheader(say("road_test.says"))
     road_page.findings(diagnosis)
-happened = kept_with(test, "events", "", lambda: events(test)) if own is None else own.events
+happened = kept_with(test, "events", "", partial(events, test)) if own is None else own.events
 st.subheader(say("road_test.happened"))
 log_view.events_table(test, happened)
 

@@ -1,65 +1,66 @@
-"""Show the diagnosis: which pairs are past their limits, what they cost, what to repair first."""
+"""Show the diagnosis: how the unit stands, which pairs are past their limits, what they cost, what to repair."""
 
 import streamlit as st
 
 from atleak.figures import diagnosis_figures as figures
 from atleak.repair import plan_repairs
 from atleak.views.diagnosis_record import diagnosis_record
-from pages.shared import conditions, files, panel, pressures, road, show, words
+from atleak.views.pair_table import pair_table
+from pages.shared import conditions, fields, files, pairs, panel, pressures, reader, repair_plan, road, show, words
+from pages.shared.state import session
 
 case, diagnosis = panel.shown()
-record = diagnosis_record(diagnosis)
-st.title("Diagnosis")
-show.banner(diagnosis, words.verdict_sentence(diagnosis, record))
+record, say = diagnosis_record(diagnosis), reader.say()
+named = words.named(say)
+st.title(say("diagnosis.title"))
+show.first_sentence(diagnosis, named)
 conditions.complaint(diagnosis)
 if diagnosis.without_sheet:
     if diagnosis.pressures is not None:
-        st.subheader("What gauges show")
+        st.subheader(say("diagnosis.gauges"))
         show.gauges(diagnosis.pressures)
     if diagnosis.log is not None:
         road.alone(diagnosis)
     files.take_along(case, diagnosis, record)
     st.stop()
 
-st.subheader("Flagged pairs")
-if diagnosis.flagged:
-    show.verdict_table(words.land_rows(diagnosis, record, diagnosis.flagged, brief=True), words.DIGITS)
-else:
-    st.write("No measured land has reached a limit.")
-show.what_is_shown(diagnosis)
-show.open_verdicts(words.advice(diagnosis))
-show.sheet_messages(diagnosis)
+show.jumps(
+    {"flagged-pairs": "diagnosis.flagged_pairs", "pressures": "diagnosis.pressures", "repair-plan": "repair_plan.title"}
+)
+pairs.section(diagnosis, named, words.advised(diagnosis, record, say))
 
-st.subheader("Total share of the pump's flow")
+st.subheader(say("diagnosis.totals"))
 show.chart(figures.total_share(diagnosis), "share")
 conditions.totals(diagnosis, record)
 
-st.subheader("Pressures")
-plan = plan_repairs(diagnosis)
-pressures.section(diagnosis, plan)
+st.subheader(say("diagnosis.pressures"), anchor="pressures")
+pressures.section(diagnosis, repair_plan.decided_totals(diagnosis))
 
-st.subheader("Land by condition")
+st.subheader(say("diagnosis.matrix"))
 conditions.matrix(diagnosis)
 
-st.subheader("Order of repair")
-conditions.repairs(diagnosis, plan)
+st.subheader(say("repair_plan.title"), anchor="repair-plan")
+repair_plan.draw(diagnosis, named)
 conditions.undecided(diagnosis, closing=False)
-
-with st.expander("Where they are: the valve body's picture"):
-    show.controller_picture(diagnosis)
+order = fields.fold(say("repair_plan.order"), key=f"order-of-repair-{session().generation}")
+if order.open:
+    with order:
+        conditions.repairs(diagnosis, plan_repairs(diagnosis))
 
 if diagnosis.pressures is not None:
-    st.subheader("What gauges show")
+    st.subheader(say("diagnosis.gauges"))
     show.gauges(diagnosis.pressures)
-
 if diagnosis.log is not None:
-    st.subheader("Over the road test")
+    st.subheader(say("diagnosis.road"))
     road.findings(diagnosis)
     road.leakage(diagnosis)
 
-st.subheader("Lands by leakage")
-show.chart(figures.leakage_ranking(diagnosis), "ranking")
-with st.expander(f"All {len(diagnosis.lands)} lands"):
-    show.verdict_table(words.land_rows(diagnosis, record, diagnosis.ranked), words.DIGITS)
-
+st.subheader(say("diagnosis.rest"))
+show.open_verdicts(words.advice(diagnosis))
+show.sheet_messages(diagnosis)
+every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
+if every.open:
+    with every:
+        show.chart(figures.leakage_ranking(diagnosis), "ranking")
+        pairs.table(pair_table(diagnosis, diagnosis.ranked, say, named, at=diagnosis.presented), "all", pressable=True)
 files.take_along(case, diagnosis, record)

@@ -155,6 +155,10 @@ class Land:
         """Return the nominal spool diameter plus twice the clearance of a new pair [m]."""
         return self.nominal_diameter + 2.0 * self.new_clearance
 
+    def nominal_of(self, part: Part) -> float:
+        """Return the nominal diameter of the spool or of the sleeve [m]."""
+        return self.nominal_diameter if part == "spool" else self.nominal_sleeve_diameter
+
     def expansion_of(self, part: Part) -> float:
         """Return the coefficient of expansion of the spool or of the body round it [1/K]."""
         return self.spool_expansion if part == "spool" else self.body_expansion

@@ -144,8 +144,8 @@ class _Evaluator:
 
     def _named(self, node: Name) -> _Series:
         if node.name in self.above:
-            channel = self.above[node.name]
-            return _Series(channel.values, channel.time, channel.dimension)
+            computed = self.above[node.name]
+            return _Series(computed.values, computed.time, computed.dimension)
         by_case = {name.casefold(): quantity for name, quantity in NAMES.items()}
         quantity = NAMES.get(node.name) or by_case.get(node.name.casefold(), node.name.casefold())
         if quantity not in QUANTITIES or quantity == "time":

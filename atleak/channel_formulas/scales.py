@@ -40,7 +40,8 @@ def formula_scale(dimension: Dimension, say: Wording) -> Scale:
     if len(dimension) == 1 and dimension[0][1] == 1:
         return _scale(dimension[0][0], say)
     factor = 1.0
-    above, below = [], []
+    above: list[str] = []
+    below: list[str] = []
     for kind, power in dimension:
         name, convert = _scale(kind, say)
         factor *= (convert(1.0) - convert(0.0)) ** power

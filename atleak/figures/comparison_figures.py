@@ -17,25 +17,26 @@ from atleak.road_test import QUANTITIES, Channel
 from atleak.thinning import thinned
 from atleak.verdicts import VERDICTS
 from atleak.views.log_rows import Scales
-from atleak.wording import signed
+from atleak.wording import Wording
 from atleak.workshop_units import UM
 
 POINTS = 1500  # samples of a channel that are drawn of each log
 _STEPS = ("gear", "selector", "lock_up")  # channels that hold their value until the next sample
 
 
-def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Figure:
+def clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> go.Figure:
     """Draw the clearances of lands before (open) and after (filled), a line between them, with their 95 % intervals.
 
     Marks are the mounting clearance and the lowest limit of wear or clearance, as they stand after.
     """
     names = [_name(land) for land in lands]
-    figure = go.Figure()
+    figure, um, unit = go.Figure(), say.convert(UM, "clearance"), say.unit("clearance")
+    number = f"%{{x:.{say.digits('clearance', 1)}f}} {unit}"
     for name, symbol, value in (
-        ("mounting clearance", "line-ns-open", _mounting),
-        ("first limit of clearance", "triangle-down-open", _limit),
+        (say("figures.mounting"), "line-ns-open", _mounting),
+        (say("figures.first_limit"), "triangle-down-open", _limit),
     ):
-        marks = [(mark * UM, _name(land)) for land in lands if (mark := value(land)) is not None]
+        marks = [(mark * um, _name(land)) for land in lands if (mark := value(land)) is not None]
         if marks:
             figure.add_scatter(
                 x=[mark for mark, _ in marks],
@@ -43,11 +44,11 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Fi
                 mode="markers",
                 name=name,
                 marker={"color": SCREEN.rule, "symbol": symbol, "size": 13, "line": {"width": 1.5}},
-                hovertemplate=f"%{{y}}: {name} %{{x:.1f}} µm<extra></extra>",
+                hovertemplate=f"%{{y}}: {name} {number}<extra></extra>",
             )
     both = [land for land in lands if land.change is not None]
     figure.add_scatter(
-        x=[end for land in both if land.change for end in (land.change.before * UM, land.change.after * UM, None)],
+        x=[end for land in both if land.change for end in (land.change.before * um, land.change.after * um, None)],
         y=[end for land in both for end in (_name(land), _name(land), None)],
         mode="lines",
         line={"color": SCREEN.soft, "width": 2},
@@ -65,10 +66,10 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Fi
             values = [each.state.radial_clearance for _, each in these]
             spans = [each.uncertainty.clearance_interval if each.uncertainty else None for _, each in these]
             figure.add_scatter(
-                x=[value * UM for value in values],
+                x=[value * um for value in values],
                 y=[_name(land) for land, _ in these],
                 mode="markers",
-                name=signed(verdict),
+                name=say.signed(verdict),
                 legendgroup=verdict,
                 showlegend=verdict not in named,
                 marker={
@@ -77,12 +78,12 @@ def clearances(comparison: Comparison, lands: Sequence[LandComparison]) -> go.Fi
                     "size": 11,
                     "line": {"width": 2, "color": look.screen},
                 },
-                error_x=error_bars(values, spans, UM, look.screen),
-                hovertemplate=f"%{{y}} {side}: %{{x:.1f}} µm<extra></extra>",
+                error_x=error_bars(values, spans, um, look.screen),
+                hovertemplate=f"%{{y}} {say(f'compare.{side}')}: {number}<extra></extra>",
             )
             named.add(verdict)
-    figure.update_xaxes(title="radial clearance [µm], 95 % interval", rangemode="tozero")
-    return by_land(figure, names, 32)
+    figure.update_xaxes(title=say("figures.clearance", unit=unit, coverage=say.percent(0.95, 0)), rangemode="tozero")
+    return by_land(figure, names, 32, say)
 
 
 def _name(land: LandComparison) -> str:
@@ -112,7 +113,9 @@ def _limit(land: LandComparison) -> float | None:
     return min(limits, default=None)
 
 
-def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, points: int = POINTS) -> go.Figure:
+def logs_over_one_another(
+    logs: LogComparison, pair: EventPair, scales: Scales, say: Wording, points: int = POINTS
+) -> go.Figure:
     """Draw the channels that both logs hold around an event, each log from the event's own start.
 
     Parameters
@@ -141,13 +144,13 @@ def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, 
                 go.Scatter(
                     x=time[keep],
                     y=convert(values[keep]),
-                    name=name,
+                    name=say(f"compare.{name}"),
                     legendgroup=name,
                     showlegend=row == 1,
                     mode="lines",
                     line={"width": 2, "shape": "hv" if quantity in _STEPS else "linear", **looks[name]},
                     connectgaps=False,
-                    hovertemplate=f"{name}: %{{y:.5g}}<extra></extra>",
+                    hovertemplate=f"{say(f'compare.{name}')}: %{{y:.5g}}<extra></extra>",
                 ),
                 row=row,
                 col=1,
@@ -155,7 +158,7 @@ def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, 
         label = QUANTITIES[quantity].label.replace(" (", "<br>(")
         figure.update_yaxes(title=f"{label}<br>[{unit}]" if unit else label, row=row, col=1)
     figure.add_vline(x=0.0, line={"dash": "dot", "width": 1, "color": SCREEN.soft})
-    figure.update_xaxes(title="time from the start of the event [s]", row=max(len(common), 1), col=1)
+    figure.update_xaxes(title=say("figures.time_from_event"), row=max(len(common), 1), col=1)
     return framed(figure, 110 + 140 * max(len(common), 1), hovermode="x unified")
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import plotly.graph_objects as go
 
 from atleak.look import CLEAR, FAINT_GRID, SCREEN
+from atleak.wording import Wording, wording
 
 Span = tuple[float, float]
 
@@ -54,8 +55,12 @@ def error_bars(
     }
 
 
-def by_land(figure: go.Figure, names: Sequence[str], height: int, bargap: float | None = None) -> go.Figure:
+def by_land(
+    figure: go.Figure, names: Sequence[str], height: int, say: Wording | None = None, bargap: float | None = None
+) -> go.Figure:
     """Give a figure one row per land, the first on top; ``height`` is that of a row in pixels."""
     order = list(reversed(names))
-    figure.update_yaxes(title="component · land", type="category", categoryorder="array", categoryarray=order)
+    figure.update_yaxes(
+        title=(say or wording("en"))("figures.by_land"), type="category", categoryorder="array", categoryarray=order
+    )
     return framed(figure, 110 + height * max(len(names), 3), bargap=bargap)

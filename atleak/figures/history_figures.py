@@ -17,7 +17,7 @@ from atleak.history.visits import Visit
 from atleak.look import HATCHING, SCREEN, look_of
 from atleak.verdicts import Verdict
 from atleak.wear_line import COVERAGE, FARTHEST, WearLine
-from atleak.wording import signed
+from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
 
 _AHEAD = 100_000.0  # [km] that a line is drawn on, where no limit is reached later
@@ -28,29 +28,33 @@ _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2
 _DEVIATE = 1.6448536269514722  # of the interval of a single point, as wide as that of the line
 
 
-def clearance_over_mileage(land: LandWear, visits: Sequence[Visit], present: float | None) -> go.Figure:
+def clearance_over_mileage(land: LandWear, visits: Sequence[Visit], present: float | None, say: Wording) -> go.Figure:
     """Draw the clearance of a land at every visit with its line, the band of that, and the limits.
 
     Points of an earlier series, before a repair or another odometer, are open.
     """
-    figure = go.Figure()
+    figure, um = go.Figure(), say.convert(UM, "clearance")
     series = land.series
     last = present if present is not None else max((point.mileage for point in series.counted), default=0.0)
     end = _end(land, last)
     if land.line is not None:
         first = min(point.mileage for point in series.counted)
-        _band(figure, land.line, first, end)
-    _points(figure, series.earlier, visits, "before", "circle-open")
-    _points(figure, series.measured, visits, "measured", "circle")
-    _points(
-        figure, [point for point in series.counted if point.visit is None], visits, "when new, as measured", "diamond"
-    )
+        _band(figure, land.line, first, end, say)
+    as_new = [point for point in series.counted if point.visit is None]
+    for points, name, symbol in (
+        (series.earlier, "before", "circle-open"),
+        (series.measured, "measured", "circle"),
+        (as_new, "when_new", "diamond"),
+    ):
+        _points(figure, points, visits, say(f"history.{name}"), symbol, say)
     for limit in land.limits:
-        _limit(figure, limit.level, limit.clearance * UM, "µm")
-    if series.since is not None and visits[series.since].mileage is not None:
-        figure.add_vline(x=visits[series.since].mileage, line={"color": SCREEN.rule, "dash": "dot", "width": 1.5})
-    figure.update_xaxes(title="mileage [km]", range=[0.0, end * 1.02], tickformat=",.0f")
-    figure.update_yaxes(title=f"radial clearance [µm], {COVERAGE:.0%} intervals")
+        value = say.value(limit.clearance * UM, "clearance", 1)
+        _limit(figure, limit.level, limit.clearance * um, f"{value} {say.unit('clearance')}", say)
+    if series.since is not None and (since := visits[series.since].mileage) is not None:
+        figure.add_vline(x=say.convert(since, "distance"), line={"color": SCREEN.rule, "dash": "dot", "width": 1.5})
+    figure.update_xaxes(title=_mileage(say), range=[0.0, say.convert(end, "distance") * 1.02], tickformat=",.0f")
+    unit = say.unit("clearance")
+    figure.update_yaxes(title=say("history.clearance", unit=unit, coverage=say.percent(COVERAGE, 0)))
     return framed(figure, 420)
 
 
@@ -62,88 +66,95 @@ def _end(land: LandWear, last: float) -> float:
     return min(max([last + _AHEAD, *ends]), max(FARTHEST, last))
 
 
-def _band(figure: go.Figure, line: WearLine, first: float, end: float) -> None:
+def _band(figure: go.Figure, line: WearLine, first: float, end: float, say: Wording) -> None:
+    um = say.convert(UM, "clearance")
     mileages = np.linspace(first, end, _STEPS)
-    edges = np.array([line.band(float(each)) for each in mileages]) * UM
+    edges = np.array([line.band(float(each)) for each in mileages]) * um
+    shown = say.convert(mileages, "distance")
     figure.add_scatter(
-        x=[*mileages, *mileages[::-1]],
+        x=[*shown, *shown[::-1]],
         y=[*edges[:, 1], *edges[::-1, 0]],
         fill="toself",
         fillcolor=_BAND,
         line={"width": 0},
-        name=f"{COVERAGE:.0%} of the line",
+        name=say("history.band", coverage=say.percent(COVERAGE, 0)),
         hoverinfo="skip",
     )
     figure.add_scatter(
-        x=[first, end],
-        y=[line.at(first) * UM, line.at(end) * UM],
+        x=[shown[0], shown[-1]],
+        y=[line.at(first) * um, line.at(end) * um],
         mode="lines",
-        name="line",
+        name=say("history.line"),
         line={"color": SCREEN.leakage, "width": 2},
-        hovertemplate="%{x:,.0f} km: %{y:.1f} µm<extra></extra>",
+        hovertemplate=_hover(say),
     )
 
 
-def _points(figure: go.Figure, points: Sequence[Point], visits: Sequence[Visit], name: str, symbol: str) -> None:
+def _points(
+    figure: go.Figure, points: Sequence[Point], visits: Sequence[Visit], name: str, symbol: str, say: Wording
+) -> None:
     if not points:
         return
+    um = say.convert(UM, "clearance")
     values = [point.clearance for point in points]
     reach = [_DEVIATE * point.standard_uncertainty for point in points]
     intervals = [(value - each, value + each) for value, each in zip(values, reach, strict=True)]
     figure.add_scatter(
-        x=[point.mileage for point in points],
-        y=[value * UM for value in values],
+        x=[say.convert(point.mileage, "distance") for point in points],
+        y=[value * um for value in values],
         mode="markers",
         name=name,
         marker={"color": SCREEN.leakage, "symbol": symbol, "size": 11, "line": {"width": 2}},
-        error_y=error_bars(values, intervals, UM),
-        customdata=["when new" if point.visit is None else visits[point.visit].label for point in points],
-        hovertemplate="%{customdata}<br>%{x:,.0f} km: %{y:.1f} µm<extra></extra>",
+        error_y=error_bars(values, intervals, um),
+        customdata=[say("history.when_new") if point.visit is None else visits[point.visit].label for point in points],
+        hovertemplate=f"%{{customdata}}<br>{_hover(say)}",
     )
 
 
-def _limit(figure: go.Figure, level: Level, value: float, unit: str) -> None:
+def _limit(figure: go.Figure, level: Level, value: float, written: str, say: Wording) -> None:
     look = look_of(level)
     figure.add_hline(
         y=value,
         line={"color": look.screen, "dash": "dash", "width": 2},
-        annotation={"text": f"{signed(level)}: {value:.1f} {unit}", "xanchor": "left", "x": 0.01},
+        annotation={"text": f"{say.signed(level)}: {written}", "xanchor": "left", "x": 0.01},
         annotation_position="top left",
     )
 
 
-def total_over_mileage(total: TotalOverMileage) -> go.Figure:
+def total_over_mileage(total: TotalOverMileage, say: Wording) -> go.Figure:
     """Draw the total share at one condition over the mileage ahead, with its interval and the limits of its bands."""
     figure = go.Figure()
     low, median, high = (np.array(each) * PERCENT for each in (total.low, total.median, total.high))
+    mileages = [say.convert(each, "distance") for each in total.mileages]
     figure.add_scatter(
-        x=[*total.mileages, *total.mileages[::-1]],
+        x=[*mileages, *mileages[::-1]],
         y=[*high, *low[::-1]],
         fill="toself",
         fillcolor=_BAND,
         line={"width": 0},
-        name=f"{COVERAGE:.0%}",
+        name=say.percent(COVERAGE, 0),
         hoverinfo="skip",
     )
     figure.add_scatter(
-        x=total.mileages,
+        x=mileages,
         y=median,
         mode="lines",
-        name="total share",
+        name=say("history.total"),
         line={"color": SCREEN.leakage, "width": 3},
         customdata=np.column_stack([low, high]),
-        hovertemplate="%{x:,.0f} km: %{y:.1f} % (%{customdata[0]:.1f} to %{customdata[1]:.1f})<extra></extra>",
+        hovertemplate=f"%{{x:,.0f}} {say.unit('distance')}: "
+        "%{y:.1f} % (%{customdata[0]:.1f} – %{customdata[1]:.1f})<extra></extra>",
     )
     top = max(float(high[np.isfinite(high)].max(initial=1.0)), 1.0)
     for limit in total.limits:
         if limit.share * PERCENT <= 1.5 * top:
-            _limit(figure, limit.level, limit.share * PERCENT, "%")
-    figure.update_xaxes(title="mileage [km]", tickformat=",.0f")
-    figure.update_yaxes(title="share of the pump's flow [%]", rangemode="tozero")
+            _limit(figure, limit.level, limit.share * PERCENT, say.percent(limit.share), say)
+    figure.update_xaxes(title=_mileage(say), tickformat=",.0f")
+    figure.update_yaxes(title=say("history.share"), rangemode="tozero")
     return framed(figure, 380)
 
 
-def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str) -> go.Figure:
+def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str, say: Wording) -> go.Figure:
     """Draw how often pairs were flagged or replaced, the most often first, with their part of all such pairs so far.
 
     Parameters
@@ -153,7 +164,7 @@ def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str) -> g
     of
         units that were looked at.
     what
-        was done to them: ``"flagged"``.
+        was done to them: ``"flagged"`` or ``"repaired"``.
     """
     total = sum(counts)
     passed = [sum(counts[: place + 1]) / total * PERCENT if total else math.nan for place in range(len(counts))]
@@ -162,14 +173,26 @@ def pareto(names: Sequence[str], counts: Sequence[int], of: int, what: str) -> g
         y=names,
         x=counts,
         orientation="h",
-        name=what,
+        name=say(f"history.{what}"),
         marker={"color": look_of(Verdict.WATCH).screen, "pattern": {**_HATCH, "shape": look_of(Verdict.WATCH).pattern}},
-        text=[f"{count} of {of}" for count in counts],
+        text=[say("history.of", count=count, of=of) for count in counts],
         textposition="outside",
         customdata=passed,
-        hovertemplate="%{y}: %{text} units; %{customdata:.0f} % of all with those above<extra></extra>",
+        hovertemplate=f"%{{y}}: %{{text}}; %{{customdata:.0f}} % {say('history.with_those_above')}<extra></extra>",
     )
     most = max(counts, default=1)
-    figure.update_xaxes(title=f"units {what}", dtick=1 if most <= _WHOLE else None, range=[0.0, 1.25 * most])
+    figure.update_xaxes(title=say(f"history.{what}"), dtick=1 if most <= _WHOLE else None, range=[0.0, 1.25 * most])
     figure.update_yaxes(type="category", categoryorder="array", categoryarray=list(reversed(names)))
     return framed(figure, 110 + 26 * max(len(names), 3))
+
+
+def _hover(say: Wording) -> str:
+    """Return what a point says of itself: a clearance at a mileage."""
+    return (
+        f"%{{x:,.0f}} {say.unit('distance')}: %{{y:.{say.digits('clearance', 1)}f}} {say.unit('clearance')}"
+        "<extra></extra>"
+    )
+
+
+def _mileage(say: Wording) -> str:
+    return f"{say('columns.mileage')} [{say.unit('distance')}]"

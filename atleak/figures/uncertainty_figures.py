@@ -13,11 +13,11 @@ from atleak.catalogue.limits import RuleKind
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import DECISION_MARKS, SCREEN
 from atleak.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
-from atleak.wording import wording
+from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 
-def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
+def clearances(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figure:
     """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.
 
     Parameters
@@ -26,20 +26,21 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
         how many are drawn: those likeliest to be over a limit.
     """
     chosen = _chosen(unit, lands)
-    figure = go.Figure()
+    figure, um, name_of = go.Figure(), say.convert(UM, "clearance"), say.unit("clearance")
+    digits = say.digits("clearance", 1)
     marks: dict[str, tuple[str, list[float | None]]] = {  # drawn first, open, so that they cover no value
-        "mounting clearance": ("line-ns-open", [land.sources.state.land.mounting_high for land in chosen]),
-        "limit": ("triangle-down-open", [_clearance_limit(land) for land in chosen]),
+        say("figures.mounting"): ("line-ns-open", [land.sources.state.land.mounting_high for land in chosen]),
+        say("figures.limit"): ("triangle-down-open", [_clearance_limit(land) for land in chosen]),
     }
     for name, (symbol, limits) in marks.items():
         if any(limit is not None for limit in limits):
             figure.add_scatter(
-                x=[None if limit is None else limit * UM for limit in limits],
+                x=[None if limit is None else limit * um for limit in limits],
                 y=[_name(land) for land in chosen],
                 mode="markers",
                 name=name,
                 marker={"color": SCREEN.rule, "symbol": symbol, "size": 13, "line": {"width": 1.5}},
-                hovertemplate=f"%{{y}}: {name} %{{x:.1f}} µm<extra></extra>",
+                hovertemplate=f"%{{y}}: {name} %{{x:.{digits}f}} {name_of}<extra></extra>",
             )
     for decision in DECISIONS:
         shown = [land for land in chosen if land.decision == decision]
@@ -48,24 +49,24 @@ def clearances(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
         values = [land.sources.state.radial_clearance for land in shown]
         colour, symbol = DECISION_MARKS[decision]
         figure.add_scatter(
-            x=[value * UM for value in values],
+            x=[value * um for value in values],
             y=[_name(land) for land in shown],
             mode="markers",
-            name=wording("en").get("decisions", decision),
+            name=say.get("decisions", decision),
             marker={"color": colour, "symbol": symbol, "size": 10, "line": {"width": 2}},
-            error_x=error_bars(values, [land.clearance_interval for land in shown], UM, colour),
+            error_x=error_bars(values, [land.clearance_interval for land in shown], um, colour),
             customdata=[
-                ((land.u_clearance or 0.0) * UM, PERCENT * (land.probability_over_limit or 0.0), land.advice or "")
+                ((land.u_clearance or 0.0) * um, PERCENT * (land.probability_over_limit or 0.0), land.advice or "")
                 for land in shown
             ],
-            hovertemplate="%{y}: %{x:.1f} µm, u = %{customdata[0]:.2f} µm<br>"
-            "over its limit with %{customdata[1]:.0f} %<br>%{customdata[2]}<extra></extra>",
+            hovertemplate=f"%{{y}}: %{{x:.{digits}f}} {name_of}, u = %{{customdata[0]:.{digits + 1}f}} {name_of}<br>"
+            f"{say('columns.over_limit')}: %{{customdata[1]:.0f}} %<br>%{{customdata[2]}}<extra></extra>",
         )
-    figure.update_xaxes(title=f"radial clearance [µm], {_coverage(unit)} interval", rangemode="tozero")
-    return by_land(figure, [_name(land) for land in chosen], 24)
+    figure.update_xaxes(title=say("figures.clearance", unit=name_of, coverage=_coverage(unit, say)), rangemode="tozero")
+    return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
-def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
+def leakages(unit: UnitUncertainty, say: Wording, lands: int = 20) -> go.Figure:
     """Draw leakages at the stated condition with intervals; a thin line ends where a spool that touches would leak.
 
     Parameters
@@ -75,37 +76,37 @@ def leakages(unit: UnitUncertainty, lands: int = 20) -> go.Figure:
     """
     chosen = sorted((land for land in unit.lands if land.conditions), key=lambda land: -land.conditions[0].leakage)
     chosen = chosen[:lands]
-    figure = go.Figure()
+    figure, flow, name_of = go.Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
     ends = [
         value
         for land in chosen
-        for value in (land.conditions[0].leakage * DM3_MIN, land.conditions[0].eccentric[1] * DM3_MIN, None)
+        for value in (land.conditions[0].leakage * flow, land.conditions[0].eccentric[1] * flow, None)
     ]
     figure.add_scatter(
         x=ends,
         y=[name for land in chosen for name in (_name(land), _name(land), None)],
         mode="lines",
-        name="up to a spool that touches its bore",
+        name=say("figures.touching"),
         line={"color": SCREEN.rule, "width": 1, "dash": "dot"},
         hoverinfo="skip",
     )
     values = [land.conditions[0].leakage for land in chosen]
     figure.add_scatter(
-        x=[value * DM3_MIN for value in values],
+        x=[value * flow for value in values],
         y=[_name(land) for land in chosen],
         mode="markers",
-        name=f"leakage, {_coverage(unit)} interval",
+        name=say("figures.leakage_interval", coverage=_coverage(unit, say)),
         marker={"color": SCREEN.leakage, "symbol": "diamond", "size": 9},
-        error_x=error_bars(values, [land.leakage_interval for land in chosen], DM3_MIN, SCREEN.leakage),
-        customdata=[tuple(end * DM3_MIN for end in land.leakage_interval or (math.nan, math.nan)) for land in chosen],
-        hovertemplate="%{y}: %{x:.3f} dm³/min, %{customdata[0]:.3f} to %{customdata[1]:.3f}<extra></extra>",
+        error_x=error_bars(values, [land.leakage_interval for land in chosen], flow, SCREEN.leakage),
+        customdata=[tuple(end * flow for end in land.leakage_interval or (math.nan, math.nan)) for land in chosen],
+        hovertemplate=f"%{{y}}: %{{x:.3f}} {name_of}, %{{customdata[0]:.3f}} – %{{customdata[1]:.3f}}<extra></extra>",
     )
     label = chosen[0].conditions[0].label if chosen else ""
-    figure.update_xaxes(title=f"leakage [dm³/min], {label}", rangemode="tozero")
-    return by_land(figure, [_name(land) for land in chosen], 24)
+    figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=label), rangemode="tozero")
+    return by_land(figure, [_name(land) for land in chosen], 24, say)
 
 
-def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:
+def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> go.Figure:
     """Draw the sources of one land's uncertainty: each source's part of the variance of clearance and share."""
     of_clearance = dict(land.budget)
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
@@ -115,8 +116,8 @@ def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:
     )[-sources:]
     figure = go.Figure()
     for title, parts, colour, shape in (
-        ("of the clearance", of_clearance, SCREEN.leakage, ""),
-        ("of the share", of_share, SCREEN.share, "/"),
+        (say("columns.of_clearance"), of_clearance, SCREEN.leakage, ""),
+        (say("columns.of_share"), of_share, SCREEN.share, "/"),
     ):
         figure.add_bar(
             x=[PERCENT * parts.get(name, 0.0) for name in names],
@@ -126,7 +127,7 @@ def budget(land: LandUncertainty, sources: int = 12) -> go.Figure:
             marker={"color": colour, "pattern": {"shape": shape}},
             hovertemplate=f"%{{y}}: %{{x:.1f}} % {title}<extra></extra>",
         )
-    figure.update_xaxes(title="part of the variance [%]", rangemode="tozero")
+    figure.update_xaxes(title=say("figures.variance"), rangemode="tozero")
     figure.update_yaxes(type="category")
     return framed(figure, 110 + 30 * max(len(names), 3), barmode="group")
 
@@ -153,5 +154,5 @@ def _name(land: LandUncertainty) -> str:
     return f"{land.key[0]} · {land.key[1]}"
 
 
-def _coverage(unit: UnitUncertainty) -> str:
-    return f"{PERCENT * unit.coverage:g} %"
+def _coverage(unit: UnitUncertainty, say: Wording) -> str:
+    return say.percent(unit.coverage, 0)

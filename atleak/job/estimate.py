@@ -12,6 +12,7 @@ from decimal import Decimal
 from functools import cached_property
 from typing import Any, Protocol
 
+from atleak.catalogue.controller import Controller
 from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import repaired
 from atleak.job.decisions import covered
@@ -191,14 +192,12 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
 
     A line that the goal has no need of is listed without a state, and in no sum.
     """
-    terms, repairs = job.estimate, diagnosis.controller.repairs
-    currency = terms.currency or next((each.currency for each in repairs if each.price is not None), None) or ""
+    terms, prices = job.estimate, prices_of(job, diagnosis.controller)
     kept = [each.repair for each in job.repair_decisions if each.repair]
-    prices = Prices(terms.labour_rate, currency, _typed(job))
     everything = chooser(diagnosis, Goal.EVERY_LIMIT, prices, kept=kept)
     goal = terms.goal
     choice = everything if goal is Goal.EVERY_LIMIT else chooser(diagnosis, goal, prices, kept=kept)
-    make = _Lines(diagnosis, terms, choice, currency)
+    make = _Lines(diagnosis, terms, choice, prices.currency)
     lines = [make.own(place, each) for place, each in enumerate(job.repair_decisions) if not each.empty]
     taken = {key for line in lines for key in covered(line.decision, diagnosis.controller)}
     for offered in (choice, everything):
@@ -211,7 +210,7 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
     def urgency(line: Line) -> int:
         return min((ranks[land.key] for land in line.lands if land.key in ranks), default=len(ranks))
 
-    return Estimate(diagnosis, terms, choice, tuple(sorted(lines, key=urgency)), currency)
+    return Estimate(diagnosis, terms, choice, tuple(sorted(lines, key=urgency)), prices.currency)
 
 
 def with_line(job: Job, line: Line, **changes: Any) -> Job:
@@ -225,6 +224,13 @@ def with_line(job: Job, line: Line, **changes: Any) -> Job:
     return job.model_copy(update={"repair_decisions": tuple(decisions)})
 
 
+def prices_of(job: Job, controller: Controller) -> Prices:
+    """Return what repairs cost in a job: as its terms and decisions state it, else as the valve body's file does."""
+    stated = (each.currency for each in controller.repairs if each.price is not None)
+    currency = job.estimate.currency or next(stated, None) or ""
+    return Prices(job.estimate.labour_rate, currency, _typed(job))
+
+
 def _typed(job: Job) -> dict[MoveKey, Stated]:
     """Return what the workshop typed of prices and hours, by the repair or the land."""
     typed: dict[MoveKey, Stated] = {}
@@ -234,6 +240,20 @@ def _typed(job: Job) -> dict[MoveKey, Stated]:
         elif each.land is not None:
             typed[each.component, each.land] = Stated(each.price, each.hours)
     return typed
+
+
+def decision_on(move: Move) -> RepairDecision:
+    """Return a repair as a line of the job record that proposes it; price and hours stay as known elsewhere."""
+    (component, land), *others = sorted(move.treats)
+    repair = move.option.repair if move.option is not None else None
+    return RepairDecision(
+        component=component,
+        land=None if others or (repair is not None and len(repair.lands) > 1) else land,
+        repair=repair.id if repair is not None else "",
+        work=repair.name if repair is not None else "",
+        part_number=(repair.part_number or "") if repair is not None else "",
+        decision="proposed",
+    )
 
 
 class _Lines:
@@ -252,17 +272,13 @@ class _Lines:
     def proposed(self, move: Move) -> Line:
         """Return the line of a repair that nobody touched."""
         chosen = any(each.key == move.key for each in self.choice.chosen)
-        (component, land), *others = sorted(move.treats)
-        repair, prices = move.option.repair if move.option is not None else None, self.choice.moves.prices
-        decision = RepairDecision(
-            component=component,
-            land=None if others or (repair is not None and len(repair.lands) > 1) else land,
-            repair=repair.id if repair is not None else "",
-            work=repair.name if repair is not None else "",
-            part_number=(repair.part_number or "") if repair is not None else "",
-            price=prices.price(move),
-            hours=prices.hours(move),
-            decision="proposed" if chosen else None,
+        prices = self.choice.moves.prices
+        decision = decision_on(move).model_copy(
+            update={
+                "price": prices.price(move),
+                "hours": prices.hours(move),
+                "decision": "proposed" if chosen else None,
+            }
         )
         return self._line(decision, None, chosen=chosen)
 

@@ -16,6 +16,7 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.repair.choice import Basis, Choice, Gain, Goal, choose, gain_of
 from atleak.repair.moves import Move, MoveKey, Prices, Stated
+from atleak.repair.offered import OfferedRepair, OfferedRepairs, ticked
 from atleak.repair.options import Cost, Option, cost_of
 from atleak.repair.totals import RepairedAt, Total
 from atleak.rules import LandKey, Rule
@@ -29,6 +30,8 @@ __all__ = [
     "Goal",
     "Move",
     "MoveKey",
+    "OfferedRepair",
+    "OfferedRepairs",
     "Option",
     "Prices",
     "Remainder",
@@ -41,6 +44,7 @@ __all__ = [
     "gain_of",
     "in_order",
     "plan_repairs",
+    "ticked",
 ]
 
 

@@ -108,6 +108,7 @@ def choose(
     prices: Prices | None = None,
     *,
     kept: Iterable[str] = (),
+    fewest: bool = False,
     rounds: int = ROUNDS,
 ) -> Choice:
     """Choose repairs that bring a unit to a goal at every condition that was judged.
@@ -125,6 +126,8 @@ def choose(
         what repairs cost; as the valve body's file states it unless given.
     kept
         ids of repairs that are taken for their lands, whatever else the file names.
+    fewest
+        look for the fewest repairs even where every cost is known.
     rounds
         proposals that the engine computes at the most, for each way that is tried.
 
@@ -146,7 +149,7 @@ def choose(
         required = [key for key in required if moves.of_land[key]]
         for end in (_best_states(moves, unit), moves.choice(together(moves.all))):
             targets = _targets(unit, end)
-            for basis in _bases(moves, flagged):
+            for basis in (Basis.FEWEST,) if fewest else _bases(moves, flagged):
                 allowed = [move for move in moves.all if basis is Basis.FEWEST or prices.cost(move) is not None]
                 objectives = partial(_objectives, moves, basis, unit)
                 search = Search(moves, unit, targets, required, objectives, allowed, rounds)

@@ -12,12 +12,19 @@ from atleak.comparison import Comparison
 from atleak.look import look_of
 from atleak.report.terminal import TerminalConsole
 from atleak.views.caveats import caveats
-from atleak.views.comparison_rows import condition_rows, event_rows, land_rows
+from atleak.views.columns import Column
+from atleak.views.comparison_rows import (
+    CONDITION_COLUMNS,
+    EVENT_COLUMNS,
+    LAND_COLUMNS,
+    condition_rows,
+    event_rows,
+    land_rows,
+)
 from atleak.views.comparison_words import changed_sentence, total_sentence, verdicts_sentence
-from atleak.wording import signed, wording
+from atleak.wording import Wording, signed, wording
 
-_ON_TERMINAL = ("Pair", "Was", "Verdict", "Before [µm]", "After [µm]", "Change [µm]", "Changed")
-_NAMES = {"Verdict": "Is"}
+_ON_TERMINAL = ("pair", "was", "verdict", "clearance_before", "clearance_after", "change", "changed")
 
 
 def print_comparison(comparison: Comparison) -> None:
@@ -32,21 +39,24 @@ def print_comparison(comparison: Comparison) -> None:
         console.print(Text(line))
     shown = [*comparison.flagged, *(land for land in comparison.changed if not land.flagged)]
     if shown:
-        rows = [
-            {_NAMES.get(name, name): _cell(row[name]) for name in _ON_TERMINAL} for row in land_rows(comparison, shown)
-        ]
+        by_name = {column.key: column for column in LAND_COLUMNS}
+        rows = _cells(land_rows(comparison, shown, say), [by_name[name] for name in _ON_TERMINAL], say)
         console.print(_table(rows, "Lands that are flagged or changed; ± 95 % of the measurement"))
     else:
         console.print(Text("No land is flagged at either visit, and none changed."))
-    quantities = condition_rows(comparison, brief=True)
+    quantities = condition_rows(comparison, say, brief=True)
     if quantities:
-        rows = [{name: _cell(row[name]) for name in row} for row in quantities]
+        rows = _cells(quantities, CONDITION_COLUMNS, say)
         console.print(_table(rows, "Totals, and pressures that changed"))
     if comparison.logs is not None and comparison.logs.pairs:
-        rows = [{name: _cell(row[name]) for name in row} for row in event_rows(comparison.logs)]
+        rows = _cells(event_rows(comparison.logs, say), EVENT_COLUMNS, say)
         console.print(_table(rows, "Events of the road tests, before → after"))
     for message in comparison.messages:
         console.print(Text(f"{'!' if message.level == 'warning' else '·'} {message.text}"))
+
+
+def _cells(rows: Sequence[dict[str, Any]], columns: Sequence[Column], say: Wording) -> list[dict[str, str]]:
+    return [{column.heading(say): _cell(row[column.key]) for column in columns} for row in rows]
 
 
 def _table(rows: Sequence[dict[str, str]], title: str) -> Table:

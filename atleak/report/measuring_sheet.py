@@ -20,6 +20,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Part
 from atleak.look import SHEET_COLOURS
+from atleak.measuring.plan import DIRECTIONS, PARTS, REPEATS
 from atleak.own_lands import OwnLands
 from atleak.pressure_table import PressureTable
 from atleak.readings import NOMINAL_HEADING, Reading
@@ -29,8 +30,6 @@ from atleak.system.marks import PROPERTY, sealed, unsealed
 
 SHEET = "Measurements"
 INSTRUCTIONS = "How to measure"
-DIRECTIONS = (0.0, 90.0)  # [°]
-REPEATS = 2
 
 _HEADINGS = (  # heading, width in characters
     ("No.", 8),
@@ -152,7 +151,7 @@ class _Row:
     @property
     def nominal(self) -> float:
         """Return nominal diameter of the part [m]."""
-        return self.land.nominal_diameter if self.part == "spool" else self.land.nominal_sleeve_diameter
+        return self.land.nominal_of(self.part)
 
 
 def write_template(controller: Controller) -> bytes:
@@ -238,9 +237,8 @@ def _rows(controller: Controller, readings: Iterable[Reading], blank_rows: bool)
         if reading.direction not in known:
             known.append(reading.direction)
     components = dict.fromkeys(land.component for land in controller.lands)
-    parts: tuple[Part, ...] = ("spool", "sleeve")
     for component in components:
-        for part in parts:
+        for part in PARTS:
             for land in controller.lands_of(component):
                 for plane in land.planes:
                     measured = directions[component, part, plane]

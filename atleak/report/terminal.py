@@ -41,8 +41,8 @@ from atleak.views.sentences import (
     fluid_in_state,
     measuring_temperature,
     pressure_sentence,
+    readings_in_doubt,
     reserve_sentence,
-    tighter_than_new,
     when_new,
 )
 from atleak.wording import signed, wording
@@ -85,7 +85,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         if message.code in (LENGTHS_MEASURED, REPAIR_FITTED):
             console.print(Text(message.text))
     console.print(Text(_verdict(diagnosis), style=look_of(diagnosis.verdict).style))
-    for line in (*caveats(diagnosis, say), tighter_than_new(diagnosis, say)):
+    for line in (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)):
         if line is not None:
             console.print(Text(line))
     for line in _complaint(diagnosis):

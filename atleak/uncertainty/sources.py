@@ -23,7 +23,15 @@ from atleak.equations.uncertainty import (
     pooled_standard_deviation,
     rectangular,
 )
-from atleak.readings import LandClearance, Reading, Readings, clearances, independent_repeats
+from atleak.readings import (
+    REPEAT_TOLERANCE,
+    LandClearance,
+    Reading,
+    Readings,
+    clearances,
+    independent_repeats,
+    repeats_that_count,
+)
 from atleak.uncertainty.assumptions import Assumptions
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
@@ -310,7 +318,8 @@ def _land_sources(
                 if part == "sleeve":  # its nominal diameter is the spool's and twice the mounting clearance
                     sources.append(UncertaintySource(MOUNTING, None, mounting))
                 continue
-            plans[part] = _plan(stations, spreads[part].resolution)
+            counted = {station: repeats_that_count(group) for station, group in stations.items()}
+            plans[part] = _plan(counted, spreads[part].resolution)
             sources += _part_sources(
                 state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
             )
@@ -368,7 +377,7 @@ def _form(
     return math.hypot(0.5 * ovality * plan.two_lobe * math.sqrt(0.5), residual)
 
 
-def _plan(stations: _Stations, resolution: float) -> _MeasuringPlan:
+def _plan(stations: Mapping[tuple[str, float | None], list[Reading]], resolution: float) -> _MeasuringPlan:
     planes: dict[str, list[float | None]] = defaultdict(list)
     for plane, direction in stations:
         planes[plane].append(direction)
@@ -428,7 +437,9 @@ def _spread(
             if len(independent) > 1:
                 mean = math.fsum(independent) / len(independent)
                 squares = math.fsum((diameter - mean) ** 2 for diameter in independent)
-                deviations.append(math.sqrt(squares / (len(independent) - 1)))
+                apart = max(independent) - min(independent)  # a slip says that repeats disagree, not by how much
+                within = min(REPEAT_TOLERANCE / apart, 1.0) if apart else 1.0
+                deviations.append(within * math.sqrt(squares / (len(independent) - 1)))
                 degrees.append(len(independent) - 1)
     resolution = max(instrument.resolution, _step(everything))
     roundings = 2 if everything and all(reading.coordinates is not None for reading in everything) else 1

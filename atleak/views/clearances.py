@@ -5,47 +5,69 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from atleak.catalogue.controller import Controller
 from atleak.diagnosis import LandDiagnosis
-from atleak.wording import value_names
+from atleak.views.columns import VERDICT, Column
+from atleak.wording import Wording, value_names
 from atleak.workshop_units import MM, PERCENT, UM
 
-STATUS = {
-    "measured": "measured",
-    "spool_only": "sleeve at its nominal diameter",
-    "sleeve_only": "spool at its nominal diameter",
-    "not_measured": "not measured",
-}
+CLEARANCE_COLUMNS = (
+    Column("verdict", VERDICT, width=104),
+    Column("component", width=140),
+    Column("land", digits=0, width=64),
+    Column("wear", "percent", 1, width=82),
+    Column("clearance", "clearance", width=104),
+    Column("mounting", "clearance", width=104),
+    Column("spool_diameter", "length", 4),
+    Column("sleeve_diameter", "length", 4),
+    Column("component_name", width=220),
+    Column("measured_parts"),
+    Column("clearance_least", "clearance"),
+    Column("clearance_largest", "clearance"),
+    Column("direction_largest", digits=0),
+    Column("spool_ovality", "clearance"),
+    Column("sleeve_ovality", "clearance"),
+    Column("spool_taper", "clearance"),
+    Column("sleeve_taper", "clearance"),
+    Column("spool_spread", "clearance"),
+    Column("sleeve_spread", "clearance"),
+    Column("planes"),
+    Column("readings", digits=0),
+    Column("representative_values"),
+)
+"""Of the clearances as measured; what tells pairs apart comes first, so that a narrow screen shows it."""
 
 
-def clearance_rows(lands: Iterable[LandDiagnosis]) -> list[dict[str, Any]]:
-    """Return one row per land: diameters, clearance and range, ovality, taper, spread of repeats, readings used."""
-    return [_row(land) for land in lands]
+def clearance_rows(lands: Iterable[LandDiagnosis], controller: Controller, say: Wording) -> list[dict[str, Any]]:
+    """Return one row per land for `CLEARANCE_COLUMNS`: diameters, clearance and range, ovality, taper, repeats."""
+    return [_row(land, controller, say) for land in lands]
 
 
-def _row(land: LandDiagnosis) -> dict[str, Any]:
+def _row(land: LandDiagnosis, controller: Controller, say: Wording) -> dict[str, Any]:
     state, nominal = land.state, land.state.land
     return {
+        "verdict": land.verdict,
         "component": nominal.component,
         "land": nominal.land,
-        "verdict": land.verdict,
-        "status": STATUS[state.status],
+        "wear": None if land.wear is None else land.wear * PERCENT,
+        "clearance": state.radial_clearance * UM,
+        "mounting": nominal.mounting_high * UM,
+        "spool_diameter": state.spool_diameter * MM,
+        "sleeve_diameter": state.sleeve_diameter * MM,
+        "component_name": controller.components[nominal.component],
+        "measured_parts": say(f"measured_parts.{state.status}"),
+        "clearance_least": state.min_clearance * UM if state.measured else None,
+        "clearance_largest": state.max_clearance * UM if state.measured else None,
+        "direction_largest": state.worst_direction,
+        "spool_ovality": _scaled(state.spool_ovality),
+        "sleeve_ovality": _scaled(state.sleeve_ovality),
+        "spool_taper": _scaled(state.spool_taper),
+        "sleeve_taper": _scaled(state.sleeve_taper),
+        "spool_spread": _scaled(state.spool_repeat_spread),
+        "sleeve_spread": _scaled(state.sleeve_repeat_spread),
         "planes": ", ".join(nominal.planes),
-        "spool_diameter_mm": state.spool_diameter * MM,
-        "sleeve_diameter_mm": state.sleeve_diameter * MM,
-        "radial_clearance_um": state.radial_clearance * UM,
-        "min_clearance_um": state.min_clearance * UM if state.measured else None,
-        "max_clearance_um": state.max_clearance * UM if state.measured else None,
-        "worst_direction_deg": state.worst_direction,
-        "mounting_clearance_um": nominal.mounting_high * UM,
-        "wear_percent": None if land.wear is None else land.wear * PERCENT,
-        "spool_ovality_um": _scaled(state.spool_ovality),
-        "sleeve_ovality_um": _scaled(state.sleeve_ovality),
-        "spool_taper_um": _scaled(state.spool_taper),
-        "sleeve_taper_um": _scaled(state.sleeve_taper),
-        "spool_spread_um": _scaled(state.spool_repeat_spread),
-        "sleeve_spread_um": _scaled(state.sleeve_repeat_spread),
         "readings": state.spool_readings + state.sleeve_readings,
-        "representative": value_names(nominal.representative) or None,
+        "representative_values": value_names(nominal.representative) or None,
     }
 
 

@@ -31,12 +31,18 @@ class Column:
         for what is no number
     width
         least width [px]; None to let the table choose
+    words_of
+        kind of quantity that its cells hold as words, such as a range; the heading names the unit
+    words
+        the heading, where it is no text of its own, such as a verdict's word
     """
 
     key: str
     kind: str | None = None
     digits: int | None = None
     width: int | None = None
+    words: str | None = None
+    words_of: str | None = None
 
     @property
     def is_number(self) -> bool:
@@ -50,8 +56,9 @@ class Column:
 
     def heading(self, say: Wording) -> str:
         """Return the words of its heading, with the unit of its cells: ``Clearance [µm]``."""
-        heading = say(f"columns.{self.key}")
-        return f"{heading} [{say.unit(self.kind)}]" if self.is_number and self.kind is not None else heading
+        heading = self.words or say(f"columns.{self.key}")
+        kind = self.kind if self.is_number else self.words_of
+        return heading if kind is None else f"{heading} [{say.unit(kind)}]"
 
     def help(self, say: Wording) -> str | None:
         """Return what the column means; None where its heading says enough."""

@@ -11,36 +11,61 @@ import numpy as np
 from atleak.comparison import Change, Comparison, ConditionComparison, LandComparison, LogComparison
 from atleak.diagnosis import LandDiagnosis
 from atleak.road_test import RoadTest
+from atleak.views.columns import Column
 from atleak.views.comparison_words import event_name, land_name, signed_number, with_uncertainty
-from atleak.wording import signed, wording
+from atleak.wording import Wording
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, UM
 
-YES, NO = "yes", "no"
+LAND_COLUMNS = (
+    Column("verdict", "verdict", width=92),
+    Column("was"),
+    Column("pair", width=126),
+    *(Column(f"clearance_{side}", "clearance", 1) for side in ("before", "after")),
+    Column("change", words_of="clearance"),
+    Column("changed"),
+    *(Column(f"wear_{side}", "percent", 1) for side in ("before", "after")),
+    *(Column(f"share_{side}", "percent", 2) for side in ("before", "after")),
+    *(Column(f"decision_{side}") for side in ("before", "after")),
+)
+CONDITION_COLUMNS = tuple(
+    Column(name) for name in ("condition", "what", "before", "after", "change", "interval", "unit", "changed")
+)
+EVENT_COLUMNS = (
+    Column("event"),
+    Column("starts", words_of="time"),
+    Column("lasts", words_of="time"),
+    Column("mean_pressure", words_of="pressure"),
+    Column("fluid", words_of="temperature"),
+)
 _SHOWN = 0.5  # [kPa] that a pressure without decimals shows
 
 
-def land_rows(comparison: Comparison, lands: Iterable[LandComparison]) -> list[dict[str, Any]]:
-    """Return one row for every land, in English."""
-    return [_land_row(comparison, land) for land in lands]
+def land_rows(comparison: Comparison, lands: Iterable[LandComparison], say: Wording) -> list[dict[str, Any]]:
+    """Return one row for every land, as `LAND_COLUMNS` show them."""
+    return [_land_row(comparison, land, say) for land in lands]
 
 
-def _land_row(comparison: Comparison, land: LandComparison) -> dict[str, Any]:
+def _land_row(comparison: Comparison, land: LandComparison, say: Wording) -> dict[str, Any]:
     before, after = land.before, land.after
     return {
-        "Verdict": None if after is None else after.verdict,
-        "Was": None if before is None else signed(before.verdict),
-        "Pair": land_name(comparison, land),
-        "Before [µm]": _clearance(before),
-        "After [µm]": _clearance(after),
-        "Change [µm]": with_uncertainty(land.change, wording("en")) if land.change else None,
-        "Changed": None if land.change is None else YES if land.significant else NO,
-        "Wear before [%]": None if before is None or before.wear is None else before.wear * PERCENT,
-        "Wear after [%]": None if after is None or after.wear is None else after.wear * PERCENT,
-        "Share before [%]": _share(before),
-        "Share after [%]": _share(after),
-        "Decision before": _decision(before),
-        "Decision after": _decision(after),
+        "verdict": None if after is None else after.verdict,
+        "was": None if before is None else say.signed(before.verdict),
+        "pair": land_name(comparison, land, say),
+        "clearance_before": _clearance(before),
+        "clearance_after": _clearance(after),
+        "change": with_uncertainty(land.change, say) if land.change else None,
+        "changed": None if land.change is None else _whether(land.significant, say),
+        "wear_before": None if before is None or before.wear is None else before.wear * PERCENT,
+        "wear_after": None if after is None or after.wear is None else after.wear * PERCENT,
+        "share_before": _share(before),
+        "share_after": _share(after),
+        "decision_before": _decision(before, say),
+        "decision_after": _decision(after, say),
     }
+
+
+def _whether(is_so: bool, say: Wording) -> str:
+    return say("answers.yes" if is_so else "answers.no")
 
 
 def _clearance(land: LandDiagnosis | None) -> float | None:
@@ -51,11 +76,11 @@ def _share(land: LandDiagnosis | None) -> float | None:
     return land.share * PERCENT if land is not None and math.isfinite(land.share) else None
 
 
-def _decision(land: LandDiagnosis | None) -> str | None:
-    return None if land is None or land.decision is None else land.decision.replace("_", " ")
+def _decision(land: LandDiagnosis | None, say: Wording) -> str | None:
+    return None if land is None or land.decision is None else say.get("decisions", land.decision)
 
 
-def condition_rows(comparison: Comparison, *, brief: bool = False) -> list[dict[str, Any]]:
+def condition_rows(comparison: Comparison, say: Wording, *, brief: bool = False) -> list[dict[str, Any]]:
     """Return one row for every total, reserve and pressure of every condition that both jobs were judged at.
 
     In brief a pressure that did not change by as much as is shown is left out, and so is the flow behind a share; a
@@ -63,69 +88,73 @@ def condition_rows(comparison: Comparison, *, brief: bool = False) -> list[dict[
     """
     rows: list[dict[str, Any]] = []
     for each in comparison.on_both_sides:
-        of_condition = _quantities(each, brief=brief)
+        of_condition = _quantities(each, say, brief=brief)
         if brief:
-            of_condition[1:] = [{**row, "Operating point": ""} for row in of_condition[1:]]
+            of_condition[1:] = [{**row, "condition": ""} for row in of_condition[1:]]
         rows += of_condition
     return rows
 
 
-def _quantities(each: ConditionComparison, *, brief: bool) -> list[dict[str, Any]]:
+def _quantities(each: ConditionComparison, say: Wording, *, brief: bool) -> list[dict[str, Any]]:
     rows = [
-        _row(each, "share of the pump's flow", "%", each.share, PERCENT, 1),
-        None if brief else _row(each, "leakage", "dm³/min", each.leakage, DM3_MIN, 2),
-        _row(each, "reserve of the pump", "", each.reserve, 1.0, 2),
+        _row(each, say("compared.share"), "percent", each.share, PERCENT, 1, say),
+        None if brief else _row(each, say("compared.leakage"), "flow", each.leakage, DM3_MIN, 2, say),
+        _row(each, say("compared.reserve"), "number", each.reserve, 1.0, 2, say),
     ]
-    pressures = [("main pressure held", each.main_pressure), *((one.circuit.name, one.change) for one in each.circuits)]
+    line = say("compared.main_pressure")
+    pressures = [(line, each.main_pressure), *((one.circuit.name, one.change) for one in each.circuits)]
     for name, change in pressures:
         moved = change is not None and (change.significant or abs(change.value * KPA) >= _SHOWN)
-        rows.append(_row(each, name, "kPa", change, KPA, 0) if moved or not brief else None)
+        rows.append(_row(each, name, "pressure", change, KPA, 0, say) if moved or not brief else None)
     return [row for row in rows if row is not None]
 
 
 def _row(
-    each: ConditionComparison, what: str, unit: str, change: Change | None, factor: float, digits: int
+    each: ConditionComparison, what: str, kind: str, change: Change | None, factor: float, digits: int, say: Wording
 ) -> dict[str, Any] | None:
     if change is None:
         return None
-    say = wording("en")
-    low, high = change.interval or (math.nan, math.nan)
+    places, scale = say.digits(kind, digits), say.convert(factor, kind)  # none of these kinds has a zero of its own
     return {
-        "Operating point": each.label,
-        "What": what,
-        "Before": say.number(change.before * factor, digits),
-        "After": say.number(change.after * factor, digits),
-        "Change": signed_number(change.value * factor, digits, say),
-        "95 % interval": ""
-        if change.interval is None
-        else f"{say.number(low * factor, digits)} to {say.number(high * factor, digits)}",
-        "Unit": unit,
-        "Changed": None if change.significant is None else YES if change.significant else NO,
+        "condition": say.name(each.label),
+        "what": what,
+        "before": say.number(change.before * scale, places),
+        "after": say.number(change.after * scale, places),
+        "change": signed_number(change.value * scale, places, say),
+        "interval": "" if change.interval is None else _interval(change.interval, scale, places, say),
+        "unit": say.unit(kind),
+        "changed": None if change.significant is None else _whether(change.significant, say),
     }
 
 
-def event_rows(logs: LogComparison) -> list[dict[str, Any]]:
+def _interval(ends: tuple[float, float], scale: float, places: int, say: Wording) -> str:
+    low, high = (say.number(end * scale, places) for end in ends)
+    return say("written.to", low=low, high=high)
+
+
+def event_rows(logs: LogComparison, say: Wording) -> list[dict[str, Any]]:
     """Return one row for every event of either log, before → after: start, duration, mean pressure and fluid."""
-    say = wording("en")
     rows = []
     for pair in logs.pairs:
         sides = (logs.before.road_test, pair.before), (logs.after.road_test, pair.after)
         parts = [None if event is None else test.window(event.start, event.stop) for test, event in sides]
         events = [event for _, event in sides]
+        pressures = [_mean(part, "main_pressure", KPA) for part in parts]
+        temperatures = [_mean(part, "atf_temperature", 1.0) for part in parts]
         rows.append(
             {
-                "Event": event_name(pair, say),
-                "Starts [s]": _arrow([None if event is None else event.start for event in events], 1),
-                "Lasts [s]": _arrow([None if event is None else event.duration for event in events], 1),
-                "Mean main pressure [kPa]": _arrow([_mean(part, "main_pressure", KPA) for part in parts], 0),
-                "Fluid [°C]": _arrow([_mean(part, "atf_temperature", 1.0) for part in parts], 0),
+                "event": event_name(pair, say),
+                "starts": _arrow([None if event is None else event.start for event in events], "time", 1, say),
+                "lasts": _arrow([None if event is None else event.duration for event in events], "time", 1, say),
+                "mean_pressure": _arrow(pressures, "pressure", 0, say),
+                "fluid": _arrow(temperatures, "temperature", 0, say),
             }
         )
     return rows
 
 
-def _arrow(values: Iterable[float | None], digits: int) -> str:
-    return " → ".join(wording("en").number(value, digits) for value in values)
+def _arrow(values: Iterable[float | None], kind: str, digits: int, say: Wording) -> str:
+    return " → ".join(say.value(value, kind, digits) for value in values)
 
 
 def _mean(part: RoadTest | None, quantity: str, factor: float) -> float | None:

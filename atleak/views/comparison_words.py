@@ -57,11 +57,11 @@ def differing_sentence(comparison: Comparison, say: Wording) -> str | None:
     return say("comparison.differing", choices=", ".join(say(f"choices.{name}") for name in names))
 
 
-def land_name(comparison: Comparison, land: LandComparison) -> str:
+def land_name(comparison: Comparison, land: LandComparison, say: Wording) -> str:
     """Name a land: ``25/1 main pressure valve``."""
     component, number = land.key
     of_both = {**comparison.before.controller.components, **comparison.after.controller.components}
-    return f"{component}/{number} {isolated(of_both[component])}"
+    return f"{component}/{number} {isolated(say.name(of_both[component]))}"
 
 
 def with_uncertainty(change: Change | None, say: Wording) -> str:

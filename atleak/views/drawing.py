@@ -6,7 +6,8 @@ Verdicts differ in shade, outline and sign, so that a greyscale print still show
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from html import escape
 
 from atleak.catalogue.controller import Controller, Land
@@ -21,6 +22,7 @@ _WIDTH = 1000.0
 _ROW = 104.0
 _ROD = 0.45  # diameter of the rod as a fraction of the smallest land's diameter
 _STRETCH = 2.2  # lengths are drawn up to this much larger than diameters
+_END_VIEW = 220.0  # of the width, for a spool seen along its axis
 _BETWEEN = 5.0  # [mm] of rod between two lands, where the file states no positions
 
 
@@ -66,6 +68,32 @@ def controller_svg(
     return "".join((*parts, "</svg>"))
 
 
+def component_svgs(
+    controller: Controller, verdicts: Mapping[tuple[str, int], str], *, width: float = 160.0, height: float = 44.0
+) -> dict[str, str]:
+    """Draw every component that has lands by itself, all to one scale: the pictures that a page lays out as it likes.
+
+    Words are left to the page, which has room for them; a sign and the shade tell the verdict of each land.
+
+    Parameters
+    ----------
+    verdicts
+        by (component, land).
+    width, height
+        of each drawing, in pixels.
+    """
+    names = [name for name in controller.components if controller.lands_of(name)]
+    longest = max(_length(controller.lands_of(name)) for name in names)
+    thickest = max(land.nominal_diameter for land in controller.lands) * MM
+    scale = _scale(width - 16.0, longest, height - 12.0, thickest)
+    return {
+        name: svg_head(width, height, f"{name} · {controller.components[name]}")
+        + _spool(controller.lands_of(name), verdicts, width / 2.0, height / 2.0, scale, thick=1.0)
+        + "</svg>"
+        for name in names
+    }
+
+
 def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[str, int], str] | None = None) -> str:
     """Draw one spool in its sleeve with the planes it is measured in, numbered as on the measuring sheet.
 
@@ -74,27 +102,75 @@ def spool_svg(controller: Controller, component: str, verdicts: Mapping[tuple[st
     KeyError
         a component without lands.
     """
+    return _measured_spool(controller, component, verdicts or {}, ())
+
+
+def measuring_svg(
+    controller: Controller,
+    component: str,
+    directions: Sequence[float],
+    verdicts: Mapping[tuple[str, int], str] | None = None,
+) -> str:
+    """Draw the same without its name, with the directions of measuring beside it, seen along the axis.
+
+    Every plane bears its name as ``data-plane`` and every direction its angle as ``data-direction``, so that a page can
+    light the ones that are measured now.
+
+    Parameters
+    ----------
+    directions
+        [°] round the axis, 0 is upright.
+
+    Raises
+    ------
+    KeyError
+        a component without lands.
+    """
+    return _measured_spool(controller, component, verdicts or {}, directions)
+
+
+def _measured_spool(
+    controller: Controller, component: str, verdicts: Mapping[tuple[str, int], str], directions: Sequence[float]
+) -> str:
     lands = controller.lands_of(component)
     if not lands:
         raise KeyError(component)
+    room = _END_VIEW if directions else 0.0
     thickest = max(land.nominal_diameter for land in lands) * MM
-    scale = _scale(900.0, _length(lands), 96.0, thickest)
+    scale = _scale(900.0 - room, _length(lands), 96.0, thickest)
     name = controller.components[component]
     parts = [svg_head(_WIDTH, 240.0, f"component {component}, {name}: lands and measuring planes")]
-    middle = 120.0
-    parts.append(_spool(lands, verdicts or {}, _WIDTH / 2.0, middle, scale, thick=2.0))
+    centre, middle = (_WIDTH - room) / 2.0, 120.0
+    parts.append(_spool(lands, verdicts, centre, middle, scale, thick=2.0))
     reach = thickest * scale[1] / 2.0
-    for land, left, width in _places(lands, _WIDTH / 2.0, scale):
+    for land, left, width in _places(lands, centre, scale):
         for number, plane in enumerate(land.planes):
             x = left + width * (number + 1) / (len(land.planes) + 1)
-            parts.append(
-                f'<path d="M{x:.1f} {middle - reach - 26:.1f}V{middle + reach + 26:.1f}" stroke="{PAPER.ink}" '
-                'stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
-            )
-            parts.append(svg_text(x, middle - reach - 34, plane, 18, bold=True))
+            line = _axis_line(f"{x:.1f} {middle - reach - 26:.1f}", f"{x:.1f} {middle + reach + 26:.1f}")
+            label = svg_text(x, middle - reach - 34, plane, 18, bold=True)
+            parts.append(f'<g data-plane="{escape(plane)}">{line}{label}</g>')
         parts.append(svg_text(left + width / 2, middle + reach + 48, f"⌀ {land.nominal_diameter * MM:.3f}", 16))
-    parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
+    if not directions:  # a page that lights planes and directions has a heading of its own
+        parts.append(svg_text(14, 24, shortened(f"{component} · {name}", 60), 18, bold=True, anchor="start"))
+    parts.append(_end_view(directions, _WIDTH - room / 2.0, middle))
     return "".join((*parts, "</svg>"))
+
+
+def _end_view(directions: Sequence[float], x: float, y: float) -> str:
+    """Draw the spool seen along its axis, with a line for each direction in which a diameter is measured."""
+    if not directions:
+        return ""
+    parts = [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="48" fill="{PAPER.metal}" stroke="{PAPER.ink}" stroke-width="1.5"/>']
+    for angle in directions:
+        across, up = math.sin(math.radians(angle)), math.cos(math.radians(angle))
+        ends = [f"{x + far * across:.1f} {y - far * up:.1f}" for far in (-62.0, 62.0)]
+        label = svg_text(x + 80.0 * across, y + 6.0 - 80.0 * up, f"{angle:g}°", 18, bold=True)
+        parts.append(f'<g data-direction="{angle:g}">{_axis_line(*ends)}{label}</g>')
+    return "".join(parts)
+
+
+def _axis_line(start: str, end: str) -> str:
+    return f'<path d="M{start}L{end}" stroke="{PAPER.ink}" stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
 
 
 def on_dark(drawing: str) -> str:

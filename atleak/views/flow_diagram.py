@@ -248,7 +248,8 @@ class _Words:
         if place in self.count:
             return say("flows.others", count=self.count[place])
         if place.kind is Kind.LAND:
-            return f"{place.name} · {place.land} {isolated(self.diagnosis.controller.components[place.name])}"
+            name = self.say.name(self.diagnosis.controller.components[place.name])
+            return f"{place.name} · {place.land} {isolated(name)}"
         if place.kind in (Kind.SECTION, Kind.LEAK, Kind.CONSUMER):
             return isolated(self.names.get((place.kind, place.name)) or say.get("pressures", place.name))
         return say(f"flows.{place.kind}")

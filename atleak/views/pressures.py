@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
@@ -10,7 +10,7 @@ from atleak.catalogue.limits import Level, RuleKind
 from atleak.diagnosis import Diagnosis
 from atleak.engine.line import LINE
 from atleak.engine.projection import CircuitState, Projection
-from atleak.repair import RepairPlan
+from atleak.repair import Total
 from atleak.rules import LandKey, Rule, permissible_low
 from atleak.uncertainty import RuleDecision
 from atleak.verdicts import Verdict
@@ -26,7 +26,7 @@ class HeldPressure:
     now: float
     interval: Interval | None  # None where nothing was measured
     new: float  # of the same unit as it may have been when new, which it is judged against
-    repaired: float | None  # with the planned repairs; None where none is asked for
+    repaired: float | None  # with repairs made; None where none is asked for
     set_pressure: float | None  # of the circuit's regulator; what is required of the line
     vented: bool  # not applied in this gear
     permissible: PermissiblePressure | None  # of the line
@@ -83,7 +83,7 @@ class PressuresAt:
     followed: HeldPressure | None  # the circuit that the line's set pressure follows
     reserve_interval: Interval | None
     reserve_new: float
-    reserve_repaired: float | None  # with the planned repairs
+    reserve_repaired: float | None  # with repairs made
     reserve_rule: Rule | None
     reserve_decided: RuleDecision | None
     reserve_verdict: Verdict | None
@@ -101,13 +101,11 @@ class PressuresAt:
         return tuple(rule for rule in every if rule is not None)
 
 
-def pressures_at(diagnosis: Diagnosis, projection: Projection, plan: RepairPlan | None = None) -> PressuresAt:
-    """Gather reserve and pressures at one condition of a diagnosis; with a plan also as its repairs leave them."""
+def pressures_at(diagnosis: Diagnosis, projection: Projection, repaired: Sequence[Total] = ()) -> PressuresAt:
+    """Gather reserve and pressures at one condition of a diagnosis; with its totals after repairs also those."""
     total = diagnosis.uncertainty.total(projection.condition.name) if diagnosis.uncertainty else None
     new, losses = diagnosis.unworn_at(projection), diagnosis.losses_at(projection)
-    end = None
-    if plan is not None and plan.steps:
-        end = next(each for each in plan.ends if each.condition == projection.condition)
+    end = next((each for each in repaired if each.condition == projection.condition), None)
     after: Mapping[str, float] = {} if end is None else end.pressures
     reserve, permissible = (
         diagnosis.pressure_rule(projection, kind) for kind in (RuleKind.RESERVE, RuleKind.PERMISSIBLE_PRESSURE)

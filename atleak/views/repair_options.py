@@ -66,9 +66,14 @@ class OptionRow:
 
 def leaves(option: Option, key: LandKey, say: Wording) -> str:
     """Return the radial clearance that an option leaves of a land [µm]: a number, or the ends of a range."""
-    if option.repair.keeps_clearance:
-        return say.value(option.states[key].radial_clearance * UM, "clearance", 1)
-    return "–".join(say.value(end * UM, "clearance", 1) for end in option.states[key].land.mounting_ends)
+    return "–".join(say.value(end, "clearance", 1) for end in _left(option, key))
+
+
+def _left(option: Option, key: LandKey) -> list[float]:
+    """Return the radial clearance that an option leaves of a land [µm], or the ends of a range."""
+    state = option.states[key]
+    ends = (state.radial_clearance,) if option.repair.keeps_clearance else state.land.mounting_ends
+    return [end * UM for end in ends]
 
 
 def option_rows(plan: RepairPlan) -> list[OptionRow]:
@@ -86,7 +91,7 @@ def planned(row: OptionRow, say: Wording | None = None) -> str:
     hours = row.option.repair.hours
     said = [
         row.name(say),
-        say("plan.leaves", clearance=row.leaves(say)),
+        say("plan.leaves", clearance=say.span(_left(row.option, row.step.land.key), "clearance", 1)),
         "" if row.option.repair.price is None else row.price(say),
         "" if hours is None else say("plan.hours", hours=row.hours(say)),
         row.option.repair.tool or "",

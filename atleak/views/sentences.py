@@ -8,8 +8,10 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.engine.profile import UNKNOWN
 from atleak.engine.projection import Projection
 from atleak.rules import LandKey, Rule
+from atleak.views.positions import position_band
 from atleak.views.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.views.pump_words import full_stroke
 from atleak.views.repair_words import Named, label_of
@@ -54,10 +56,13 @@ def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:
     return say(f"facts.temperature_{said}", **values)
 
 
-def tighter_than_new(diagnosis: Diagnosis, say: Wording) -> str | None:
-    """Say how many lands measure tighter than a new pair can be; None where none does."""
-    count = sum(land.suspect for land in diagnosis.lands)
-    return say("sentences.tighter_than_new", count=count) if count else None
+def readings_in_doubt(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say which measured lands are tighter than new ones can be, and which have repeats that disagree; None without."""
+    tight = sum(land.suspect for land in diagnosis.lands)
+    apart = [f"{land.key[0]}/{land.key[1]}" for land in diagnosis.lands if land.state.doubts]
+    said = [say("sentences.tighter_than_new", count=tight)] if tight else []
+    said += [say("sentences.repeats_apart", lands=", ".join(apart))] if apart else []
+    return " ".join(said) or None
 
 
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
@@ -106,13 +111,23 @@ def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
     return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"
 
 
+def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording, named: Named = label_of) -> str:
+    """Say for which position of the spools flows are given, and the total share as they may lie; "" where it is set."""
+    band = position_band(diagnosis, projection)
+    if band is None:
+        return ""
+    low, high = (say.percent(each, 0 if band[1] >= 0.1 else 1) for each in band)
+    key = "anywhere" if diagnosis.profile.eccentricity == UNKNOWN else "concentric"
+    return say(f"sentences.{key}", condition=named(projection.condition), low=low, high=high)
+
+
 # --- pressures
 
 
-def land_in_words(diagnosis: Diagnosis, key: LandKey) -> str:
+def land_in_words(diagnosis: Diagnosis, key: LandKey, say: Wording) -> str:
     """Name a land: ``25/1 main pressure valve``."""
     component, number = key
-    return f"{component}/{number} {isolated(diagnosis.controller.components[component])}"
+    return f"{component}/{number} {isolated(say.name(diagnosis.controller.components[component]))}"
 
 
 def unsolved(diagnosis: Diagnosis, say: Wording) -> str | None:
@@ -137,7 +152,7 @@ def pressure_sentence(at: PressuresAt, say: Wording, named: Named = label_of) ->
     parts = [sentence]
     if falls and at.projection.reserve >= 1.0 and at.followed is not None and at.followed.circuit is not None:
         held, new = _kpa(at.followed.now, say), _kpa(at.followed.new, say)
-        parts.append(say("held.follows", circuit=at.followed.circuit.name, held=held, new=new))
+        parts.append(say("held.follows", circuit=say.name(at.followed.circuit.name), held=held, new=new))
     return " ".join(filter(None, (*parts, permissible_words(line, say))))
 
 
@@ -167,7 +182,7 @@ def reserve_sentence(at: PressuresAt, say: Wording) -> str:
 
 def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> str:
     """Say what a circuit holds, of what when new, how that is judged, and which lands cost it that."""
-    name = held.circuit.name if held.circuit else say("held.line")
+    name = say.name(held.circuit.name) if held.circuit else say("held.line")
     sentence = say(
         "held.circuit",
         circuit=name,
@@ -178,7 +193,9 @@ def circuit_sentence(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> 
     words = [] if held.verdict is None else [say.signed(held.verdict)]
     if held.verdict is not None and held.verdict.flagged:
         kind = "held.costs" if held.loss > 0.0 else "held.raises"
-        words += [say(kind, land=land_in_words(diagnosis, key), loss=_kpa(abs(loss), say)) for key, loss in held.costly]
+        words += [
+            say(kind, land=land_in_words(diagnosis, key, say), loss=_kpa(abs(loss), say)) for key, loss in held.costly
+        ]
     return f"{sentence}: {'; '.join(words)}" if words else sentence
 
 
@@ -199,10 +216,10 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording, named: Named = la
     elif rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
         because = say("held.by_permissible", held=_kpa(held.now, say), low=_kpa(held.low or 0.0, say), **values)
     else:
-        circuit = rule.circuit.name if rule.circuit else ""
+        circuit = say.name(rule.circuit.name) if rule.circuit else ""
         kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
         because = say(kind, circuit=circuit, held=_kpa(held.now, say), new=_kpa(held.new, say), **values)
-    lands = ", ".join(land_in_words(diagnosis, key) for key in keys[:LOOK_FIRST])
+    lands = ", ".join(land_in_words(diagnosis, key, say) for key in keys[:LOOK_FIRST])
     return f"{because}. {say('held.look_first', lands=lands)}" if lands else f"{because}."
 
 

@@ -1,4 +1,4 @@
-"""List what makes a land uncertain: one row per source, units in the column names."""
+"""List what makes a land uncertain: one row per source."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from atleak.workshop_units import PERCENT
 
 
 def budget_rows(land: LandUncertainty) -> list[dict[str, Any]]:
-    """Return what makes one land's clearance, and its share at the stated condition, uncertain: source by source."""
+    """Return what makes one land's clearance, and its share at the stated condition, uncertain [%]."""
     of_clearance = dict(land.budget)
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
     return [
         {
             "source": name,
-            "of_clearance_percent": PERCENT * of_clearance.get(name, 0.0),
-            "of_share_percent": PERCENT * of_share.get(name, 0.0),
+            "of_clearance": PERCENT * of_clearance.get(name, 0.0),
+            "of_share": PERCENT * of_share.get(name, 0.0),
         }
         for name in dict.fromkeys([*of_share, *of_clearance])
     ]

@@ -16,6 +16,7 @@ from atleak.jobs.book import Book, open_book
 from atleak.jobs.judged_anew import judged_otherwise
 from atleak.jobs.opening import DATABASE_URL
 from atleak.system.home import home
+from pages.shared import reader
 from pages.shared.cases import case_with_columns, diagnosis_of, opened_case
 from pages.shared.state import JOB, InBook, Refusal, Session, job, session, show_job
 
@@ -63,7 +64,7 @@ def open_from_book(id: str) -> bool:
         parts = job_parts(diagnosis_of(case), stored.file.job, case_with_columns(case))
         otherwise = judged_otherwise(stored.file.result, parts.result)
     except AtleakError as error:
-        now.refused["job"] = Refusal(f"job {id} of the job book", error)
+        now.refused["job"] = Refusal(reader.say()("done.job_of_book", id=id), error)
         now.in_book.unknown = id
         return False
     in_book = InBook(id, stored.version, archived=stored.archived_at is not None, result_by=stored.result_by)

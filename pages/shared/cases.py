@@ -15,6 +15,7 @@ import streamlit as st
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Listed, catalogue_files, listed
+from atleak.catalogue.instruments import Instruments
 from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError, CatalogueError, OutputError
 from atleak.intake.readings import read_readings
@@ -29,6 +30,7 @@ from atleak.intake.road_test import (
 )
 from atleak.intake.road_test.names.memory import RememberedColumns
 from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, LogChoices, Reader, Slot, SourceFile, with_log_choices
+from atleak.measuring.plan import PARTS
 from atleak.pressure_table import PressureTable
 from atleak.readings import Readings
 
@@ -224,6 +226,22 @@ def columns_of(log: SourceFile) -> tuple[LogColumn, ...]:
         return _columns(log.sha256, log)
     except AtleakError:
         return ()
+
+
+def readings_of(case: Case, file: SourceFile) -> Readings:
+    """Return what a measuring sheet holds, read as the job says.
+
+    Raises
+    ------
+    ReadingsError
+        as `read_readings`.
+    """
+    return Kept().readings(replace(case, readings=file), controller_of(case))
+
+
+def instruments_of(case: Case) -> Instruments:
+    """Return the instruments that measured a job's sheet."""
+    return Instruments(*(catalogue_entry(f"{part}_instrument", getattr(case, f"{part}_instrument")) for part in PARTS))
 
 
 def case_with_columns(case: CaseKind) -> CaseKind:

@@ -14,39 +14,16 @@ import streamlit as st
 from atleak.catalogue.fluid import USED_THINNER, FluidState
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.job.case import SLOTS, Choice, SourceFile
-from pages.shared import show
+from pages.shared import reader, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.state import choose, session
 
-OPTIONS = {
-    "diameter": "Diameter in the gap law",
-    "viscosity": "Viscosity",
-    "pump_draw": "Counted as drawn from the pump",
-    "pump_efficiency": "Pump efficiency",
-    "entry_loss": "Loss at a gap's entry and exit",
-    "form": "Clearance that differs around the bore",
-}
-VALUES = {
-    "mean": "mean of spool and sleeve",
-    "spool": "of the spool",
-    "d341": "ASTM D341",
-    "tabulated": "table",
-    "regression": "the study's regression",
-    "into_sump": "flow into the sump",
-    "all_gaps": "flow of all gaps",
-    "wilson": "Wilson slip",
-    "constant": "constant",
-    "auto": "subtracted where it matters",
-    "on": "subtracted everywhere",
-    "off": "left out",
-    "mean_of_cubes": "mean of the cubes",
-    "cube_of_mean": "cube of the mean",
-}
+OPTIONS = ("diameter", "viscosity", "pump_draw", "pump_efficiency", "entry_loss", "form")
 
 
 def catalogue_entry(name: str) -> None:
     """Ask which entry of the catalogue the job takes: a shipped one, one of the user's own, or the file given last."""
-    now, slot = session(), SLOTS[name]
+    say, now, slot = reader.say(), session(), SLOTS[name]
     current = getattr(now.case, name)
     known = catalogue_list(name).entries
     options: list[Choice] = [each for each, entry in known.items() if slot.part is None or slot.part in entry.measures]
@@ -55,33 +32,33 @@ def catalogue_entry(name: str) -> None:
 
     def shown(option: Choice) -> str:
         if isinstance(option, SourceFile):
-            return f"own file: {option.name}"
+            return say("settings.own_file", name=option.name)
         return shown_name(known[option]) if option in known else option
 
-    _select(slot.label, name, options, current, shown, lambda picked: choose(**{name: picked}))
+    _select(say(f"slots.{name}"), name, options, current, shown, lambda picked: choose(**{name: picked}))
 
 
 def fluid_state() -> None:
     """Ask whether the fluid in the transmission is fresh or used."""
-    key, states = _key("fluid_state"), (None, *get_args(FluidState))
+    say, key, states = reader.say(), _key("fluid_state"), (None, *get_args(FluidState))
     low, high = USED_THINNER
     st.radio(
-        "The fluid is",
+        say("settings.fluid_is"),
         states,
         states.index(session().case.fluid_state),
         key=key,
-        format_func=lambda state: state or "not known: taken as fresh",
+        format_func=lambda state: say(f"settings.fluid_{state or 'unknown'}"),
         horizontal=True,
-        help=f"Used fluid is thinner: as its own data say or, without any, by {low} to {high} % (representative).",
+        help=say("settings.fluid_help", low=low, high=high),
         on_change=lambda: choose(fluid_state=st.session_state[key]),
     )
 
 
 def engine() -> None:
     """Ask for the profile, and for every option in which the job may differ from it."""
-    case, hints = session().case, get_type_hints(Profile)
+    say, case, hints = reader.say(), session().case, get_type_hints(Profile)
     profiles = list(PROFILES)
-    _select("Profile", "profile", profiles, case.profile, str, lambda name: choose(profile=name, options=()))
+    _select(say("facts.profile"), "profile", profiles, case.profile, str, lambda name: choose(profile=name, options=()))
     base = PROFILES[case.profile].options
     chosen = base | dict(case.options)
 
@@ -91,16 +68,19 @@ def engine() -> None:
         differing = ((name, each) for name, each in values.items() if each != PROFILES[now.profile].options[name])
         choose(options=tuple(differing))
 
-    for option, label in OPTIONS.items():
+    def named(value: str) -> str:
+        return say.get("option_values", value)
+
+    for option in OPTIONS:
         values = list(get_args(hints[option]))
-        tip = "; ".join(f"{VALUES.get(value, value)}: `{option}={value}`" for value in values)
-        _select(label, option, values, chosen[option], _value_name, partial(take, option), tip)
+        tip = "; ".join(f"{named(value)}: `{option}={value}`" for value in values)
+        _select(say(f"options.{option}"), option, values, chosen[option], named, partial(take, option), tip)
     _eccentricity(chosen["eccentricity"], partial(take, "eccentricity"))
-    st.caption("`workshop` is the better physics; `paper` computes as the source study printed.")
+    st.caption(say("settings.profiles"))
 
 
 def _eccentricity(current: float | str, take: Callable[[float | str], None]) -> None:
-    unknown, ratio = _key("position"), _key("eccentricity")
+    say, unknown, ratio = reader.say(), _key("position"), _key("eccentricity")
     fixed = st.session_state.get("fixed-eccentricity", 0.0) if isinstance(current, str) else current
 
     def changed() -> None:
@@ -108,17 +88,14 @@ def _eccentricity(current: float | str, take: Callable[[float | str], None]) -> 
         take(UNKNOWN if st.session_state[unknown] else st.session_state[ratio])
 
     st.toggle(
-        "Where the spools lie is unknown",
+        say("settings.position_unknown"),
         current == UNKNOWN,
         key=unknown,
-        help="Every flow is the mean over all positions, 1.5 times that of concentric spools.",
+        help=say("settings.position_help", factor=say.number(1.5, 1)),
         on_change=changed,
     )
-    st.slider("Eccentricity e/c", 0.0, 1.0, fixed, 0.05, key=ratio, disabled=current == UNKNOWN, on_change=changed)
-
-
-def _value_name(value: str) -> str:
-    return VALUES.get(value, value)
+    label = say("settings.eccentricity")
+    st.slider(label, 0.0, 1.0, fixed, 0.05, key=ratio, disabled=current == UNKNOWN, on_change=changed)
 
 
 def _select(

@@ -20,23 +20,27 @@ from atleak.jobs.unit_visits import unit_of_job
 from atleak.paper import PAPERS
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.verdicts import Verdict
-from atleak.views.comparison_rows import condition_rows, event_rows, land_rows
+from atleak.views.columns import VERDICT
+from atleak.views.comparison_rows import (
+    CONDITION_COLUMNS,
+    EVENT_COLUMNS,
+    LAND_COLUMNS,
+    condition_rows,
+    event_rows,
+    land_rows,
+)
 from atleak.views.comparison_words import changed_sentence, event_name, total_sentence, verdicts_sentence
 from atleak.views.diagnosis_record import to_json
-from atleak.wording import languages, signed, wording
-from pages.shared import files, show
+from atleak.wording import Wording
+from pages.shared import files, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key
 from pages.shared.show import plain
 from pages.shared.state import job, session
 
-THIS, FILE = "this job", "a job file …"
+THIS, FILE = "this_job", "job_file"  # beside the ids of jobs
 LISTED = 200  # most jobs of the book to choose from
 DRAWN = 20  # most lands in the table and the figure at the head
-DIGITS = {
-    **dict.fromkeys(("Before [µm]", "After [µm]", "Wear before [%]", "Wear after [%]"), 1),
-    **dict.fromkeys(("Share before [%]", "Share after [%]"), 2),
-}
 Chosen = tuple[JobFile, JobFile]
 
 
@@ -51,7 +55,7 @@ def choose() -> Chosen | None:
     AtleakError
         a job file that is none, or a job that is not in the book.
     """
-    rows = _offered()
+    say, rows = reader.say(), _offered()
     earlier = _visit_before(rows)
     sides = []
     for column, side, usual in zip(st.columns(2), ("before", "after"), (earlier or FILE, THIS), strict=True):
@@ -60,10 +64,10 @@ def choose() -> Chosen | None:
             asked = st.query_params.get(side)
             start = asked if asked in options else THIS if asked is not None and asked == job_id() else usual
             chosen = st.selectbox(
-                side.capitalize(),
+                say(f"compare.{side}"),
                 options,
                 options.index(start),
-                format_func=partial(_label, rows),
+                format_func=partial(_label, rows, say),
                 key=f"compare-{side}-{start}",
             )
             sides.append(_job(side, chosen))
@@ -96,20 +100,20 @@ def _visit_before(rows: dict[str, JobRow]) -> str | None:
     return None if latest is None else latest.id
 
 
-def _label(rows: dict[str, JobRow], chosen: str) -> str:
+def _label(rows: dict[str, JobRow], say: Wording, chosen: str) -> str:
     row = rows.get(chosen)
     if row is None:
-        return chosen
+        return say(f"compare.{chosen}")
     named = [row.number, str(row.date or ""), row.plate or row.vin or row.serial, row.customer, row.controller]
-    return " · ".join([*filter(None, named), signed(Verdict(row.verdict))])
+    return " · ".join([*filter(None, named), say.signed(Verdict(row.verdict))])
 
 
 def _job(side: str, chosen: str) -> JobFile | None:
     if chosen == THIS:
-        return JobFile(job(), session().good, {}, "this job")
+        return JobFile(job(), session().good, {}, reader.say()("compare.this_job"))
     if chosen != FILE:
         return book().load(chosen).file
-    given = st.file_uploader(f"Job file {side}", ["zip"], key=f"compare-file-{side}")
+    given = st.file_uploader(reader.say()(f"compare.file_{side}"), ["zip"], key=f"compare-file-{side}")
     return None if given is None else read_job_file(given.getvalue(), name=given.name)
 
 
@@ -134,7 +138,7 @@ def _compared(key: str, _jobs: Chosen, _diagnoses: tuple[Diagnosis, Diagnosis]) 
 
 def sentence(comparison: Comparison) -> str:
     """Return both verdicts and what changed, in markdown."""
-    say = wording("en")
+    say = reader.say()
     more = [changed_sentence(comparison, say), total_sentence(comparison, say)]
     return " ".join([f"**{plain(verdicts_sentence(comparison, say))}**", *(plain(each) for each in more if each)])
 
@@ -146,55 +150,53 @@ def lands(comparison: Comparison) -> Sequence[LandComparison]:
 
 def land_table(comparison: Comparison, shown: Sequence[LandComparison]) -> None:
     """Show lands side by side, columns without any value left out."""
-    rows = land_rows(comparison, shown)
-    filled = [name for name in rows[0] if name == "Verdict" or any(row[name] is not None for row in rows)]
-    show.verdict_table([{name: row[name] for name in filled} for row in rows], DIGITS)
+    rows = land_rows(comparison, shown, reader.say())
+    filled = [
+        column for column in LAND_COLUMNS if column.kind == VERDICT or any(row[column.key] is not None for row in rows)
+    ]
+    show.rows_table(rows, filled)
 
 
 def totals(comparison: Comparison) -> None:
     """Show totals and the pressures that changed, all of them in a fold."""
-    rows = condition_rows(comparison, brief=True)
+    say = reader.say()
+    rows = condition_rows(comparison, say, brief=True)
     if not rows:
-        st.write("No operating point was judged at both visits.")
+        st.write(say("compare.no_condition"))
         return
-    show.table(rows)
-    st.caption(
-        "After: where the two jobs were judged by other choices, the unit after by those of the job before. Changed: "
-        "by more than clearances and instruments can be off, at the same fluid, temperature and pump."
-    )
-    with st.expander("Every pressure at every operating point"):
-        show.table(condition_rows(comparison))
+    show.rows_table(rows, CONDITION_COLUMNS)
+    st.caption(say("compare.totals_note"))
+    with st.expander(say("compare.every_pressure")):
+        show.rows_table(condition_rows(comparison, say), CONDITION_COLUMNS)
 
 
 def logs(comparison: Comparison) -> None:
     """Show the two road tests over one another, event by event, or say which is missing."""
-    both = comparison.logs
+    say, both = reader.say(), comparison.logs
     if both is None:
         missing = [name for name in ("before", "after") if getattr(comparison, name).log is None]
-        st.write(f"No road test in the job {' nor in the job '.join(missing)}: nothing to lay over one another.")
+        st.write(say(f"compare.no_log_{'either' if len(missing) > 1 else missing[0]}"))
         return
     matched = both.matched
     if matched:
-        say = wording("en")
-        pair = st.selectbox("Event", matched, format_func=lambda each: event_name(each, say), key="compare-event")
+        pair = st.selectbox(
+            say("columns.event"), matched, format_func=lambda each: event_name(each, say), key="compare-event"
+        )
         scales = channel_scales(both.before.road_test, say)
-        show.chart(figures.logs_over_one_another(both, pair, scales), "logs")
-        st.caption("Dashed: before; full: after; both from the start of the event in their own log (dotted).")
+        show.chart(figures.logs_over_one_another(both, pair, scales, say), "logs")
+        st.caption(say("compare.logs_note"))
     else:
-        st.write("No event is in both road tests: there is nothing to align them by.")
+        st.write(say("compare.no_event"))
     if both.pairs:
-        show.table(event_rows(both))
+        show.rows_table(event_rows(both, say), EVENT_COLUMNS)
 
 
 def downloads(found: ComparedJobs) -> None:
     """Offer the page for the customer, and the record."""
-    columns = st.columns(2)
-    named = {language: wording(language).texts["language"] for language in languages()}
-    language = columns[0].selectbox(
-        "Language", list(named), list(named).index("en"), named.__getitem__, key="compare-language"
-    )
+    say, columns = reader.say(), st.columns(2)
+    language = reader.pick_language(columns[0], "compare-language")
     paper = columns[1].selectbox(
-        "Paper", list(PAPERS), format_func=lambda name: PAPERS[name].label, key="compare-paper"
+        say("take_along.paper"), list(PAPERS), format_func=lambda name: PAPERS[name].label, key="compare-paper"
     )
     printed = partial(
         write_comparison_pdf,
@@ -203,8 +205,9 @@ def downloads(found: ComparedJobs) -> None:
         found.after.job,
         language=language,
         paper=paper,
+        units=say.units,
     )
     name = files.named("before_and_after", found.after.job.number)
     with st.container(horizontal=True):
-        st.download_button("Page for the customer (PDF)", printed, f"{name}.pdf", on_click="ignore")
+        st.download_button(say("compare.page"), printed, f"{name}.pdf", on_click="ignore")
         st.download_button("JSON", lambda: to_json(compared_record(found)), f"{name}.json", on_click="ignore")

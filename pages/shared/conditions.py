@@ -1,4 +1,4 @@
-"""Show what depends on the condition: totals, the matrix of lands, the customer's complaint."""
+"""Show what depends on the condition: totals, the matrix of lands, the customer's complaint, the order of repair."""
 
 from __future__ import annotations
 
@@ -12,67 +12,86 @@ import streamlit as st
 
 from atleak.diagnosis import Diagnosis
 from atleak.look import look_of
-from atleak.repair import RepairPlan, Total
+from atleak.repair import RepairPlan, RepairStep, Total
 from atleak.report.estimate_words import open_words
 from atleak.verdicts import Verdict
 from atleak.views.condition_matrix import leaking_worst_first
 from atleak.views.measure_first import head, measure_first, reason
-from atleak.views.positions import positions
 from atleak.views.repair_options import option_rows
 from atleak.views.repair_words import no_help, plan_ends
-from atleak.views.sentences import covered_from, shares_add_up
-from atleak.wording import signed, wording
-from atleak.workshop_units import PERCENT
-from pages.shared import show
+from atleak.views.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
+from atleak.wording import Wording
+from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
+from pages.shared import reader, show, words
 from pages.shared.show import plain
 from pages.shared.state import choose, job, session
-from pages.shared.words import land_name, listed, pair
 
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
-_PAIR, _ELSEWHERE, _STEP = "a pair", "leaks elsewhere", "a step"  # no condition's name has a blank
+PAIR_WIDTH = 150  # pixels of a land's name, its number first
 CONDITION_WIDTH = 104  # pixels of a condition: two of them stand beside the pair on a phone
+_PAIR, _ELSEWHERE, _STEP = "a pair", "leaks elsewhere", "a step"  # no condition's name has a blank
 
 
 def complaint(diagnosis: Diagnosis) -> None:
     """Show the customer's complaint, the conditions at which it can show, and which lands to measure first."""
     if diagnosis.complaint is None:
         return
-    shows = listed([f"**{plain(each.condition.label)}**" for each in diagnosis.complained])
+    say, named = reader.say(), words.named(reader.say())
+    shows = ", ".join(f"**{plain(named(each.condition))}**" for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
-    lines = [f"- **{plain(land_name(diagnosis, each.land.key))}**: {plain(reason(each))}" for each in ranked]
-    st.subheader(f"Complaint: {plain(diagnosis.complaint.label)}")
-    st.markdown("\n".join([f"It shows at {shows}. {plain(head(ranked))}", "", *lines[:MEASURE_FIRST]]))
+    lines = [
+        f"- **{plain(land_in_words(diagnosis, each.land.key))}**: {plain(reason(each, say, named))}" for each in ranked
+    ]
+    st.subheader(say("diagnosis.complaint", label=plain(diagnosis.complaint.label)))
+    said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(head(ranked, say))}"
+    st.markdown("\n".join([said, "", *lines[:MEASURE_FIRST]]))
     if lines[MEASURE_FIRST:]:
-        with st.expander(f"{len(lines) - MEASURE_FIRST} more lands that leak there"):
+        with st.expander(say("diagnosis.complaint_more", count=len(lines) - MEASURE_FIRST)):
             st.markdown("\n".join(lines[MEASURE_FIRST:]))
-    st.caption(f"Conditions and lands of this complaint: {plain(diagnosis.complaint.source)}")
+    st.caption(plain(say("diagnosis.complaint_source", source=diagnosis.complaint.source)))
 
 
 def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     """Show every condition with its total, and from which speed the pump covers the leakage."""
-    rows = {row["name"]: row for row in record["conditions"]}
+    say = reader.say()
+    named = words.named(say)
+    sources = {row["name"]: row["source"] for row in record["conditions"]}
     for number, point in enumerate(diagnosis.presented, start=1):
-        row = rows[point.condition.name]
-        worst = " (the worst condition)" if point is diagnosis.worst and len(rows) > 1 else ""
+        label = named(point.condition)
+        if point is diagnosis.worst and len(sources) > 1:
+            label = say("diagnosis.total_worst", condition=label)
         st.caption(
-            f"{number} · **{plain(point.condition.label)}**{worst}: {row['leakage_dm3_min']:.2f} of "
-            f"{row['pump_capacity_dm3_min']:.2f} dm³/min at {row['p_g_kpa']:.0f} kPa and {row['engine_rpm']:.0f} rpm, "
-            f"{row['leakage_new_dm3_min']:.2f} when new; {positions(diagnosis, point)}; "
-            f"{plain(covered_from(diagnosis, point))}. {plain(row['source'])}"
+            plain(
+                say(
+                    "diagnosis.total_line",
+                    number=number,
+                    condition=label,
+                    leakage=say.quantity(point.leakage * DM3_MIN, "flow"),
+                    capacity=say.quantity(point.pump_capacity * DM3_MIN, "flow"),
+                    pressure=say.quantity(point.condition.main_pressure * KPA, "pressure"),
+                    speed=say.number(point.condition.engine_speed * RPM, 0),
+                    new=say.quantity(diagnosis.new_at(point).leakage * DM3_MIN, "flow"),
+                    covered=say.number(point.minimum_speed * RPM, 0),
+                    counted=counted_in_speed(diagnosis, say),
+                    positions=position_sentence(diagnosis, point, say, named),
+                    source=sources[point.condition.name],
+                )
+            )
         )
 
 
 def matrix(diagnosis: Diagnosis) -> None:
     """Show every land that leaks at every condition: its share of the pump's flow with the sign of its verdict."""
+    say = reader.say()
     rows = leaking_worst_first(diagnosis, diagnosis.presented)
     if not rows:
-        st.write("No land leaks at any condition.")
+        st.write(say("diagnosis.matrix_none"))
         return
     names = [each.condition.name for each in diagnosis.presented]
     frame = pd.DataFrame(
         [
             {
-                _PAIR: pair(diagnosis.controller, *row.land.key),
+                _PAIR: land_in_words(diagnosis, row.land.key),
                 **{
                     name: cell.share * PERCENT if math.isfinite(cell.share) else math.nan
                     for name, cell in zip(names, row.cells, strict=True)
@@ -88,135 +107,135 @@ def matrix(diagnosis: Diagnosis) -> None:
         for level in (*Verdict, None):
             these = [place for place, cell in enumerate(cells) if cell.leakage > 0.0 and cell.verdict == level]
             part = pd.IndexSlice[these, [name]]
-            style = style.format(_written(level), subset=part, na_rep=_beyond(level))
+            style = style.format(partial(_written, say, level), subset=part, na_rep=_beyond(say, level))
             if level is not None:
                 style = style.map(partial(_css, level), subset=part)
         silent = [place for place, cell in enumerate(cells) if cell.leakage == 0.0]
         style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
-    config: dict[str, Any] = {
+    config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
+    config[_PAIR] = st.column_config.TextColumn(say("diagnosis.matrix_pair"), width=PAIR_WIDTH, pinned=True)
+    elsewhere = st.column_config.TextColumn(say("diagnosis.matrix_elsewhere"), width=300)
+    config[_ELSEWHERE] = elsewhere if any(frame[_ELSEWHERE]) else None
+    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
+    added = shares_add_up(diagnosis, say, words.named(say))
+    st.caption(plain(say("diagnosis.matrix_caption", added=added)))
+
+
+def _condition_columns(diagnosis: Diagnosis, say: Wording, help_key: str) -> dict[str, Any]:
+    named = words.named(say)
+    return {
         each.condition.name: st.column_config.Column(
-            f"{number} · {each.condition.label}",
+            f"{number} · {named(each.condition)}",
             width=CONDITION_WIDTH,
-            help=f"share of the pump's flow [%], {each.condition.label}",
+            help=say(help_key, condition=named(each.condition)),
         )
         for number, each in enumerate(diagnosis.presented, start=1)
     }
-    config[_PAIR] = st.column_config.TextColumn(
-        "Pair", width=show.WIDTHS["Pair"], pinned=True, help="component, land and name"
-    )
-    config[_ELSEWHERE] = None if not any(frame[_ELSEWHERE]) else st.column_config.TextColumn("Elsewhere", width=300)
-    st.dataframe(style, hide_index=True, width="stretch", column_config=config)
-    st.caption(
-        "What each land draws as a share of the pump's flow [%]; the sign is the verdict of that share alone, at that "
-        f"condition. {plain(shares_add_up(diagnosis, wording('en')))}"
-    )
 
 
 def _css(level: Verdict, _: object) -> str:
     return show.colours(level)
 
 
-def _written(level: Verdict | None) -> str:
-    return "{:z.2f}" if level is None else f"{look_of(level).sign} {{:z.2f}}"
+def _written(say: Wording, level: Verdict | None, share: float) -> str:
+    number = say.number(share, 2)
+    return number if level is None else f"{look_of(level).sign} {number}"
 
 
-def _beyond(level: Verdict | None) -> str:
+def _beyond(say: Wording, level: Verdict | None) -> str:
     """Say, in place of a number, that the pump delivers nothing."""
-    return f"{look_of(level or Verdict.CRITICAL).sign} no flow"
+    return f"{look_of(level or Verdict.CRITICAL).sign} {say('diagnosis.no_flow')}"
 
 
 def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show the order of repair with what each step brings, and where the plan ends."""
+    say = reader.say()
     if plan.steps:
-        rows = [
-            {
-                "No.": number,
-                "Pair": pair(diagnosis.controller, *step.land.key),
-                "Before [%]": _percent(step.at.before.share) if step.helps else None,
-                "After [%]": _percent(step.at.after.share) if step.helps else None,
-                "Then": signed(step.at.after.band) if step.helps else None,
-                "Helps most at": step.at.condition.label if step.helps else no_help(step),
-                "Verdict": step.land.verdict,
-            }
-            for number, step in enumerate(plan.steps, start=1)
-        ]
-        show.verdict_table(rows, dict.fromkeys(("Before [%]", "After [%]"), 1))
-        as_left = "is as its repair leaves it" if plan.cost else "is made as new"
-        st.caption(f"Total share before and after, when each land {as_left}, one after another.")
-        _options(diagnosis, plan)
-    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan)))
+        st.dataframe(_order(diagnosis, plan, say), hide_index=True, width="stretch", placeholder="–")
+        st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))
+        _options(diagnosis, plan, say)
+    st.markdown("  \n".join(plain(sentence) for sentence in plan_ends(plan, say, words.named(say))))
     if plan.steps and len(diagnosis.projections) > 1:
-        with st.expander("Every step at every condition"):
-            _steps_at_conditions(diagnosis, plan)
+        st.markdown(f"**{say('repair_plan.every_step')}**")
+        _steps_at_conditions(diagnosis, plan, say)
+
+
+def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> pd.DataFrame:
+    named = words.named(say)
+
+    def row(number: int, step: RepairStep) -> dict[str, Any]:
+        at = step.at
+        return {
+            "number": str(number),
+            "pair": land_in_words(diagnosis, step.land.key),
+            "before": _share(at.before, say) if step.helps else None,
+            "after": _share(at.after, say) if step.helps else None,
+            "then": say.signed(at.after.band) if step.helps else None,
+            "helps_at": named(at.condition) if step.helps else no_help(step, say),
+            "verdict": say.signed(step.land.verdict),
+        }
+
+    frame = pd.DataFrame([row(number, step) for number, step in enumerate(plan.steps, start=1)])
+    return frame.rename(columns=lambda name: say(f"repair_plan.{name}"))
 
 
 def undecided(diagnosis: Diagnosis, *, closing: bool) -> None:
     """Point out the lands that are to be replaced and about which nothing was decided, and reasons that lack."""
-    said = " ".join(open_words(diagnosis, job(), wording("en"), closing=closing))
+    say = reader.say()
+    said = " ".join(open_words(diagnosis, job(), say, closing=closing))
     if said:
-        st.warning(f"{plain(said)} The page Estimate is the place for it.")
+        st.warning(plain(say("repair_plan.estimate_place", said=said)))
 
 
-def _options(diagnosis: Diagnosis, plan: RepairPlan) -> None:
+def _options(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
     """Show the repairs that the valve body's file names for the plan's lands."""
-    say = wording("en")
     rows = [
         {
-            "No.": row.number,
-            "Repair": row.name(say),
-            "Use": row.use(say),
-            "Leaves [µm]": row.leaves(say),
-            "Price": row.price(say),
-            "Hours": row.hours(say),
-            "Tool": row.option.repair.tool or "",
-            "Lands": row.lands,
+            "number": str(row.number),
+            "repair": row.name(say),
+            "use": row.use(say),
+            "leaves": row.leaves(say),
+            "price": row.price(say),
+            "hours": row.hours(say),
+            "tool": row.option.repair.tool or "",
+            "lands": row.lands,
         }
         for row in option_rows(plan)
     ]
     if not rows:
         return
-    show.table(rows)
-    st.caption("Planned is the cheapest repair of the valve body's file that leaves a land within its limit.")
+    show.table([{say(f"repair_plan.{name}"): value for name, value in row.items()} for row in rows])
+    st.caption(say("repair_plan.planned"))
     names = {repair.id: repair.label for repair in diagnosis.controller.repairs}
-    now = session()
-    key = f"planned-repairs-{diagnosis.controller.sha256}-{now.generation}"
+    key = f"planned-repairs-{diagnosis.controller.sha256}-{session().generation}"
     st.multiselect(
-        "Plan with these repairs",
+        say("repair_plan.plan_with"),
         list(names),
         default=[repair.id for repair in diagnosis.repairs],
         key=key,
         format_func=names.__getitem__,
         on_change=lambda: choose(repairs=tuple(st.session_state[key])),
-        help="One of each land; for the others the cheapest is planned. Report, workbook and job file keep them.",
+        help=say("repair_plan.plan_with_help"),
     )
 
 
-def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan) -> None:
+def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
     first = plan.steps[0]
-    rows: list[dict[str, Any]] = [{_STEP: "as measured", **_totals(each.before for each in first.conditions)}]
+    before = _totals((each.before for each in first.conditions), say)
+    rows: list[dict[str, Any]] = [{_STEP: say("repair_plan.as_measured"), **before}]
     for number, step in enumerate(plan.steps, start=1):
-        name = f"{number}. {pair(diagnosis.controller, *step.land.key)}"
-        rows.append({_STEP: name, **_totals(each.after for each in step.conditions)})
-    config: dict[str, Any] = {
-        each.condition.name: st.column_config.TextColumn(
-            f"{number} · {each.condition.label}", width=CONDITION_WIDTH, help=each.condition.label
-        )
-        for number, each in enumerate(diagnosis.presented, start=1)
-    }
-    config[_STEP] = st.column_config.TextColumn("After step", width=150, pinned=True)
+        name = f"{number}. {land_in_words(diagnosis, step.land.key)}"
+        rows.append({_STEP: name, **_totals((each.after for each in step.conditions), say)})
+    config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
+    config[_STEP] = st.column_config.TextColumn(say("repair_plan.after_step"), width=PAIR_WIDTH, pinned=True)
     frame = pd.DataFrame(rows)[[_STEP, *(each.condition.name for each in diagnosis.presented)]]
     st.dataframe(frame, hide_index=True, width="stretch", column_config=config)
-    st.caption("Total share of the pump's flow after each step, with its band.")
+    st.caption(say("repair_plan.every_step_caption"))
 
 
-def _totals(totals: Iterable[Total]) -> dict[str, str]:
-    return {
-        total.condition.name: f"{total.share * PERCENT:.1f} % {signed(total.band)}"
-        if math.isfinite(total.share)
-        else f"no flow {signed(total.band)}"
-        for total in totals
-    }
+def _totals(totals: Iterable[Total], say: Wording) -> dict[str, str]:
+    return {total.condition.name: f"{_share(total, say)} {say.signed(total.band)}" for total in totals}
 
 
-def _percent(share: float) -> float | None:
-    return share * PERCENT if math.isfinite(share) else None
+def _share(total: Total, say: Wording) -> str:
+    return say.percent(total.share) if math.isfinite(total.share) else say("diagnosis.no_flow")

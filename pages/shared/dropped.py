@@ -12,6 +12,7 @@ from atleak.job.decisions import check_decisions
 from atleak.job.file import parse_job
 from atleak.job.kinds import Kind, kind_of, slots_of
 from atleak.report.pdf.pictures import printable_picture
+from pages.shared import reader
 from pages.shared.cases import catalogue_entry, controller_of
 from pages.shared.state import Refusal, job, open_job, pick, put_file, put_job, remember, session
 
@@ -36,7 +37,7 @@ def take(files: Sequence[SourceFile]) -> None:
 def _take(kind: Kind, file: SourceFile) -> None:
     now = session()
     if kind is not Kind.JOB:  # which does it itself
-        remember(f"{file.name} taken in")
+        remember(reader.say()("done.taken_in", name=file.name))
     if kind in _OF_JOB:
         now.follow = kind is Kind.READINGS or now.follow
         put_file(kind, file)
@@ -46,11 +47,11 @@ def _take(kind: Kind, file: SourceFile) -> None:
         record = parse_job(file.content, file.name)
         check_decisions(record, controller_of(now.case), file.name)
         put_job(record.with_pictures(job().pictures))
-        _say(f"{file.name} is this job's record now.")
+        _say(reader.say()("done.record", name=file.name))
     elif kind is Kind.PICTURE:
         printable_picture(file.name, file.content)
         put_job(job().with_photo(file.name, file.content))
-        _say(f"{file.name} is among the photos of page Job.")
+        _say(reader.say()("done.photo", name=file.name))
     elif kind is Kind.CONTROLLER_WORKBOOK:
         described = read_controller_workbook(file.content, name=file.name)
         name = f"{described.controller.id}.toml"
@@ -63,8 +64,9 @@ def _take(kind: Kind, file: SourceFile) -> None:
 def _choose(slots: Sequence[str], file: SourceFile) -> None:
     for slot in slots:
         pick(slot, file)
-    names = ", ".join(SLOTS[slot].label.lower() for slot in slots)
-    _say(f"{file.name} is used for: {names}.")
+    say = reader.say()
+    names = ", ".join(say(f"slots.{slot}") for slot in slots)
+    _say(say("done.used_for", name=file.name, slots=names))
 
 
 def _say(text: str) -> None:

@@ -16,64 +16,70 @@ from atleak.job.estimate import Estimate, Line, estimate, with_line
 from atleak.job.record import EstimateTerms, Job, RepairDecision, RepairState, clean_text
 from atleak.repair import Choice, Goal, Prices, choose
 from atleak.report.estimate_words import EstimateWords
-from atleak.wording import signed, wording
+from atleak.wording import Wording
 from atleak.written_numbers import HOURS, LABOUR_RATE, PRICE, TAX
-from pages.shared import fields, show
+from pages.shared import fields, reader, show
 from pages.shared.cases import result_key
 from pages.shared.job_form import key
 from pages.shared.state import RECORD, job, session
+from pages.shared.words import named
 
-_GOALS = {
-    Goal.EVERY_LIMIT: "every flagged land repaired, and green at every condition",
-    Goal.GREEN: "green at every condition, with the repairs that are worth it",
-}
 _STATES = ("", *get_args(RepairState))
 _SEEN = "estimate-lines"  # what each line was when its fields were drawn: one that changed elsewhere gets fresh fields
 
 
 def draw(diagnosis: Diagnosis) -> Estimate:
     """Draw terms, lines and sums; return the estimate as it now is."""
-    record = job()
+    say, record = reader.say(), job()
     for fault in decision_faults(record, diagnosis.controller):
         st.error(show.plain(str(fault)))
-    changed = record.model_copy(update={"estimate": _terms(record.estimate, diagnosis)})
+    changed = record.model_copy(update={"estimate": _terms(record.estimate, diagnosis, say)})
     made = _estimate_of(diagnosis, changed)
-    words = EstimateWords(made, wording("en"))
-    st.subheader("Lines")
+    words = EstimateWords(made, say, named(say))
+    st.subheader(say("estimate_page.lines"))
     st.caption(show.plain(" ".join(words.chosen_by())))
     if not made.lines:
-        st.write("No land is flagged, and nothing was decided: there is nothing to estimate.")
+        st.write(say("estimate_page.no_lines"))
     for line in made.lines:
         changed = _line(words, line, changed)
     if changed != record:
         st.session_state[RECORD] = changed
         st.rerun()  # what stands above a changed line was made without it
-    st.subheader("Sums")
+    st.subheader(say("estimate_page.sums"))
     _sums(words)
     return made
 
 
-def _terms(terms: EstimateTerms, diagnosis: Diagnosis) -> EstimateTerms:
+def _terms(terms: EstimateTerms, diagnosis: Diagnosis, say: Wording) -> EstimateTerms:
     """Draw the terms; return them as they now are."""
-    goals = list(_GOALS)
-    goal = st.radio("Goal", goals, goals.index(terms.goal), format_func=_GOALS.__getitem__, key=key("estimate-goal"))
+    goals = list(Goal)
+    goal = st.radio(
+        say("estimate_page.goal"),
+        goals,
+        goals.index(terms.goal),
+        format_func=lambda each: say(f"estimate_page.goal_{each}"),
+        key=key("estimate-goal"),
+    )
     places = st.columns(3)
     file_currency = next((each.currency for each in diagnosis.controller.repairs if each.price is not None), None)
     currency = places[0].text_input(
-        "Currency",
+        say("estimate_page.currency"),
         **fields.kept(key("estimate-currency"), terms.currency),
         placeholder=file_currency or "EUR",
-        help="Of every amount here. Prices of the valve body's file in another currency are not taken.",
+        help=say("estimate_page.currency_help"),
     )
     with places[1]:
-        rate = fields.number("Labour rate", LABOUR_RATE, terms.labour_rate, key=key("estimate-rate"), optional=True)
+        rate = fields.number(
+            say("estimate_page.labour_rate"), LABOUR_RATE, terms.labour_rate, key=key("estimate-rate"), optional=True
+        )
     with places[2]:
-        tax = fields.number("Tax", TAX, terms.tax_percent, key=key("estimate-tax"), optional=True)
+        tax = fields.number(say("estimate_page.tax"), TAX, terms.tax_percent, key=key("estimate-tax"), optional=True)
     return EstimateTerms(currency=currency, labour_rate=rate, tax_percent=tax, goal=goal)
 
 
 def _line(words: EstimateWords, line: Line, record: Job) -> Job:
     """Draw one line; return the record, with the line as the workshop's own where a field of it was changed."""
+    say = words.say
     shown = {
         "price": line.price,
         "hours": line.hours,
@@ -82,23 +88,35 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
     }
     own = key(f"estimate-{line.key}-{_generation(line)}")
     with st.container(border=True, key=own):
-        verdicts = ", ".join(dict.fromkeys(signed(land.verdict) for land in line.lands))
+        verdicts = ", ".join(dict.fromkeys(say.signed(land.verdict) for land in line.lands))
         part = f" ({line.decision.part_number})" if line.decision.part_number else ""
-        needed = "" if line.chosen else " — *the goal has no need of it*"
+        needed = "" if line.chosen else f" — *{say('estimate_page.not_needed')}*"
         st.markdown(f"**{show.plain(words.pair(line))}** · {verdicts}: {show.plain(words.work(line) + part)}{needed}")
         places = st.columns([2, 2, 2, 4])
         currency = words.estimate.currency
         with places[0]:
-            price = fields.number("Price", replace(PRICE, unit=currency), line.price, key=f"{own}-price", optional=True)
+            price = fields.number(
+                say("estimate_page.price"),
+                replace(PRICE, unit=currency),
+                line.price,
+                key=f"{own}-price",
+                optional=True,
+            )
         with places[1]:
-            hours = fields.number("Work", HOURS, line.hours, key=f"{own}-hours", optional=True)
+            hours = fields.number(say("estimate_page.work"), HOURS, line.hours, key=f"{own}-hours", optional=True)
         start = fields.kept(f"{own}-state", shown["decision"] or "")
-        state = places[2].selectbox("State", _STATES, _STATES.index(start.pop("value")), **start)
-        reason = places[3].text_input("Reason", **fields.kept(f"{own}-reason", shown["reason"]))
+        state = places[2].selectbox(
+            say("estimate_page.state"),
+            _STATES,
+            _STATES.index(start.pop("value")),
+            format_func=lambda each: say.get("job_decisions", each),
+            **start,
+        )
+        reason = places[3].text_input(say("estimate_page.reason"), **fields.kept(f"{own}-reason", shown["reason"]))
         typed = {"price": price, "hours": hours, "decision": state or None, "reason": clean_text(reason).strip()}
         asked = st.container()
         if typed["decision"] == "declined" and not typed["reason"]:
-            asked.warning("Why was it declined? The reason is asked for at the next visit.")
+            asked.warning(say("estimate_page.why_declined"))
         st.caption(show.plain(_without(words, line)))
     changes = {name: value for name, value in typed.items() if value != shown[name]}
     if not changes:
@@ -112,20 +130,21 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
 
 def _without(words: EstimateWords, line: Line) -> str:
     """Say what is worse without a line, and what then stays past a limit."""
-    said = f"Without it: {words.lacks(line)}."
-    past = words.estimate.stays_past(line)
-    return f"{said} Then past a limit: {'; '.join(map(words.past, past))}." if past else said
+    say, past = words.say, words.estimate.stays_past(line)
+    said = say("estimate_page.without", lacks=words.lacks(line))
+    return f"{said} {say('estimate_page.then_past', rules='; '.join(map(words.past, past)))}" if past else said
 
 
 def _sums(words: EstimateWords) -> None:
-    names = ("State", "Parts", "Work", "Net", "Tax", "Total")
+    say = words.say
+    names = [say(f"estimate_page.{name}") for name in ("state", "parts", "work", "net", "tax", "total")]
     rows = [dict(zip(names, words.sum_row(*each), strict=True)) for each in words.sums]
     if rows:
         show.table(rows)
     st.caption(show.plain(words.rounding()))
     for sentence in words.missing():
         st.warning(show.plain(sentence))
-    st.subheader("What it leaves of the unit")
+    st.subheader(say("estimate_page.leaves"))
     for sentence in words.ends():
         st.write(show.plain(sentence))
 
@@ -146,10 +165,11 @@ def _generation(line: Line) -> int:
 
 def _estimate_of(diagnosis: Diagnosis, record: Job) -> Estimate:
     own = record.model_dump_json(include={"estimate", "repair_decisions"})
-    return _estimate(f"{result_key(session().good)} {own}", diagnosis, record)
+    with st.spinner(reader.say()("estimate_page.computing")):
+        return _estimate(f"{result_key(session().good)} {own}", diagnosis, record)
 
 
-@st.cache_resource(max_entries=8, show_spinner="Computing the estimate …")
+@st.cache_resource(max_entries=8, show_spinner=False)
 def _estimate(key: str, _diagnosis: Diagnosis, _record: Job) -> Estimate:
     def kept_choice(diagnosis: Diagnosis, goal: Goal, prices: Prices, *, kept: Any) -> Choice:
         return _choice(f"{result_key(session().good)} {goal} {prices} {kept}", diagnosis, goal, prices, tuple(kept))

@@ -295,7 +295,7 @@ def _formula_curves(formulas: Sequence[FormulaChannel], say: Wording, file: str 
     return curves
 
 
-def _rows_over(part: Part, say: Wording) -> list[dict[str, object]]:
+def _rows_over(part: Part, say: Wording) -> list[dict[str, str]]:
     over = part.over
     assert over is not None
     first, last = (end - over.shift for end in part.cursors)

@@ -12,8 +12,9 @@ from atleak.diagnosis import Diagnosis
 from atleak.errors import AtleakError
 from atleak.intake.units import unit
 from atleak.job.case import SourceFile
+from atleak.wording import Wording
 from atleak.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
-from pages.shared import book, choices, dropped, fields, show
+from pages.shared import book, choices, dropped, fields, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, own_faults
 from pages.shared.state import (
     FILES,
@@ -29,13 +30,8 @@ from pages.shared.state import (
 )
 
 PAGES = Path(__file__).resolve().parents[1]
-NAMES = {"readings": "Measuring sheet", "road_test": "Road-test log", "pressures": "Gauge readings"}
-WHERE = {"readings": "Readings", "road_test": "Road test", "pressures": "Pressures"}
+WHERE = {"readings": "Readings", "road_test": "Road_test", "pressures": "Pressures"}
 RPM = unit("rpm", "rotational_speed")
-DROP_HELP = (
-    "Measuring sheet, road-test log, gauge readings, job file, job record, photos, and your own valve body, fluid, "
-    "limits or instrument: each is recognised by its content, not its name."
-)
 NARROW_MARGINS = "<style>.stMainBlockContainer {padding: 4rem clamp(0.8rem, 2vw, 2rem) 4rem;}</style>"
 
 
@@ -94,54 +90,57 @@ def _drop_zone() -> None:
         st.session_state["drops"] += 1
         dropped.take([SourceFile(each.name, each.getvalue()) for each in st.session_state[turn]])
 
-    st.file_uploader("Files of the job", key=turn, accept_multiple_files=True, help=DROP_HELP, on_change=changed)
+    say = reader.say()
+    label, tip = say("panel.files"), say("panel.files_help")
+    st.file_uploader(label, key=turn, accept_multiple_files=True, help=tip, on_change=changed)
 
 
 def _status(slot: str, result: Diagnosis) -> None:
     """Say which file of a kind is in the job, which was refused, and offer to take it away."""
-    now = session()
+    say, now = reader.say(), session()
     file, refused = getattr(now.good, slot), now.refused.get(slot)
     if refused is not None:
-        st.error(f"**{show.plain(refused.name)}: not taken.** {show.error_line(refused.error)}")
+        st.error(f"**{say('panel.not_taken', name=show.plain(refused.name))}** {show.error_line(refused.error)}")
     if file is None and refused is None:
         if slot == "readings":
-            st.caption("No measuring sheet yet: every land is at its mounting clearance.")
+            st.caption(say("panel.no_sheet"))
         return
-    about = "" if file is None else _about(slot, result)
-    origin = "sample: " if now.good.sample else "still " if refused is not None else ""
+    about = "" if file is None else _about(slot, result, say)
+    origin = f"{say('panel.sample')}: " if now.good.sample else f"{say('panel.still')} " if refused is not None else ""
     said, away = st.columns([5, 1], gap="small", vertical_alignment="center")
     if file is not None:
         said.caption(f"{origin}**{show.plain(file.name)}** · {about}")
-    tip = f"Take {(refused or file).name} away"
+    tip = say("panel.take_away", name=(refused or file).name)
     away.button("✕", key=f"away-{slot}", on_click=take_away, args=(slot,), help=tip, type="tertiary")
 
 
-def _about(slot: str, result: Diagnosis) -> str:
+def _about(slot: str, result: Diagnosis, say: Wording) -> str:
     """Return what is in the job's file of a kind."""
     if slot == "readings":
-        return f"{result.measured} of {len(result.lands)} lands measured"
+        return say("panel.lands_measured", measured=result.measured, lands=len(result.lands))
     if slot == "pressures":
-        return f"{len(result.pressures.readings) if result.pressures else 0} gauge readings"
+        return say("panel.gauge_readings", count=len(result.pressures.readings) if result.pressures else 0)
     if result.log is None:
         return ""
     test = result.log.road_test
-    return f"{test.rows} rows, {test.duration:.0f} s"
+    return say("panel.log_rows", rows=test.rows, seconds=say.number(test.duration, 0))
 
 
 def _jobs() -> None:
     """Offer a new job, the sample and the way back, and say under which name this one is kept."""
-    last = last_done()
+    say, last = reader.say(), last_done()
     with st.container():
         if last is not None:
-            st.button(f"Undo: {last}", on_click=undo, width="stretch", key="undo")
-    cleared = "Takes what is in the job and in the job record away. It can be undone, and stays in the job book."
-    st.button("New, empty job", on_click=new_job, width="stretch", help=cleared)
+            st.button(say("panel.undo", what=last), on_click=undo, width="stretch", key="undo")
+    cleared = say("panel.cleared")
+    st.button(say("panel.new_job"), on_click=new_job, width="stretch", help=cleared)
     sample = session().case.sample
-    st.button("Take the sample job", on_click=take_sample, disabled=sample, width="stretch", help=cleared)
+    st.button(say("panel.take_sample"), on_click=take_sample, disabled=sample, width="stretch", help=cleared)
     place, case = st.container(), session().case
-    kept = {"guard factor": case.guard_factor, "assumptions": case.assumptions, "values for the log": case.constants}
+    kept = {"guard_factor": case.guard_factor, "assumptions": case.assumptions, "constants": case.constants}
     if any(kept.values()):
-        place.caption(f"Taken from the job file: {', '.join(name for name, value in kept.items() if value)}.")
+        names = ", ".join(say(f"panel.{name}") for name, value in kept.items() if value)
+        place.caption(say("panel.from_file", names=names))
     _in_book()
 
 
@@ -151,7 +150,7 @@ def _left_aside() -> None:
     with st.container():
         if faults:
             files = ", ".join(show.plain(fault.place.file) for fault in faults)
-            st.warning(f"**Own files that cannot be used:** {files}. What is wrong: page Catalogue.")
+            st.warning(reader.say()("panel.left_aside", files=files))
 
 
 def _start() -> PageCase:
@@ -161,41 +160,41 @@ def _start() -> PageCase:
 
 
 def _complaint() -> None:
-    controller, first = _controller(), _start().complaint
+    say, controller, first = reader.say(), _controller(), _start().complaint
     labels = {complaint.id: complaint.label for complaint in controller.complaints}
     options = [None, *labels]
     picked = st.selectbox(
-        "Complaint",
+        say("facts.complaint"),
         options,
         index=options.index(first if first in labels else None),
         key=f"{_key('complaint')}-{controller.sha256}",
-        format_func=lambda name: "none chosen" if name is None else labels[name],
+        format_func=lambda name: say("panel.none_chosen") if name is None else say.name(labels[name]),
         disabled=not labels,
-        help="What the customer says. Its conditions lead the result, and it says which lands to measure first."
-        if labels
-        else "The file of this valve body maps no complaint to its operating points.",
+        help=say("panel.complaint_help" if labels else "panel.no_complaints"),
     )
     choose(complaint=picked)
 
 
 def _condition() -> None:
-    now = session()
+    say, now = reader.say(), session()
     controller = _controller()
     start = _start()
     point = start.point or controller.operating_points[0]
-    with st.expander("Stated condition and mileage"):
+    with st.expander(say("panel.condition")):
         owner = f"{_key('at')}-{controller.sha256}"
         gears = list(dict.fromkeys([*controller.gears, point.gear]))
         temperature, speed, first_gear = (
             getattr(point, name) if getattr(start, name) is None else getattr(start, name)
             for name in ("temperature", "engine_speed", "gear")
         )
-        temperature = fields.number("Temperature", TEMPERATURE, temperature, key=f"{owner}-t")
+        temperature = fields.number(say("columns.temperature"), TEMPERATURE, temperature, key=f"{owner}-t")
         rpm = round(RPM.from_si(speed), 6)
-        typed = fields.number("Engine speed", ENGINE_SPEED, rpm, key=f"{owner}-n")
-        gear = st.selectbox("Gear", gears, gears.index(first_gear), key=f"{owner}-g")
-        mileage = fields.number("Mileage", MILEAGE, now.start.mileage, key=_key("mileage"), optional=True)
-        st.caption(f"Pressures as {show.plain(point.label)}: {show.plain(point.source)}")
+        typed = fields.number(say("columns.engine_speed"), ENGINE_SPEED, rpm, key=f"{owner}-n")
+        gear = st.selectbox(say("columns.gear"), gears, gears.index(first_gear), key=f"{owner}-g")
+        mileage = fields.number(say("columns.mileage"), MILEAGE, now.start.mileage, key=_key("mileage"), optional=True)
+        st.caption(
+            say("panel.pressures_as", condition=show.plain(say.name(point.label)), source=show.plain(point.source))
+        )
     if typed is not None and typed != rpm:
         speed = RPM.to_si(typed)
     choose(
@@ -216,56 +215,52 @@ def _controller() -> Controller:
 
 def _in_book() -> None:
     """Say under which name the job is kept."""
-    in_book = session().in_book
+    say, in_book = reader.say(), session().in_book
     if in_book.id is None:
-        st.caption("Kept in the job book from the first file or entry on.")
+        st.caption(say("panel.will_be_kept"))
     else:
-        state = " · **not saved**" if any(in_book.news) and book.unsaved() else " (archived)" * in_book.archived
-        st.caption(f"In the job book: **{show.plain(job().number or in_book.id)}**{state}")
+        unsaved = any(in_book.news) and book.unsaved()
+        state = f" · **{say('panel.unsaved')}**" if unsaved else f" ({say('panel.archived')})" * in_book.archived
+        st.caption(f"{say('panel.in_book')}: **{show.plain(job().number or in_book.id)}**{state}")
 
 
 def _book_notices() -> None:
     """Say where the job in the book is another one than that which is shown, or could not be saved."""
-    in_book = session().in_book
+    say, in_book = reader.say(), session().in_book
     if any(in_book.news) and book.unsaved():  # seen from wherever on the page somebody types
-        st.toast("**Not saved.** The head of the page says why, and what can be done.")
+        st.toast(say("panel.not_saved_see"))
     if in_book.fault is not None:
-        st.error(
-            f"**Not saved.** {show.plain(in_book.fault)}. The job stays in this window, and is saved as soon as it can "
-            "be; page Report gives it as a job file."
-        )
+        st.error(say("panel.not_saved", problem=show.plain(in_book.fault)))
     if in_book.conflict is not None:
         unsaved = book.unsaved()
-        mine = " What was changed here since is not saved." if unsaved else ""
-        st.warning(f"**Changed elsewhere.** {show.plain(in_book.conflict)}.{mine}")
+        mine = f" {say('panel.changed_here')}" if unsaved else ""
+        st.warning(f"{say('panel.changed_elsewhere', what=show.plain(in_book.conflict))}{mine}")
         with st.container(horizontal=True):
-            st.button("Show the newer state", on_click=book.show_theirs, key="book-theirs")
+            st.button(say("panel.show_newer"), on_click=book.show_theirs, key="book-theirs")
             if unsaved:
-                st.button("Keep mine as another job", on_click=book.keep_as_another, key="book-another")
-                st.button("Write mine over it", on_click=book.write_over, key="book-over")
+                st.button(say("panel.keep_mine"), on_click=book.keep_as_another, key="book-another")
+                st.button(say("panel.write_over"), on_click=book.write_over, key="book-over")
     if in_book.judged_otherwise:
         several = "".join(f"\n- {show.plain(each)}" for each in in_book.judged_otherwise[: show.SHOWN])
         more = len(in_book.judged_otherwise) - show.SHOWN
-        st.info(
-            f"**Judged otherwise than when it was stored** by atleak {show.plain(in_book.result_by)}:{several}"
-            + (f"\n- … and {more} more" if more > 0 else "")
-        )
+        rest = f"\n- {say('show.more', count=more)}" if more > 0 else ""
+        st.info(f"{say('panel.judged_otherwise', version=show.plain(in_book.result_by))}{several}{rest}")
 
 
 def _notices() -> None:
-    now = session()
+    say, now = reader.say(), session()
     _book_notices()
     if now.good.sample:
-        st.caption("**Sample job**: representative data. Put your own files in the sidebar (top left on a phone).")
-    for slot, label in NAMES.items():
+        st.caption(say("panel.is_sample"))
+    for slot, page in WHERE.items():
         if slot in now.refused:
             kept = getattr(now.good, slot)
-            still = f"Shown are still the results of {kept.name}." if kept else "The job is as it was."
-            hint = f"What was read of it, and how to have it read otherwise: page {WHERE[slot]}."
-            show.refusal(label.lower(), now.refused[slot], f"{still} {hint}")
+            still = say("panel.still_shown", name=kept.name) if kept else say("panel.as_it_was")
+            hint = say("panel.what_was_read", page=say(f"pages.{page}"))
+            show.refusal(say(f"panel.as_{slot}"), now.refused[slot], f"{still} {hint}")
     for slot in ("job", "dropped"):
         if slot in now.refused:
-            show.refusal("part of the job", now.refused[slot], "The job is as it was.")
+            show.refusal(say("panel.as_part"), now.refused[slot], say("panel.as_it_was"))
     for slot in ("catalogue", "settings"):
         if slot in now.refused:
-            show.refusal("These choices cannot be computed.", now.refused[slot], "Shown is the last job that could.")
+            show.refusal(say("panel.not_computed"), now.refused[slot], say("panel.last_that_could"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from atleak.unit_systems import SYSTEMS
 from atleak.wording import Wording, languages, wording
@@ -49,6 +50,15 @@ def draw_choices() -> None:
     systems = {units: words(f"unit_systems.{units}") for units in SYSTEMS}
     _choice("units", words.units, systems, words("reader.units"))
     st.caption(words("reader.kept"))
+
+
+def pick_language(place: DeltaGenerator, key: str) -> str:
+    """Ask in which language a file is to be written: in the reader's own unless another one is picked."""
+    words = say()
+    names = {language: wording(language).texts["language"] for language in languages()}
+    start = list(names).index(words.language)
+    key = f"{key}-{words.language}"
+    return str(place.selectbox(words("reader.language"), list(names), start, names.__getitem__, key=key))
 
 
 def changes() -> int:

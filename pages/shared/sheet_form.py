@@ -6,6 +6,7 @@ import streamlit as st
 
 from atleak.intake.units import unit_names
 from atleak.job.case import SourceFile
+from atleak.measuring.typed_file import TYPED_FILE
 from pages.shared.cases import PageCase
 from pages.shared.state import choose, put_file, session
 
@@ -18,7 +19,14 @@ def pending(case: PageCase) -> SourceFile | None:
     return refused.file if refused is not None else case.readings
 
 
-def form(file: SourceFile, case: PageCase) -> None:
+def draw(case: PageCase) -> None:
+    """Draw the form where the job has a sheet, or one was refused, that was not typed in here."""
+    file = pending(case)
+    if file is not None and file.name != TYPED_FILE:
+        _form(file, case)
+
+
+def _form(file: SourceFile, case: PageCase) -> None:
     """Ask for sheet, unit and rows: of a workbook with several sheets, no unit, or several states of one unit."""
     mine = file == case.readings
     with st.expander("Read it as", expanded=not mine), st.form("sheet", border=False):

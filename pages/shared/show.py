@@ -16,12 +16,15 @@ import streamlit as st
 from atleak.diagnosis import NO_LEAKAGE, Diagnosis
 from atleak.errors import AtleakError, Message
 from atleak.gauges.check import PressureCheck
-from atleak.job.case import SLOTS
 from atleak.look import DARK, SCREEN, look_of
 from atleak.verdicts import Band, Verdict
+from atleak.views.caveats import caveat_marks, caveats
 from atleak.views.columns import VERDICT, Column
-from atleak.views.drawing import controller_svg, on_dark
+from atleak.views.drawing import on_dark
+from atleak.views.first_sentence import first_sentence as first_sentence_of
+from atleak.views.first_sentence import shown_verdict
 from atleak.views.gauge_rows import gauge_rows
+from atleak.views.repair_words import Named
 from atleak.views.sentences import fluid_in_state
 from atleak.wording import Wording, signed, wording
 from pages.shared import reader
@@ -85,10 +88,11 @@ def plain(text: object) -> str:
 def refusal(what: str, refused: Refusal, kept: str) -> None:
     """Show why something was refused, and what is shown instead."""
     problems = getattr(refused.error, "problems", (refused.error,))
-    head = f"**{plain(refused.name)} was not taken as {what}.**" if refused.name else f"**{what}**"
+    say = reader.say()
+    head = f"**{say('show.refused', name=plain(refused.name), what=what)}**" if refused.name else f"**{what}**"
     lines = [f"- {plain(problem)}" for problem in problems[:SHOWN]]
     if len(problems) > SHOWN:
-        lines.append(f"- … and {len(problems) - SHOWN} more")
+        lines.append(f"- {say('show.more', count=len(problems) - SHOWN)}")
     st.error("\n".join([f"{head} {plain(kept)}", "", *lines]))
 
 
@@ -97,23 +101,26 @@ def error_line(error: AtleakError) -> str:
     problems = getattr(error, "problems", (error,))
     first = problems[0]
     where = str(getattr(first, "place", "")) or str(first)
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return f"{plain(where)}{more}: see the head of the page."
+    say = reader.say()
+    more = f" ({say('show.more', count=len(problems) - 1)})" if len(problems) > 1 else ""
+    return f"{plain(where)}{more}: {say('show.see_head')}"
 
 
 def messages(notes: Iterable[Message], about: str, opened: bool = False) -> None:
     """Show warnings in the open and remarks in a fold, each with its place; ``opened``: however many they are."""
-    notes = list(dict.fromkeys(notes))
+    say, notes = reader.say(), list(dict.fromkeys(notes))
     warnings = [message for message in notes if message.level == "warning"]
     remarks = [message for message in notes if message.level != "warning"]
     if warnings:
-        with st.expander(
-            f"{len(warnings)} warning{'s' * (len(warnings) > 1)} about {about}", expanded=opened or len(warnings) <= 3
-        ):
+        with st.expander(_counted("warning", warnings, about, say), expanded=opened or len(warnings) <= 3):
             st.warning("\n".join(f"- {_with_place(message)}" for message in warnings))
     if remarks:
-        with st.expander(f"{len(remarks)} remark{'s' * (len(remarks) > 1)} about {about}"):
+        with st.expander(_counted("remark", remarks, about, say)):
             st.markdown("\n".join(f"- {_with_place(message)}" for message in remarks))
+
+
+def _counted(what: str, notes: Sequence[Message], about: str, say: Wording) -> str:
+    return say(f"show.{what}{'s' * (len(notes) > 1)}", count=len(notes), about=about)
 
 
 def _with_place(message: Message) -> str:
@@ -222,29 +229,27 @@ def colours(verdict: Verdict | Band) -> str:
 def sheet_messages(diagnosis: Diagnosis) -> None:
     """Show the messages of the measuring sheet and its clearances."""
     of_lands = [message for land in diagnosis.lands for message in land.messages]
-    messages([*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands], "the measuring sheet")
+    messages([*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands], reader.say()("about.sheet"))
 
 
 def what_is_shown(diagnosis: Diagnosis) -> None:
-    """Say, below the flagged table, at which condition it holds and what of it is representative."""
-    controller = diagnosis.controller
-    said = f" **Representative:** {plain(controller.representative)}" if controller.representative else ""
-    more = "Whose limit it is, leakage and mounting clearance: with all lands, below."
-    fluid = plain(fluid_in_state(diagnosis, wording("en")))
-    st.caption(f"Shares at {plain(diagnosis.projection.condition.label)}, fluid {fluid}. {more}{said}")
+    """Say, below the flagged table, what its shares are of and what of it is representative."""
+    say, controller = reader.say(), diagnosis.controller
+    said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
+    said += [say("diagnosis.representative", what=controller.representative)] if controller.representative else []
+    st.caption(plain(" ".join(said)))
 
 
 def open_verdicts(lines: list[str]) -> None:
     """Show the verdicts that the instruments leave open."""
     if lines:
-        head = f"{len(lines)} verdict{'s hang' if len(lines) > 1 else ' hangs'} on the measurement: what settles it"
-        with st.expander(head):
+        with st.expander(reader.say()("show.open_verdicts", count=len(lines))):
             st.markdown("\n".join(lines))
 
 
 def log_messages(diagnosis: Diagnosis) -> None:
     """Show the messages of the road-test log and of the leakage over it."""
-    messages(_of_log(diagnosis), "the road-test log")
+    messages(_of_log(diagnosis), reader.say()("about.log"))
 
 
 def _of_log(diagnosis: Diagnosis) -> list[Message]:
@@ -262,19 +267,20 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
     said += readings.messages if readings else ()
     said += _of_log(diagnosis)
-    messages([message for message in diagnosis.messages if message not in said], "valve body, fluid and conditions")
+    messages([message for message in diagnosis.messages if message not in said], reader.say()("about.rest"))
     if diagnosis.uncertainty is not None:
-        messages(diagnosis.uncertainty.messages, "the instruments and what else is uncertain")
+        messages(diagnosis.uncertainty.messages, reader.say()("about.uncertainty"))
+    say = reader.say()
     lines = [
-        f"- {SLOTS[name].label.lower()}: **{plain(called)}** — {plain(record[name]['source'])}"
+        f"- {say(f'slots.{name}')}: **{plain(called)}** — {plain(record[name]['source'])}"
         for name, called in (
             ("controller", record["controller"]["name"]),
-            ("fluid", fluid_in_state(diagnosis, wording("en"))),
+            ("fluid", fluid_in_state(diagnosis, say)),
             ("limits", record["limits"]["name"]),
         )
     ]
-    with st.expander("What this rests on"):
-        st.markdown("\n".join([*lines, f"- profile: **{plain(diagnosis.profile.label)}**"]))
+    with st.expander(say("show.rests_on")):
+        st.markdown("\n".join([*lines, f"- {say('facts.profile')}: **{plain(diagnosis.profile.label)}**"]))
 
 
 def dark() -> bool:
@@ -324,12 +330,24 @@ def svg(drawing: str, label: str, least_width: int = 640) -> None:
     )
 
 
-def controller_picture(diagnosis: Diagnosis) -> None:
-    """Show the controller with its lands in the shade and with the sign of their verdicts."""
-    verdicts = {land.key: land.verdict for land in diagnosis.lands}
-    svg(controller_svg(diagnosis.controller, verdicts), f"{diagnosis.controller.name}, lands by verdict")
-
-
 def banner(diagnosis: Diagnosis, sentence: str) -> None:
-    """Show the verdict in a box of its colour."""
-    _BOX[look_of(diagnosis.verdict).box](sentence)
+    """Show a sentence on the verdict in a box of its colour: green only where all was measured and nothing in doubt."""
+    _BOX[look_of(shown_verdict(diagnosis)).box](sentence)
+
+
+def first_sentence(diagnosis: Diagnosis, named: Named) -> None:
+    """Show how the unit stands in one sentence, in a box of its colour, and below it what that rests on."""
+    say = reader.say()
+    level = shown_verdict(diagnosis)
+    open_ones = level == Verdict.NOT_MEASURED and diagnosis.judged
+    word = f"{look_of(level).sign} {say('diagnosis.open')}" if open_ones else say.signed(level)
+    marks = "".join(f" · {mark}" for mark in caveat_marks(diagnosis, say))
+    said = first_sentence_of(diagnosis, say, named)
+    banner(diagnosis, f"**{plain(word)}{plain(marks)}:** {plain(said)}")
+    for sentence in caveats(diagnosis, say):
+        st.caption(plain(sentence))
+
+
+def jumps(sections: Mapping[str, str]) -> None:
+    """Show links to sections further down, by their anchors and the keys of their headings."""
+    st.markdown(" · ".join(f"[{reader.say()(key)}](#{anchor})" for anchor, key in sections.items()))

@@ -20,6 +20,7 @@ from atleak.job.case import SLOTS, Choice, SourceFile
 from atleak.job.file import read_job_file
 from atleak.job.record import Job
 from atleak.jobs.judged_anew import JudgedOtherwise
+from pages.shared import reader
 from pages.shared.cases import (
     FITTED,
     PageCase,
@@ -139,7 +140,7 @@ def take_away(slot: str) -> None:
     """Take a file out of the job, or the refused one that was to replace it; for a callback."""
     now = session()
     if now.refused.pop(slot, None) is None:
-        remember(f"{getattr(now.case, slot).name} taken away")
+        remember(reader.say()("done.taken_away", name=getattr(now.case, slot).name))
         put_file(slot, None)
 
 
@@ -197,14 +198,14 @@ def undo() -> None:
 
 def take_sample() -> None:
     """Return to the sample job, with fresh widgets and an empty job record."""
-    remember("sample job taken")
+    remember(reader.say()("done.sample"))
     show_job(sample_case(), Job(), InBook())
 
 
 def new_job() -> None:
     """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
-    remember("new, empty job")
+    remember(reader.say()("done.new"))
     case = PageCase(**{name: getattr(now.good, name) for name in KEPT} | chosen_by_id(now.good))
     show_job(case, Job(), InBook())
 
@@ -229,7 +230,7 @@ def open_job(name: str, content: bytes) -> bool:
     except AtleakError as error:
         now.refused["job"] = Refusal(name, error)
         return False
-    remember(f"{name} opened")
+    remember(reader.say()("done.opened", name=name))
     show_job(case, job_file.job, InBook(new=True))
     return True
 
@@ -270,7 +271,7 @@ def _follow(now: Session, error: AtleakError) -> bool:
         return False
     name = known[first.named.casefold()]
     pick("controller", name)
-    now.notices += (f"The sheet's head names the valve body {name}: it was chosen.",)
+    now.notices += (reader.say()("done.head_chose", name=name),)
     return True
 
 

@@ -17,10 +17,12 @@ from atleak.jobs.across import ENOUGH_UNITS, PARTS, AcrossUnits, across_units, s
 from atleak.jobs.book import Book, JobRow
 from atleak.jobs.search import Query
 from atleak.jobs.unit_visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
-from atleak.views.history_rows import land_name, soonest_first, total_rows, wear_rows
-from atleak.wording import wording
+from atleak.verdicts import Band, Verdict
+from atleak.views.columns import Column
+from atleak.views.history_rows import PER, land_name, levels_of, soonest_first, total_rows, wear_rows
+from atleak.wording import Wording
 from atleak.workshop_units import PERCENT, UM
-from pages.shared import show
+from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book
 from pages.shared.cases import Kept, diagnosis_of, opened_case
 
@@ -28,7 +30,13 @@ UNIT = "unit"  # the parameter of the address that names a unit
 OFFERED = 200  # jobs among which a search offers units
 SHOWN = 15  # pairs of a Pareto chart, places among the kind
 STATES: tuple[RepairState, ...] = get_args(RepairState)  # of a repair, in their order
-NARROW = {name: st.column_config.Column(width=width) for name, width in (("Pair", 150), ("Condition", 150))}
+_VISITS = (
+    Column("verdict", "verdict", width=92),
+    Column("date"),
+    Column("mileage", "distance"),
+    Column("job"),
+    Column("measured", digits=0),
+)
 FRESH = 60.0  # [s] for which what all units of a kind show is kept
 
 
@@ -45,7 +53,8 @@ class Seen:
 
 def choose(jobs: Book) -> int | None:
     """Let a unit be chosen: the one that the address names, else that of the job of this session."""
-    text = st.text_input("Look for another unit", placeholder="VIN, plate, serial, customer or job number")
+    say = reader.say()
+    text = st.text_input(say("unit.look"), placeholder=say("unit.look_by"))
     named = st.query_params.get(UNIT)
     current = int(named) if named is not None and named.isdecimal() else None
     if current is None and (here := job_id()) is not None:
@@ -53,12 +62,12 @@ def choose(jobs: Book) -> int | None:
     if text.strip():
         offered = {row.unit: _label(row) for row in reversed(jobs.rows(Query(text=text, limit=OFFERED)))}
         if not offered:
-            st.info("No job of the book is found by that.")
+            st.info(say("unit.none_by_that"))
         else:
-            current = st.selectbox("Unit", list(reversed(offered)), format_func=offered.__getitem__)
+            current = st.selectbox(say("unit.title"), list(reversed(offered)), format_func=offered.__getitem__)
             st.query_params[UNIT] = str(current)
     if current is None:
-        st.info("The job that is shown is not in the job book yet. Look for a unit, or begin a job.")
+        st.info(say("unit.not_in_book"))
     return current
 
 
@@ -69,19 +78,19 @@ def _label(row: JobRow) -> str:
 
 def visits(jobs: Book, unit: int) -> tuple[VisitedJob, ...]:
     """Return the jobs of a unit, the earliest first, or say that there are none."""
-    visited = visits_of_unit(jobs, unit, Kept())
+    say, visited = reader.say(), visits_of_unit(jobs, unit, Kept())
     if not visited:
-        st.info("The job book has no job of this unit that is not archived.")
+        st.info(say("unit.no_job"))
         st.stop()
     job = visited[-1].stored.file.job
     known = {
         "serial": job.transmission.serial,
-        "VIN": job.vehicle.vin,
+        "vin": job.vehicle.vin,
         "plate": job.vehicle.registration,
         "customer": job.customer.name,
     }
-    said = ", ".join(f"{name} **{show.plain(text)}**" for name, text in known.items() if text)
-    st.markdown(said or "Neither serial, VIN nor plate is written down: this job is a unit of its own.")
+    said = ", ".join(f"{say(f'unit.{name}')} **{show.plain(text)}**" for name, text in known.items() if text)
+    st.markdown(said or say("unit.of_its_own"))
     return visited
 
 
@@ -90,32 +99,34 @@ def visits(jobs: Book, unit: int) -> tuple[VisitedJob, ...]:
 
 def draw_visits(visited: tuple[VisitedJob, ...]) -> None:
     """Show the visits, the last one first, and which of their sheets cannot be read any more."""
-    rows = []
+    say, rows = reader.say(), []
     for each in reversed(visited):
-        mileage = each.visit.mileage
         rows.append(
             {
-                "Verdict": str(each.stored.file.result["verdict"]),
-                "Date": each.date.isoformat(),
-                "Mileage [km]": None if mileage is None else wording("en").number(mileage, 0),
-                "Job": each.visit.name or each.stored.id,
-                "Measured": sum(land.state.can_be_ok for land in each.visit.lands),
-                **{state.capitalize(): len(each.decided(state)) or None for state in STATES},
+                "verdict": Verdict(each.stored.file.result["verdict"]),
+                "date": each.date.isoformat(),
+                "mileage": each.visit.mileage,
+                "job": each.visit.name or each.stored.id,
+                "measured": sum(land.state.can_be_ok for land in each.visit.lands),
+                **{state: len(each.decided(state)) or None for state in STATES},
             }
         )
         if each.problem:
-            st.warning(f"The sheet of {show.plain(each.visit.label)} cannot be read: {show.plain(each.problem)}")
-    show.verdict_table(rows, {state.capitalize(): 0 for state in STATES})
+            st.warning(say("unit.sheet_unread", visit=show.plain(each.visit.label), problem=show.plain(each.problem)))
+    decided = (Column(state, digits=0, words=say(f"job_decisions.{state}")) for state in STATES)
+    show.rows_table(rows, [*_VISITS, *decided])
 
 
 def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
     """Offer to open the job of a visit, or to put it beside the one before; return the page to go to."""
-    jobs = {each.stored.id: each for each in visited}
+    say, jobs = reader.say(), {each.stored.id: each for each in visited}
     with st.container(horizontal=True, vertical_alignment="bottom"):
-        id = st.selectbox("Visit", list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit")
-        opened = st.button("Open its job", on_click=_open, args=(id,))
+        id = st.selectbox(
+            say("unit.visit"), list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit"
+        )
+        opened = st.button(say("unit.open"), on_click=_open, args=(id,))
         place = list(jobs).index(id)
-        compared = st.button("Compare with the visit before", disabled=place == 0)
+        compared = st.button(say("unit.compare"), disabled=place == 0)
     if compared:
         return "12_Compare", {"before": list(jobs)[place - 1], "after": id}
     return ("4_Diagnosis", {}) if opened and job_id() == id else None
@@ -127,31 +138,32 @@ def _open(id: str) -> None:
 
 def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
     """Say what was declined or deferred and not done since, with its reason, and list every decision in a fold."""
-    undone = left_undone(visited)
+    say, undone = reader.say(), left_undone(visited)
     if undone:
-        said = (f"- {_decision(decision)} ({each.date.isoformat()})" for each, decision in undone)
-        st.markdown("\n".join(["**Left undone so far:**", "", *said]))
+        said = (f"- {_decision(decision, say)} ({each.date.isoformat()})" for each, decision in undone)
+        st.markdown("\n".join([f"**{say('unit.left_undone')}**", "", *said]))
     every = [(each, decision) for each in reversed(visited) for decision in each.decisions]
     if every:
-        with st.expander(f"Every repair that was decided on ({len(every)})"):
-            show.table(
+        with st.expander(say("unit.every_repair", count=len(every))):
+            show.rows_table(
                 [
                     {
-                        "Date": each.date.isoformat(),
-                        "Pair": _pair(decision),
-                        "Decision": decision.decision,
-                        "Work": decision.work,
-                        "Reason": decision.reason,
+                        "date": each.date.isoformat(),
+                        "pair": _pair(decision),
+                        "repair_decision": say.get("job_decisions", decision.decision),
+                        "work": decision.work,
+                        "reason": decision.reason,
                     }
                     for each, decision in every
-                ]
+                ],
+                [Column(name) for name in ("date", "pair", "repair_decision", "work", "reason")],
             )
 
 
-def _decision(each: RepairDecision) -> str:
+def _decision(each: RepairDecision, say: Wording) -> str:
     work = f", {show.plain(each.work)}" if each.work else ""
-    reason = f": {show.plain(each.reason)}" if each.reason else ", no reason written down"
-    return f"{show.plain(_pair(each))}{work} **{each.decision}**{reason}"
+    reason = f": {show.plain(each.reason)}" if each.reason else f", {say('unit.no_reason')}"
+    return f"{show.plain(_pair(each))}{work} **{say.get('job_decisions', each.decision)}**{reason}"
 
 
 def _pair(each: RepairDecision) -> str:
@@ -169,7 +181,7 @@ def seen(visited: tuple[VisitedJob, ...]) -> Seen | None:
     try:
         diagnosis = diagnosis_of(opened_case(measured[-1].stored.file.case))
     except AtleakError as error:
-        st.error(f"The last sheet cannot be computed: {show.plain(error)}")
+        st.error(reader.say()("unit.last_sheet", problem=show.plain(error)))
         return None
     # one without a sheet tells the mileage, and what was repaired at it
     return Seen(wear_over_mileage([each.visit for each in visited], diagnosis.limits), diagnosis)
@@ -177,45 +189,70 @@ def seen(visited: tuple[VisitedJob, ...]) -> Seen | None:
 
 def draw_clearance(now: Seen) -> None:
     """Show the clearance of one land over mileage, that which reaches a limit first unless another one is chosen."""
-    keys = [land.key for land in soonest_first(now.history)]
+    say, keys = reader.say(), [land.key for land in soonest_first(now.history)]
     if not keys:
-        st.info("No land was measured on both of its parts.")
+        st.info(say("unit.no_land"))
         return
     controller = now.diagnosis.controller
-    key = st.selectbox("Land", keys, format_func=lambda each: land_name(controller, each), key="unit-land")
+    key = st.selectbox(
+        say("columns.land"), keys, format_func=lambda each: land_name(controller, each, say), key="unit-land"
+    )
     land = now.history.land(key)
-    show.chart(figures.clearance_over_mileage(land, now.history.visits, now.history.present), "unit-clearance")
-    show.messages(now.history.messages, "the visits")
+    figure = figures.clearance_over_mileage(land, now.history.visits, now.history.present, say)
+    show.chart(figure, "unit-clearance")
+    show.messages(now.history.messages, say("about.visits"))
 
 
 def draw_wear(now: Seen) -> None:
     """Show how fast every land wears and when it reaches its limits."""
+    say = reader.say()
     if not now.history.with_rate:
-        st.info(
-            "Nothing tells how fast this unit wears: that takes two visits with their mileages, or one and mounting "
-            "clearances that were measured."
-        )
+        st.info(say("unit.no_rate"))
         return
-    show.table(wear_rows(now.history, now.diagnosis.controller), number=show.rounded, column_config=NARROW)
-    st.caption(
-        "Wear is taken as proportional to mileage. Brackets: 90 % intervals, by the uncertainty of measuring alone."
+    rate = say(
+        "history.rate_heading", unit=say.unit("clearance"), distance=f"{say.number(PER, 0)} {say.unit('distance')}"
     )
+    columns = [
+        Column("pair", width=150),
+        Column("clearance", "clearance"),
+        Column("rate", words=rate),
+        *(_at(level, say) for level in levels_of(now.history)),
+        Column("visits", digits=0),
+        Column("since"),
+    ]
+    show.rows_table(wear_rows(now.history, now.diagnosis.controller, say), columns)
+    st.caption(say("unit.wear_note"))
 
 
 def draw_totals(now: Seen) -> None:
     """Show what the whole unit will draw at later mileages, at the condition that is chosen."""
-    totals = totals_over_mileage(now.history, now.diagnosis)
+    say, totals = reader.say(), totals_over_mileage(now.history, now.diagnosis)
     if not totals.totals:
-        st.info("Without a rate of any land there is no total over mileage.")
+        st.info(say("unit.no_totals"))
         return
     by_name = {total.condition.name: total for total in totals.totals}
     name = st.selectbox(
-        "Condition", list(by_name), format_func=lambda each: by_name[each].condition.label, key="unit-condition"
+        say("columns.condition"),
+        list(by_name),
+        format_func=lambda each: say.name(by_name[each].condition.label),
+        key="unit-condition",
     )
-    show.chart(figures.total_over_mileage(by_name[name]), "unit-total")
-    show.table(total_rows(totals.totals), number=show.rounded, column_config=NARROW)
-    show.messages(totals.messages, "the total over mileage")
-    st.caption("Fluid, pressures and pump as at the last visit; each land at its own line, through the engine.")
+    show.chart(figures.total_over_mileage(by_name[name], say), "unit-total")
+    levels = dict.fromkeys(limit.level for total in totals.totals for limit in total.limits)
+    ahead = say("history.ahead", mileage=say.quantity(totals.totals[0].mileages[-1], "distance", 0))
+    columns = [
+        Column("condition", width=150),
+        Column("now", "percent"),
+        Column("ahead", words=f"{ahead} [%]"),
+        *(_at(level, say) for level in levels),
+    ]
+    show.rows_table(total_rows(totals.totals, say), columns)
+    show.messages(totals.messages, say("about.totals"))
+    st.caption(say("unit.totals_note"))
+
+
+def _at(level: Verdict | Band, say: Wording) -> Column:
+    return Column(level, words=say("history.at", level=say.signed(level)))
 
 
 # --- among its kind
@@ -230,28 +267,32 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
     """Show all units of the valve body: where this one stands, and what is flagged and replaced most often."""
     controller = now.diagnosis.controller
     across = _across(jobs.name, controller.id, jobs)
-    counted = f"{across.units} unit{'s' * (across.units != 1)}"
-    st.write(f"{counted} of **{show.plain(controller.name)}** in the job book, each as it was measured last.")
+    say = reader.say()
+    st.write(say("unit.of_kind", count=across.units, controller=f"**{show.plain(controller.name)}**"))
     places = [each for each in standing(jobs, across, unit) if each.enough]
     if places:
         spread = {land.key: land for land in across.lands}
         rows = [
             {
-                "Pair": land_name(controller, each.key),
-                "This unit [µm]": each.clearance * UM,
-                "Wider than [%]": each.part * PERCENT,
-                "Units": each.others,
-                **{
-                    f"{part:.0%} [µm]": value * UM
-                    for part, value in zip(PARTS, spread[each.key].clearances, strict=True)
-                },
+                "pair": land_name(controller, each.key, say),
+                "this_unit": each.clearance * UM,
+                "wider_than": each.part * PERCENT,
+                "units": each.others,
+                **{f"{part:.0%}": value * UM for part, value in zip(PARTS, spread[each.key].clearances, strict=True)},
             }
             for each in places
         ]
-        show.table(rows[:SHOWN], number=show.rounded, column_config=NARROW)
-        st.caption(f"The {len(rows[:SHOWN])} widest among their kind; the right columns are quantiles of all units.")
+        columns = [
+            Column("pair", width=150),
+            Column("this_unit", "clearance"),
+            Column("wider_than", "percent", 0),
+            Column("units", digits=0),
+            *(Column(f"{part:.0%}", "clearance", words=say.percent(part, 0)) for part in PARTS),
+        ]
+        show.rows_table(rows[:SHOWN], columns)
+        st.caption(say("unit.widest", count=len(rows[:SHOWN])))
     else:
-        st.info(f"Where this unit stands among its kind is shown from {ENOUGH_UNITS} other units on.")
+        st.info(say("unit.not_enough", count=ENOUGH_UNITS))
     flagged = [(f"{component}/{land}", each.flagged) for each in across.flagged for component, land in [each.key]]
     _pareto("flagged", flagged, across.units)
     _pareto("repaired", [(pair.name, pair.units) for pair in across.replaced], across.units)
@@ -260,4 +301,4 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
 def _pareto(what: str, counted: list[tuple[str, int]], of: int) -> None:
     if counted:
         names, counts = zip(*counted[:SHOWN], strict=True)
-        show.chart(figures.pareto(names, counts, of, what), f"unit-{what}")
+        show.chart(figures.pareto(names, counts, of, what, reader.say()), f"unit-{what}")

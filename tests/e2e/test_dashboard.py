@@ -15,8 +15,7 @@ from PIL import Image
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from pages.shared.conditions import CONDITION_WIDTH
-from pages.shared.show import WIDTHS
+from pages.shared.conditions import CONDITION_WIDTH, PAIR_WIDTH
 
 from .conftest import AT_REST, from_menu
 
@@ -44,6 +43,13 @@ def cells(page: Page, table: int = 0) -> list[str]:
     table_cells = page.get_by_test_id("stDataFrame").nth(table).locator("[data-testid^=glide-cell]")
     table_cells.first.wait_for(state="attached")
     return [text.strip() for text in table_cells.all_inner_texts()]
+
+
+def flagged(page: Page) -> list[str]:
+    """The texts of the flagged pairs' rows."""
+    rows = page.locator("table.cards").first.locator("tbody tr")
+    rows.first.wait_for()
+    return rows.all_inner_texts()
 
 
 def wait_until_idle(page: Page) -> None:
@@ -74,10 +80,9 @@ def swap(sheet) -> None:
 
 
 def test_a_fresh_start_shows_the_sample_jobs_flagged_pairs(page: Page) -> None:
-    texts = cells(page)
-    assert "■ replace" in texts
-    assert "▲ watch" in texts
-    assert any("25" in text for text in texts)
+    texts = flagged(page)
+    assert any("■ replace" in text and "25/1 main pressure valve" in text for text in texts)
+    assert any("▲ watch" in text for text in texts)
     assert "replace" in banner(page)
 
 
@@ -96,7 +101,7 @@ def test_both_files_give_the_flagged_table(page: Page, sample_readings: Path, sa
     status(page, "mine.xlsx")
     upload(page, "drive.csv", sample_log.read_bytes())
     status(page, re.compile("1201 rows"))
-    assert "■ replace" in cells(page)
+    assert "■ replace" in flagged(page)[0]
     expect(page.get_by_text("Sample job: representative data")).to_have_count(0)
 
 
@@ -114,7 +119,7 @@ def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Pa
     expect(message).to_contain_text("swapped.xlsx was not taken")
     expect(message).to_contain_text(re.compile(r"swapped\.xlsx, sheet 'Measurements', row \d+"))
     expect(message).to_contain_text(re.compile("sleeve|swapped"))
-    assert "■ replace" in cells(page)
+    assert "■ replace" in flagged(page)[0]
     assert page.get_by_test_id("stException").count() == 0
 
 
@@ -123,7 +128,7 @@ def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, 
     upload(page, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
     wait_until_idle(page)
-    before = cells(page)
+    before = flagged(page)
     target = io.BytesIO()
     openpyxl.Workbook().save(target)
     upload(page, "empty.xlsx", target.getvalue())
@@ -132,7 +137,7 @@ def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, 
     expect(message).to_contain_text("Shown are still the results of mine.xlsx")
     status(page, "mine.xlsx")
     wait_until_idle(page)
-    assert cells(page) == before
+    assert flagged(page) == before
 
 
 @pytest.mark.slow
@@ -142,7 +147,7 @@ def test_an_empty_workbook_says_so(page: Page) -> None:
     upload(page, "empty.xlsx", target.getvalue())
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
     expect(message).to_contain_text("empty.xlsx: the workbook is empty")
-    assert "■ replace" in cells(page)
+    assert "■ replace" in flagged(page)[0]
 
 
 @pytest.mark.slow
@@ -184,13 +189,13 @@ def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_reading
     box.press("Enter")
     expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
     wait_until_idle(page)
-    before = banner(page), cells(page)
+    before = banner(page), flagged(page)
     page.get_by_role("link", name="Readings", exact=True).click()
     expect(page.get_by_text("376 readings in mm")).to_be_visible()
     page.get_by_role("link", name="Diagnosis", exact=True).click()
     expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
     wait_until_idle(page)
-    assert (banner(page), cells(page)) == before
+    assert (banner(page), flagged(page)) == before
     status(page, "mine.xlsx")
 
 
@@ -267,30 +272,26 @@ def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
     expect(cursors.filter(has_text=re.compile(r"^[56]\.\d\d$"))).to_have_count(1)
 
 
-def test_the_tables_head_is_visible_on_a_phone(page: Page) -> None:
+def test_flagged_pairs_are_cards_on_a_phone_and_the_matrix_shows_two_conditions(page: Page) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
-    table = page.get_by_test_id("stDataFrame").first
-    table.wait_for()
+    card = page.locator("table.cards tbody tr").first
+    card.wait_for()
     main = page.get_by_test_id("stMain")
     assert main.evaluate("element => element.scrollWidth <= element.clientWidth")
-    box = table.bounding_box()
-    assert box is not None
-    assert box["x"] >= 0.0
-    assert box["x"] + box["width"] <= 390.0
-    assert {"■ replace", "25 · 1 main pressure valve"} <= set(cells(page))
-    below = page.locator("h3", has_text="Order of repair").locator("xpath=following::*[@data-testid='stDataFrame'][1]")
-    for shown, wanted in (
-        (table, ["Verdict", "Pair", "Wear [%]", "Share [%]"]),
-        (below, ["No.", "Pair", "Before [%]", "After [%]"]),
-    ):
-        headings = [text.strip() for text in shown.locator("thead th").all_inner_texts()]
-        assert headings[:4] == wanted
-        assert sum(WIDTHS[name] for name in wanted) <= shown.bounding_box()["width"] + 2.0
-    by_condition = page.locator("h3", has_text="Land by condition")
+    for words in ("■ replace", "25/1 main pressure valve", "6.58"):
+        box = card.get_by_text(words).first.bounding_box()
+        assert box is not None
+        assert box["x"] >= 0.0
+        assert box["x"] + box["width"] <= 390.0
+    press = card.get_by_role("button").bounding_box()
+    assert press is not None
+    assert press["height"] >= 44.0
+    by_condition = page.locator("h3", has_text="Lands at each condition")
     matrix = by_condition.locator("xpath=following::*[@data-testid='stDataFrame'][1]")
+    matrix.locator("thead th").first.wait_for(state="attached")
     headings = [text.strip() for text in matrix.locator("thead th").all_inner_texts()]
     assert headings[:3] == ["Pair", "1 · driving in second, 80 °C", "2 · hot idle in drive, 100 °C"]
-    assert WIDTHS["Pair"] + 2 * CONDITION_WIDTH <= matrix.bounding_box()["width"] + 2.0
+    assert matrix.bounding_box()["width"] + 2.0 >= PAIR_WIDTH + 2 * CONDITION_WIDTH
 
 
 GROUPS = {"Catalogue": "More", "Uncertainty": "More", "Settings": "More", "Job_book": "Job book", "Unit": "Job book"}

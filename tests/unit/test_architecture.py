@@ -65,6 +65,7 @@ FLOORS = (
     ("channel_formulas",),
     (
         "figures",
+        "measuring",
         "job.record",
         "job.case",
         "report.printed_charts",
@@ -75,7 +76,7 @@ FLOORS = (
     ),
     ("job.decisions", "job.kinds", "job.steps"),
     ("job.estimate",),
-    ("report.estimate_words",),
+    ("report.estimate_words", "job.repair_set"),
     ("job.parts", "report.pdf", "report.xlsx", "report.measuring_sheet", "report.comparison_terminal"),
     ("job.file",),
     ("report.batch", "jobs"),

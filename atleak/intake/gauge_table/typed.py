@@ -13,7 +13,8 @@ from typing import cast
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.intake.units import find_unit
-from atleak.pressure_table import LINE, RANGES, Cell, Engine
+from atleak.pressure_table import LINE, RANGES, Cell, Engine, PressureTable
+from atleak.workshop_units import KPA, RPM
 
 TYPED_FILE = "typed gauge readings.csv"
 _RANGE, _STATE, _TAP, _TEMPERATURE, _SPEED = "range", "state", "tap", "ATF temperature [°C]", "engine speed [rpm]"
@@ -27,6 +28,19 @@ class TypedGauges:
     unit: str = "kPa"
     temperature: str = ""  # of the fluid [°C]
     fast_idle: str = ""  # engine speed at a fast idle [rpm]
+
+    @classmethod
+    def going_on_from(cls, table: PressureTable) -> TypedGauges:
+        """Return the readings of a table as if they had been typed: of several in one cell the first."""
+        cells = {each.cell: f"{each.pressure * KPA:.10g}" for each in reversed(table.readings)}
+        warm = (each.temperature for each in table.readings if each.temperature is not None)
+        fast = (each.engine_speed for each in table.readings if each.cell.engine is Engine.FAST_IDLE)
+        temperature, speed = next(warm, None), next((each for each in fast if each is not None), None)
+        return cls(
+            cells,
+            temperature="" if temperature is None else f"{temperature:.10g}",
+            fast_idle="" if speed is None else f"{speed * RPM:.10g}",
+        )
 
     def with_cell(self, cell: Cell, text: str) -> TypedGauges:
         """Return this with another text in a cell; an empty one takes the cell out."""

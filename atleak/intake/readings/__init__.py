@@ -50,7 +50,7 @@ from atleak.intake.sheets.sheet_file import read_bytes, read_sheets
 from atleak.intake.units import Unit
 from atleak.intake.units import unit as unit_named
 from atleak.pressure_table import PressureTable
-from atleak.readings import Reading, Readings
+from atleak.readings import TYPED_MARK, Reading, Readings
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
 
@@ -163,9 +163,14 @@ def read_readings(
             problems = [other]
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
-    if not (result.readings or result.unworn) and pressures is None:
+    if not (result.readings or result.unworn or _typed_in(sheets)) and pressures is None:
         raise _none_left(result) or _not_filled_in(first)
     return result
+
+
+def _typed_in(sheets: Sequence[Sheet]) -> bool:
+    """Return whether the readings are being typed in: then nothing of them need count yet."""
+    return any(TYPED_MARK in row for sheet in sheets for row in sheet.rows[:1])
 
 
 def _holds_numbers(sheet: Sheet) -> bool:

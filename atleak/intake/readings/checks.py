@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
+from atleak.catalogue.complaints import LandKey
 from atleak.catalogue.controller import Controller, Land
 from atleak.errors import Place, ReadingsError
 from atleak.intake.readings.sizes import MM
@@ -17,6 +18,7 @@ FACTORS = (10.0, 25.4, 1000.0 / 25.4, 100.0, 1000.0, 25400.0)  # between units, 
 _FACTOR_TOLERANCE = 1.2  # a factor is recognised this far off: a nominal diameter is only nominal
 _FAR = 2.0  # times the nominal diameter, that is another component's land
 _WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, not the readings
+_Off = tuple[Reading, Land, float, float | None]  # far from its nominal diameter: how many times, the factor it is near
 
 
 def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
@@ -27,16 +29,9 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     radial clearance over 0.5 mm.
     """
     problems, doubtful = _factors(readings, controller)
-    apart = list(_repeats(readings, controller, doubtful))
-    problems += [problem for problem, _ in apart]
-    lands = [controller.land_of_plane(reading.component, reading.plane) for _, reading in apart]
-    doubtful |= {land.key for land in lands if land is not None}
-    by_land: dict[tuple[str, int], list[Reading]] = defaultdict(list)
-    for reading in readings.readings:
-        land = controller.land_of_plane(reading.component, reading.plane)
-        if land is not None:
-            by_land[land.key].append(reading)
-    both_measured = [gap for gap in clearances(readings, controller) if gap.status == "measured"]
+    by_land = _by_land(readings, controller)
+    gaps = clearances(readings, controller)
+    both_measured = [gap for gap in gaps if gap.status == "measured"]
     swapped = [gap for gap in both_measured if _looks_swapped(gap)]
     if len(swapped) > 1 and len(swapped) >= _WHOLE_SHEET * len(both_measured):
         first = min((by_land[gap.land.key][0].place for gap in swapped), key=lambda place: place.row or 0)
@@ -48,9 +43,7 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
                 expected="in the column of parts 'spool' or 'piston' for the smaller diameter, 'sleeve' for the larger",
             )
         )
-    for gap in clearances(readings, controller):
-        if gap.measured and gap.land.key not in doubtful:
-            problems += _clearance(gap, by_land[gap.land.key], readings)
+    problems += [problem for _, problem in _contradictions(readings, controller, by_land, gaps, doubtful)]
     if readings.unworn:
         places = {problem.place for problem in problems}
         of_new = check(readings.when_new, controller)
@@ -59,8 +52,49 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     return problems
 
 
-def _nominal(land: Land, reading: Reading) -> float:
-    return land.nominal_diameter if reading.part == "spool" else land.nominal_sleeve_diameter
+def off_by_factor(readings: Readings, controller: Controller) -> list[tuple[Reading, ReadingsError]]:
+    """Return every reading that is too large or small to be of its land, each by itself, and what it looks like.
+
+    These are the diameters that `check` refuses for their size; nothing is said of the sheet as a whole.
+    """
+    off, _ = _off(readings, controller)
+    return [(reading, _off_problem(readings, reading, land, ratio, factor)) for reading, land, ratio, factor in off]
+
+
+def contradictions(readings: Readings, controller: Controller) -> list[tuple[Land, ReadingsError]]:
+    """Return every land of which the readings cannot be together, and why: once for each reason.
+
+    These are what `check` refuses of readings that are of the right size: repeats far apart, a sleeve smaller than its
+    spool, and a clearance that no pair has.
+    """
+    by_land = _by_land(readings, controller)
+    return list(_contradictions(readings, controller, by_land, clearances(readings, controller), frozenset()))
+
+
+def _contradictions(
+    readings: Readings,
+    controller: Controller,
+    by_land: Mapping[LandKey, list[Reading]],
+    gaps: Sequence[LandClearance],
+    doubtful: Collection[LandKey],
+) -> Iterator[tuple[Land, ReadingsError]]:
+    """Yield what contradicts itself, but of the lands that are doubtful already, with the land it is of."""
+    apart = list(_repeats(readings, controller, doubtful))
+    yield from apart
+    known = {*doubtful, *(land.key for land, _ in apart)}
+    for gap in gaps:
+        if gap.measured and gap.land.key not in known:
+            for problem in _clearance(gap, by_land[gap.land.key], readings):
+                yield gap.land, problem
+
+
+def _by_land(readings: Readings, controller: Controller) -> dict[LandKey, list[Reading]]:
+    lands: dict[LandKey, list[Reading]] = defaultdict(list)
+    for reading in readings.readings:
+        land = controller.land_of_plane(reading.component, reading.plane)
+        if land is not None:
+            lands[land.key].append(reading)
+    return lands
 
 
 def _factor(ratio: float) -> float | None:
@@ -72,17 +106,23 @@ def _factor(ratio: float) -> float | None:
     return None
 
 
-def _factors(readings: Readings, controller: Controller) -> tuple[list[ReadingsError], set[tuple[str, int]]]:
-    off: list[tuple[Reading, Land, float, float | None]] = []
+def _off(readings: Readings, controller: Controller) -> tuple[list[_Off], int]:
+    """Return the readings that are far from their nominal diameter, and how many there are whose land is known."""
+    off: list[_Off] = []
     known = 0
     for reading in readings.readings:
         land = controller.land_of_plane(reading.component, reading.plane)
         if land is None:
             continue
         known += 1
-        ratio = reading.diameter / _nominal(land, reading)
+        ratio = reading.diameter / land.nominal_of(reading.part)
         if not 1.0 / _FAR < ratio < _FAR:
             off.append((reading, land, ratio, _factor(ratio)))
+    return off, known
+
+
+def _factors(readings: Readings, controller: Controller) -> tuple[list[ReadingsError], set[LandKey]]:
+    off, known = _off(readings, controller)
     doubtful = {land.key for _, land, _, _ in off}
     counts = Counter(factor for *_, factor in off if factor is not None)
     common, count = counts.most_common(1)[0] if counts else (None, 0)
@@ -91,23 +131,23 @@ def _factors(readings: Readings, controller: Controller) -> tuple[list[ReadingsE
         first, land, *_ = next(entry for entry in off if entry[3] == common)
         problems.append(_wrong_unit(readings, first, land, common, count, known))
         off = [entry for entry in off if entry[3] != common]
-    for reading, land, ratio, factor in off:
-        nominal = _nominal(land, reading)
-        if factor is None:
-            what = f"the diameter is {ratio:.3g} times the nominal one"
-            if abs(ratio - 0.5) < 0.05:
-                what += ": a radius?"
-        else:
-            what = f"the diameter is {_times(factor)} the nominal one: {_slip(factor)}"
-        problems.append(
-            ReadingsError(
-                what,
-                place=reading.place,
-                value=_written(readings, reading.diameter),
-                expected=f"about {_written(readings, nominal)} (component {land.component} land {land.land})",
-            )
-        )
+    problems += [_off_problem(readings, *entry) for entry in off]
     return problems, doubtful
+
+
+def _off_problem(readings: Readings, reading: Reading, land: Land, ratio: float, factor: float | None) -> ReadingsError:
+    if factor is None:
+        what = f"the diameter is {ratio:.3g} times the nominal one"
+        if abs(ratio - 0.5) < 0.05:
+            what += ": a radius?"
+    else:
+        what = f"the diameter is {_times(factor)} the nominal one: {_slip(factor)}"
+    return ReadingsError(
+        what,
+        place=reading.place,
+        value=_written(readings, reading.diameter),
+        expected=_about(readings, land, reading),
+    )
 
 
 def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, count: int, known: int) -> ReadingsError:
@@ -127,9 +167,13 @@ def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, c
         f"{text}: a wrong unit{f' ({fits}?)' if fits else ''}",
         place=first.place,
         value=_written(readings, first.diameter),
-        expected=f"about {_written(readings, _nominal(land, first))} (component {land.component} land {land.land}); "
+        expected=f"{_about(readings, land, first)}; "
         f"{f'if the numbers are in {fits}, state that unit' if fits else 'check the unit in the heading'}",
     )
+
+
+def _about(readings: Readings, land: Land, reading: Reading) -> str:
+    return f"about {_written(readings, land.nominal_of(reading.part))} (component {land.component} land {land.land})"
 
 
 def _times(factor: float) -> str:
@@ -149,8 +193,8 @@ def _written(readings: Readings, metres: float) -> str:
 
 
 def _repeats(
-    readings: Readings, controller: Controller, doubtful: set[tuple[str, int]]
-) -> Iterable[tuple[ReadingsError, Reading]]:
+    readings: Readings, controller: Controller, doubtful: Collection[LandKey]
+) -> Iterable[tuple[Land, ReadingsError]]:
     groups: dict[object, list[Reading]] = defaultdict(list)
     for reading in readings.readings:
         groups[reading.station].append(reading)
@@ -160,16 +204,17 @@ def _repeats(
         land = controller.land_of_plane(high.component, high.plane)
         if spread <= REPEAT_LIMIT or land is None or land.key in doubtful:  # what is off by a factor is refused already
             continue
+        rows = f" (rows {low.place.row} and {high.place.row})" if high.place.row else ""
         yield (
+            land,
             ReadingsError(
                 f"repeats of component {high.component}, {high.part}, plane {high.plane} are "
-                f"{_written(readings, spread)} apart (rows {low.place.row} and {high.place.row})",
+                f"{_written(readings, spread)} apart{rows}",
                 place=high.place,
                 value=_written(readings, high.diameter),
                 expected=f"about {_written(readings, low.diameter)}, as the other repeat; a difference over "
                 f"{_written(readings, REPEAT_TOLERANCE)} is flagged, over {_written(readings, REPEAT_LIMIT)} refused",
             ),
-            high,
         )
 
 
@@ -218,8 +263,9 @@ def _swapped_rows(gap: LandClearance, readings: list[Reading], all_readings: Rea
         return None
     name = f"component {gap.land.component} land {gap.land.land}"
     where = f"plane {sleeve.plane}" + ("" if sleeve.direction is None else f", {sleeve.direction:g}°")
+    row = f" in row {spool.place.row}" if spool.place.row else ""
     return ReadingsError(
-        f"{name}, {where}: the sleeve measures smaller than the {gap.land.part_name} in row {spool.place.row} "
+        f"{name}, {where}: the sleeve measures smaller than the {gap.land.part_name}{row} "
         f"({_written(all_readings, spool.diameter)}): spool and sleeve swapped there?",
         place=sleeve.place,
         value=_written(all_readings, sleeve.diameter),

@@ -19,6 +19,7 @@ from atleak.intake.readings.sizes import MM as MILLIMETRE
 from atleak.intake.readings.values import MM, DiameterCell, Key, RawValue
 from atleak.intake.readings.words import (
     at,
+    diameter,
     direction_of,
     is_blank,
     is_page_title,
@@ -237,12 +238,10 @@ class _Reader:
         for name, column in given.items():
             place = self._place(row, column)
             try:
-                numbers[name], written = number(self.sheet.cell(row, column.index))
+                read = diameter if name == "diameter" else number
+                numbers[name], written = read(self.sheet.cell(row, column.index))
             except ReadingsError as problem:
                 self.problems.append(at(place, problem))
-                return None
-            if name == "diameter" and numbers[name] <= 0.0:
-                self._add_problem("a diameter must be positive", place, value=numbers[name], expected=_DIAMETER)
                 return None
             units[name] = written or self._unit(row, column)
         unit = next(iter(units.values()))

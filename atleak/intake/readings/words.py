@@ -139,6 +139,20 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
     raise ReadingsError("not a number", value=str(cell), expected="a diameter such as 9.939 or 9,939")
 
 
+def diameter(cell: Cell) -> tuple[float, Unit | None]:
+    """Return a cell's diameter and the unit behind it, if any.
+
+    Raises
+    ------
+    ReadingsError
+        as `number`, and of one that is zero or less.
+    """
+    value, unit = number(cell)
+    if value <= 0.0:
+        raise ReadingsError("a diameter must be positive", value=value, expected="a diameter such as 9.939")
+    return value, unit
+
+
 def _split_unit(text: str) -> tuple[str, Unit | None]:
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if match is None:

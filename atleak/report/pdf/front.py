@@ -22,8 +22,8 @@ from atleak.views.sentences import (
     circuit_sentence,
     counted_in_speed,
     pressure_sentence,
+    readings_in_doubt,
     reserve_sentence,
-    tighter_than_new,
 )
 from atleak.workshop_units import DM3_MIN, KPA, PERCENT, RPM
 
@@ -125,7 +125,7 @@ class Front:
         decided_by, at, more = diagnosis.decided_by, diagnosis.worst, []
         if decided_by is not None and not isinstance(decided_by, Rule):
             more.append(say("sentences.decided_by", land=self.names.land_name(decided_by)))
-        tight = tighter_than_new(diagnosis, say)
+        tight = readings_in_doubt(diagnosis, say)
         if tight is not None:
             more.append(tight)
         speed = say.number(at.minimum_speed * RPM, 0)

@@ -33,7 +33,8 @@ class Pressures:
     def conditions(self) -> list[PressuresAt]:
         """Return reserve and pressures at every condition, also as the planned repairs leave them."""
         plan = plan_repairs(self.diagnosis)
-        return [pressures_at(self.diagnosis, each, plan) for each in self.diagnosis.presented]
+        ends = plan.ends if plan.steps else ()
+        return [pressures_at(self.diagnosis, each, ends) for each in self.diagnosis.presented]
 
     @cached_property
     def lowest(self) -> PressuresAt:

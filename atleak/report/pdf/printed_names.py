@@ -28,7 +28,7 @@ def condition_name(point: OperatingPoint, say: Wording) -> str:
     if point.name == STATED:
         temperature, speed = say.plain_value(point.temperature, "temperature"), say.number(point.engine_speed * RPM, 0)
         return say("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
-    return point.label.replace(" °C", "\u00a0°C")
+    return say.name(point.label).replace(" °C", "\u00a0°C")
 
 
 class PrintedNames:
@@ -45,7 +45,7 @@ class PrintedNames:
     def section(self, name: str) -> str:
         """Return the name of a section's pressure in the reader's language, or that of a circuit as its file has it."""
         circuits = {each.id: isolated(each.name) for each in self.diagnosis.controller.circuits}
-        return circuits[name] if name in circuits else self.say(f"pressures.{name}")
+        return self.say.name(circuits[name]) if name in circuits else self.say(f"pressures.{name}")
 
     def land_number(self, land: LandDiagnosis) -> str:
         """Return component and land: ``8/2``."""
@@ -59,7 +59,7 @@ class PrintedNames:
     def pair(self, land: LandDiagnosis) -> str:
         """Return the component and its name."""
         component, _ = land.key
-        return f"{component} {isolated(self.diagnosis.controller.components[component])}"
+        return f"{component} {isolated(self.say.name(self.diagnosis.controller.components[component]))}"
 
     def column(self, name: str) -> str:
         """Return the heading of a column."""

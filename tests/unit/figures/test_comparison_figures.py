@@ -11,12 +11,13 @@ from atleak.events import Event
 from atleak.figures.comparison_figures import clearances, logs_over_one_another
 from atleak.road_findings import RoadFindings
 from atleak.road_test import RoadTest
+from atleak.wording import wording
 
 
 def test_every_land_has_its_clearance_of_both_visits_and_its_limit(worn_clutch) -> None:
     comparison = compare(worn_clutch, worn_clutch)
     lands = comparison.flagged
-    figure = clearances(comparison, lands)
+    figure = clearances(comparison, lands, wording("en"))
     traces = [trace for trace in figure.data if trace.legendgroup]
     before = sorted(x for trace in traces if trace.marker.symbol.endswith("-open") for x in trace.x)
     after = sorted(x for trace in traces if not trace.marker.symbol.endswith("-open") for x in trace.x)
@@ -37,9 +38,11 @@ def test_each_log_is_drawn_from_the_start_of_its_own_event(log_of) -> None:
 
     before, after = findings(10.0, 100e3), findings(25.0, 200e3)
     logs = LogComparison(before, after, match_events(before.events, after.events))
-    figure = logs_over_one_another(logs, logs.pairs[0], {"main_pressure": ("kPa", lambda pascal: pascal / 1e3)})
+    figure = logs_over_one_another(
+        logs, logs.pairs[0], {"main_pressure": ("kPa", lambda pascal: pascal / 1e3)}, wording("en")
+    )
     pressure = figure.data[:2]
-    assert [trace.name for trace in pressure] == ["before", "after"]
+    assert [trace.name for trace in pressure] == ["Before", "After"]
     for trace, high in zip(pressure, (600.0, 700.0), strict=True):
         time, values = np.array(trace.x), np.array(trace.y)
         assert values[time < -0.05] == pytest.approx(500.0, abs=1e-9)

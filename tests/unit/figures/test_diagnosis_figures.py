@@ -146,7 +146,7 @@ def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -
 
 
 def test_limits_and_mounting_clearances_lie_open_under_the_values(sample: Diagnosis) -> None:
-    drawn = [(one.name, one.marker.symbol) for one in of_uncertainty.clearances(sample.uncertainty).data]
+    drawn = [(one.name, one.marker.symbol) for one in of_uncertainty.clearances(sample.uncertainty, wording("en")).data]
     assert [name for name, _ in drawn[:2]] == ["mounting clearance", "limit"]
     assert all(symbol.endswith("-open") for _, symbol in drawn[:2])
     assert len(drawn) > 3

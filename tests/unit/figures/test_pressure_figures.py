@@ -24,7 +24,8 @@ def trace(figure, name: str):
 
 
 def held(diagnosis: Diagnosis, *, planned: bool = True):
-    return pressures_at(diagnosis, diagnosis.hot_idle, plan_repairs(diagnosis) if planned else None)
+    plan = plan_repairs(diagnosis)
+    return pressures_at(diagnosis, diagnosis.hot_idle, plan.ends if planned and plan.steps else ())
 
 
 def test_they_are_transparent_and_say_their_units(worn_clutch: Diagnosis) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from streamlit.components.v2 import manifest_scanner
@@ -84,5 +86,30 @@ def number(app: AppTest, label: str):
     return next(widget for widget in app.sidebar.text_input if widget.label == label)
 
 
+def tables(app: AppTest) -> list[list[dict[str, str]]]:
+    """The tables that are shown as cards on a phone: every row by its headings."""
+    mounted = (json.loads(each.proto.json) for each in app.get("bidi_component"))
+    trees = [ElementTree.fromstring(f"<page>{each['html']}</page>") for each in mounted if "html" in each]
+    return [
+        [{cell.get("data-label", ""): "".join(cell.itertext()) for cell in row.iter("td")} for row in table.iter("tr")][
+            1:
+        ]
+        for tree in trees
+        for table in tree.iter("table")
+        if table.get("class") == "cards"
+    ]
+
+
+def flagged_pairs(app: AppTest) -> list[dict[str, str]]:
+    """The rows of the table of flagged pairs; none where there is none."""
+    return next((rows for rows in tables(app) if rows and "Pair" in rows[0]), [])
+
+
 def flagged(app: AppTest) -> list[str]:
-    return [text.strip() for text in app.dataframe[0].value["Verdict"]]
+    return [row["Verdict"] for row in flagged_pairs(app)]
+
+
+def unfold(app: AppTest, name: str) -> AppTest:
+    """Open a fold whose content is made when it is opened."""
+    app.session_state[f"{name}-{app.session_state['atleak'].generation}"] = True
+    return app.run()

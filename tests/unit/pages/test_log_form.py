@@ -260,9 +260,8 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     rows = [";".join(low[0]), *(";".join([*row[:2], f"{0.4 * float(row[2]):.2f}", *row[3:]]) for row in low[1:])]
     uploader(app, "Road-test log").upload("low.csv", "\n".join(rows).encode(), "text/csv").run()
     assert not app.exception
-    assert app.error[0].value.startswith(
-        "**Provisional.** **✖ critical** Main pressure stayed below what is permitted for 11"
-    )
+    said = "**✖ critical · provisional:** Main pressure stayed below what is permitted for 11"
+    assert app.error[0].value.startswith(said)
     headings = [widget.value for widget in app.subheader]
     assert headings == ["What the road test says", "Over the road test", "Take it along"]
     assert "Main pressure is low in every gear and state that was judged" in texts(app)
@@ -281,7 +280,7 @@ def test_a_log_without_main_pressure_is_taken_and_says_what_to_gauge(app: AppTes
     uploader(app, "Road-test log").upload("phone.csv", columns_of(sample_log, 2), "text/csv").run()
     assert not app.exception
     assert "not taken" not in texts(app)
-    assert "**○ not measured** The log holds no main pressure" in texts(app)
+    assert "**○ not measured:** The log holds no main pressure" in texts(app)
     assert "Gauge it at the main pressure tap in P R N D 3 2 1" in texts(app)
     assert "No leakage is computed over phone.csv" in texts(app)
     assert "1201 rows" in texts(app)

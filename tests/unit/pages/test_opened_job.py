@@ -112,7 +112,7 @@ def test_the_rows_of_one_inspection_are_chosen_on_the_readings_page_and_kept_wit
         "from pages.shared.cases import PageCase\nfrom pages.shared.state import session\nnow = session()\n"
         "if now.case.sample:\n"
         f"    now.case = PageCase(readings=SourceFile('two.csv', {SEVERAL!r}), controller='minimal_example')\n"
-        "sheet_form.form(now.case.readings, now.case)\n",
+        "sheet_form.draw(now.case)\n",
         encoding="utf-8",
     )
     form = AppTest.from_file(str(script), default_timeout=240).run()

@@ -22,7 +22,7 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     assert "torn.toml. What is wrong: page Catalogue" in texts(app)
     choice(app, "Valve body").select("my_box").run()
     assert not app.exception
-    assert "no land is measured" in texts(app)
+    assert "nothing was measured" in texts(app)
     go(app, "26_Catalogue")
     assert not app.exception
     assert "torn.toml: is not valid TOML" in texts(app)
@@ -35,4 +35,4 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     path.unlink()
     go(app, "4_Diagnosis")
     assert not app.exception
-    assert "no land is measured" in texts(app)
+    assert "nothing was measured" in texts(app)

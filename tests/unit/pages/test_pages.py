@@ -17,7 +17,7 @@ from atleak.look import PAPER
 from atleak.report.measuring_sheet import write_template
 from atleak.views.drawing import controller_svg, on_dark, spool_svg
 
-from .conftest import ROOT, choice, flagged, go, number, settle, texts, uploader
+from .conftest import ROOT, choice, flagged, flagged_pairs, go, number, settle, tables, texts, unfold, uploader
 
 PAGES = (
     "0_Start", "1_Job", "22_Settings",
@@ -33,7 +33,7 @@ def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> No
     assert set(flagged(app)) == {"■ replace", "▲ watch"}
     assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
     assert [widget.value for widget in app.title] == ["Diagnosis"]
-    counted = r"\*\*Provisional\.\*\* \*\*\d+ ■ replace\*\* and \*\*\d+ ▲ watch\*\* of 47 measured lands, in"
+    counted = r"\*\*■ replace · provisional:\*\* \d+ ■ replace, \d+ ▲ watch of 47 measured lands; 25/1 main "
     assert re.match(counted, app.error[0].value)
     assert "converter, lubrication and clutch fill are not in it" in texts(app)
     assert "Representative" in texts(app) or "representative" in texts(app)
@@ -63,7 +63,7 @@ def test_pages_are_short_and_compute_nothing(page: str) -> None:
 
 def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app: AppTest) -> None:
     choice(app, "Valve body").select("minimal_example").run()
-    assert "no land is measured" in texts(app)
+    assert "nothing was measured" in texts(app)
     sheet = "component;part;plane;direction;diameter [mm]\n" + "".join(
         f"accumulator;{part};1;{direction};{size}\n"
         for part, size in (("piston", "18,000"), ("sleeve", "18,070"))
@@ -81,12 +81,11 @@ def test_a_land_measured_on_one_part_only_is_never_called_ok(app: AppTest) -> No
     spool_only = head + rows.format(0) + rows.format(90)
     uploader(app, "Measuring sheet").upload("piston.csv", spool_only.encode(), "text/csv").run()
     assert not app.exception
-    banner = next(text for text in texts(app).split("\n") if "The unit leaks" in text)
-    assert "ok:" not in banner
-    assert "no land is measured on both spool and sleeve" in banner
-    assert "mounting clearance." not in banner
-    row = app.dataframe[-1].value.iloc[0]
-    assert row["Verdict"].strip().endswith("not measured")
+    (said,) = [widget.value for widget in app.info if "on one part only" in widget.value]
+    assert said.startswith("**○ not all is sure")
+    assert not app.success
+    row = next(row for row in tables(unfold(app, "all-lands"))[-1] if row["Pair"].startswith("accumulator/1"))
+    assert row["Verdict"].endswith("not measured")
     assert row["Decided by"] == "sleeve not measured"
 
 
@@ -96,8 +95,8 @@ def test_a_flagged_land_says_which_part_was_not_measured(app: AppTest) -> None:
     uploader(app, "Measuring sheet").upload("sleeve.csv", sheet.encode(), "text/csv").run()
     assert not app.exception
     assert flagged(app)[0] in ("■ replace", "✖ critical")
-    assert app.dataframe[0].value["Decided by"].iloc[0].endswith("; piston not measured")
-    assert "no land is measured" not in texts(app)
+    assert flagged_pairs(app)[0]["Decided by"].endswith("; spool not measured")
+    assert "nothing was measured" not in texts(app)
 
 
 def test_a_refused_sheet_is_explained_and_the_last_job_stays(app: AppTest) -> None:
@@ -242,7 +241,7 @@ def test_no_page_has_a_number_field_of_another_kind() -> None:
 
 def test_profile_options_reach_the_engine(app: AppTest) -> None:
     settle(app, "4_Diagnosis", "Profile", "paper")
-    assert "profile: **paper**" in texts(app)
+    assert "Profile: **paper**" in texts(app)
     settle(app, "22_Settings", "Diameter in the gap law", "mean")
     settle(app, "4_Diagnosis", "Loss at a gap's entry and exit", "on")
     assert "paper, diameter=mean, entry_loss=on" in texts(app)
@@ -404,13 +403,13 @@ def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, la
 
 
 def test_the_flagged_table_is_led_by_what_counts_and_says_rules_in_words(app: AppTest) -> None:
-    table = app.dataframe[0].value
-    assert list(table)[:4] == ["Verdict", "Pair", "Wear [%]", "Share [%]"]
-    assert table["Pair"].iloc[0] == "25 · 1 main pressure valve"
-    assert table["Decided by"].iloc[0].startswith("share of pump flow 6.58 %, limit 4 %, hot idle")
-    number(app, "Temperature [°C]").set_value("120.0").run()
-    choice(app, "Gear").select(3).run()
-    assert not any("share stated" in text for text in app.dataframe[0].value["Decided by"].dropna())
+    first = flagged_pairs(app)[0]
+    shares = [f"Share, {label}" for label in ("driving in second, 80 °C", "hot idle in drive, 100 °C")]
+    assert list(first)[:4] == ["Verdict", "Pair", *shares]
+    assert first["Pair"] == "25/1 main pressure valve"
+    assert first[shares[1]] == "■ 6.58\u00a0%"
+    assert first["Decided by"].startswith("share of the pump's flow, one land 6.6\u00a0% (limit 4.0\u00a0%), hot idle")
+    assert "Lands that cost it" not in {column for frame in app.dataframe for column in frame.value}
 
 
 def test_a_step_that_lowers_no_total_says_why_it_is_on_the_list(app: AppTest, four_speed: Controller) -> None:
@@ -419,25 +418,23 @@ def test_a_step_that_lowers_no_total_says_why_it_is_on_the_list(app: AppTest, fo
     lines = [f"5;piston;1;{at};{1e3 * land.nominal_diameter:.3f}\n5;sleeve;1;{at};{bore:.3f}\n" for at in (0, 90)]
     sheet = "component;part;plane;direction;diameter [mm]\n" + "".join(lines)
     uploader(app, "Measuring sheet").upload("worn.csv", sheet.encode(), "text/csv").run()
+    assert "46 of 47 lands were not measured and count as new" in texts(app)
+    assert "lowers no total" in next(widget.label for widget in app.checkbox if "5/1" in widget.label)
+    unfold(app, "order-of-repair")
     steps = next(widget.value for widget in app.dataframe if "Helps most at" in widget.value)
     assert steps["Helps most at"].tolist() == ["for its own verdict: it draws no more from the pump than a new one"]
-    assert "46 lands" in texts(app)
     assert "what is missing is taken as new" in texts(app)
 
 
 def test_every_land_that_leaks_stands_beside_every_condition(app: AppTest) -> None:
     matrix = next(widget.value for widget in app.dataframe if "hot_idle" in widget.value)
     assert list(matrix)[1:3] == ["driving_second", "hot_idle"]
-    assert matrix.iloc[0, 0].startswith("25 · 1")
+    assert matrix.iloc[0, 0].startswith("25/1")
     totals = matrix[["driving_second", "hot_idle"]].sum()
-    banner = next(text for text in texts(app).split("\n") if "The unit leaks" in text)
-    for total in totals:
-        assert f"**{total:.1f} %**" in banner
-    assert "the worst condition" in banner
+    effect = next(rows for rows in tables(app) if "Reserve" in rows[0])
+    for total, row in zip(totals, effect, strict=True):
+        assert row["Share"].startswith(f"{total:.1f}\u00a0%")
     assert "leaks into p_m, not drawn from the pump" in set(matrix.iloc[:, -1])
-    steps = next(widget.value for widget in app.dataframe if "a step" in widget.value)
-    assert steps["hot_idle"].tolist()[-1].endswith("● green")
-    assert "The plan ends green at every condition." in texts(app)
 
 
 def test_a_complaint_leads_the_page(app: AppTest) -> None:

@@ -10,7 +10,7 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller_reading import load_controller
 
-from .conftest import choice, go, texts, uploader
+from .conftest import choice, go, texts, unfold, uploader
 
 pytestmark = pytest.mark.page("2_Readings")
 
@@ -31,7 +31,7 @@ def five_speed(app: AppTest, root: Path) -> AppTest:
     choice(app, "Valve body").select("five_speed_2005").run()
     sheet = root / "sample_data" / "measuring_sheet_five_speed.xlsx"
     uploader(app, "Measuring sheet").upload(sheet.name, sheet.read_bytes(), "application/x").run()
-    return go(app, "4_Diagnosis")
+    return unfold(go(app, "4_Diagnosis"), "pressures-in-full")
 
 
 def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed: AppTest) -> None:
@@ -48,7 +48,7 @@ def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed
     assert shown[shown["Circuit"] == "solenoid feed"]["Lands that cost it"].isna().all()
     table = next(frame for frame in five_speed.dataframe if "Lands that cost it" in frame.value)
     assert table.proto.placeholder == "–"  # not "None"
-    assert clutch["Lands that cost it"].startswith("forward_engagement/1: ")
+    assert clutch["Lands that cost it"].startswith("forward_engagement/1 forward engagement valve: ")
     assert "Main pressure at “stall in drive, 90 °C”: the required 1 615 kPa is held" in texts(five_speed).replace(
         "\u00a0", " "
     )
@@ -56,8 +56,8 @@ def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed
 
 def test_the_first_sentence_names_the_pressure_and_the_lands_to_look_at(five_speed: AppTest) -> None:
     said = five_speed.error[0].value.replace("\\", "").replace("\u00a0", " ")
-    assert "**■ replace** because of the pressure lost by forward clutch at “stall in drive, 90 °C”: " in said
-    assert "Look first at forward_engagement/1 forward engagement valve, manual_valve/3 manual valve." in said
+    assert "■ replace because of the pressure lost by forward clutch at “stall in drive, 90 °C”: " in said
+    assert "Look first at forward_engagement/1 forward engagement valve, manual_valve/3 manual valve;" in said
 
 
 def test_another_condition_is_chosen_for_the_charts(five_speed: AppTest) -> None:
@@ -70,7 +70,7 @@ def test_another_condition_is_chosen_for_the_charts(five_speed: AppTest) -> None
     assert {"main pressure", "direct clutch", "low and reverse band servo"} <= circuits
     assert "forward clutch" not in circuits
     assert "Not applied in this gear: forward clutch" in texts(five_speed)
-    assert any({"new", "after repair", "set, or required"} <= names for names in chart_names(five_speed))
+    assert any({"new", "set, or required"} <= names for names in chart_names(five_speed))
     assert any({"pump", "covered from here", "taken at 100 °C"} <= names for names in chart_names(five_speed))
 
 

@@ -7,6 +7,10 @@ from typing import Any
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.wording import wording
+
+from .conftest import ROOT, choice, go
+
 
 def page() -> None:
     """A page of one table and the choices, as a page of the dashboard shows them."""
@@ -93,3 +97,15 @@ def test_a_number_is_typed_in_the_readers_unit_and_stays_the_same_value_in_every
         "'heiß' ist keine Zahl: Temperatur in °C schreiben, etwa 95,5. Es bleibt bei 100 °C."
     ]
     assert app.code[0].value == "100.0"
+
+
+@pytest.mark.page("22_Settings")
+@pytest.mark.parametrize("language", ["de", pytest.param("pl", marks=pytest.mark.slow)])
+def test_every_page_is_shown_in_the_readers_language(app: AppTest, language: str) -> None:
+    choice(app, "Valve body").select("minimal_example").run()
+    app.context["locale"] = language
+    for path in sorted((ROOT / "pages").glob("[0-9]*_*.py")):
+        shown = go(app, path.stem)
+        assert not shown.exception, path.stem
+        files = next(each for each in shown.sidebar.file_uploader if each.key.startswith("drop-"))
+        assert files.label == wording(language)("panel.files")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from streamlit.testing.v1 import AppTest
 
-from .conftest import choice, texts, uploader
+from .conftest import choice, texts, unfold, uploader
 
 SHEET = """Valve;Land;Part;Diameter [mm];Contact length [mm]
 boost_valve;1;spool;9.855;4.5
@@ -20,6 +20,7 @@ def planned(app: AppTest) -> dict[str, str]:
 def test_repairs_of_the_file_are_shown_and_another_one_can_be_chosen(app: AppTest) -> None:
     choice(app, "Valve body").select("five_speed_2005").run()
     uploader(app, "Measuring sheet").upload("worn.csv", SHEET.encode(), "text/csv").run()
+    unfold(app, "order-of-repair")
     assert not app.exception
     first, second = planned(app)
     assert "37947-03K" in first

@@ -46,7 +46,7 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     assert "tcc_regulator/1, sleeve **declined**: too dear (2026-05-01)" in said
     visits, wear = app.dataframe[0].value, app.dataframe[2].value
     assert list(visits["Date"]) == ["2026-05-01", "2024-05-01"]
-    assert wear["µm per 10 000 km"][0].startswith("0.50 (")
+    assert wear["µm per 10\u00a0000 km"][0].startswith("0.50 (")
     assert wear[f"{signed('replace')} at"][0].startswith(("2", "not before"))
     assert "shown from 10 other units on" in said
     # a visit beside the one before

@@ -444,7 +444,8 @@ def test_a_doubtful_verdict_says_what_would_settle_it(worn, language):
     say = wording(language)
     assert say("sections.again") in text
     for land in doubtful:
-        assert f"{land.state.land.component} {worn.controller.components[land.state.land.component]}" in text
+        component = land.state.land.component
+        assert f"{component} {say.name(worn.controller.components[component])}" in text
     assert (
         say.percent(doubtful[0].uncertainty.remedy(doubtful[0].uncertainty.deciding).fraction, 0).replace("\u00a0", " ")
         in text

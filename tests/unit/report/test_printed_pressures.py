@@ -44,7 +44,7 @@ def test_every_applied_circuit_stands_with_its_pressure_and_the_word_of_its_verd
     worn_clutch: Diagnosis, language: str
 ) -> None:
     say = wording(language)
-    at = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch))
+    at = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
     said = words(pressures_chart(at, say))
     for each in at.applied:
         name = say("held.line") if each.circuit is None else each.circuit.name
@@ -59,7 +59,7 @@ def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> Non
         return len(re.findall(r'id="patch_', svg))
 
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
-    planned = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch))
+    planned = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
     say = wording("en")
     assert bars(pressures_chart(planned, say)) - bars(pressures_chart(at, say)) == len(at.applied)
 

@@ -18,6 +18,8 @@ from .conftest import a_sheet
 
 UM = 1e-6
 
+ENGLISH = wording("en")
+
 
 @pytest.fixture
 def unit(judge: Callable, four_speed: Controller) -> UnitUncertainty:
@@ -26,7 +28,7 @@ def unit(judge: Callable, four_speed: Controller) -> UnitUncertainty:
 
 
 def test_clearances_carry_their_intervals_and_limits(unit: UnitUncertainty, limits: Limits) -> None:
-    figure = figures.clearances(unit, lands=10)
+    figure = figures.clearances(unit, ENGLISH, lands=10)
     traces = {trace.name: trace for trace in figure.data}
     drawn = 0
     for decision in ("pass", "conditional pass", "conditional fail", "fail"):
@@ -50,7 +52,7 @@ def test_clearances_carry_their_intervals_and_limits(unit: UnitUncertainty, limi
 
 
 def test_leakages_show_interval_and_eccentricity(unit: UnitUncertainty) -> None:
-    line, points = figures.leakages(unit, lands=5).data
+    line, points = figures.leakages(unit, ENGLISH, lands=5).data
     largest = max(unit.lands, key=lambda land: land.conditions[0].leakage)
     assert points.x[0] == pytest.approx(largest.conditions[0].leakage * 6e4, rel=1e-9, abs=0.0)
     assert points.x[0] + points.error_x.array[0] == pytest.approx(largest.leakage_interval[1] * 6e4, rel=1e-9, abs=0.0)
@@ -61,7 +63,7 @@ def test_leakages_show_interval_and_eccentricity(unit: UnitUncertainty) -> None:
 
 
 def test_budget_adds_up(unit: UnitUncertainty) -> None:
-    bars = figures.budget(next(land for land in unit.lands if land.conditions[0].share > 0.0), sources=50).data
+    bars = figures.budget(next(land for land in unit.lands if land.conditions[0].share > 0.0), ENGLISH, sources=50).data
     assert [sum(bar.x) for bar in bars] == pytest.approx([100.0, 100.0], rel=1e-9, abs=0.0)
 
 
@@ -71,12 +73,12 @@ def test_limit_of_a_clearance_is_drawn_where_it_decides(
     steps = Steps(((Verdict.REPLACE, 30 * UM),), LimitOrigin.WORKSHOP, "")
     only = replace(limits, wear=None, clearance=steps, pair_share=None)
     unit = judge(a_sheet(four_speed, clearance=32 * UM), limits=only, draws=500).unit
-    limit = next(trace for trace in figures.clearances(unit).data if trace.name == "limit")
+    limit = next(trace for trace in figures.clearances(unit, ENGLISH).data if trace.name == "limit")
     assert list(limit.x) == pytest.approx([30.0] * len(limit.x), rel=1e-12, abs=0.0)
 
 
 def test_a_decision_is_named_as_the_texts_name_it(unit: UnitUncertainty, monkeypatch: pytest.MonkeyPatch) -> None:
     for decision in DECISIONS:
         monkeypatch.setitem(wording("en").texts["decisions"], decision, f"decided: {decision}")
-    named = {trace.name for trace in figures.clearances(unit, lands=len(unit.lands)).data}
+    named = {trace.name for trace in figures.clearances(unit, ENGLISH, lands=len(unit.lands)).data}
     assert named >= {f"decided: {land.decision}" for land in unit.lands}

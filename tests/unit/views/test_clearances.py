@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from atleak.catalogue.controller_reading import controllers
@@ -9,24 +11,40 @@ from atleak.catalogue.fluid import fluids
 from atleak.catalogue.limits import limit_sets
 from atleak.diagnosis import Diagnosis
 from atleak.views.catalogue_rows import TABLES, representative
-from atleak.views.clearances import clearance_rows
+from atleak.views.clearances import CLEARANCE_COLUMNS, clearance_rows
+from atleak.wording import languages, wording
+
+
+def rows_of(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    return clearance_rows(diagnosis.lands, diagnosis.controller, wording("en"))
 
 
 def test_every_land_has_its_row_in_workshop_units(worn: Diagnosis) -> None:
-    rows = clearance_rows(worn.lands)
+    rows = rows_of(worn)
     assert [(row["component"], row["land"]) for row in rows] == [land.key for land in worn.lands]
     row, state = rows[4], worn.lands[4].state
-    assert row["radial_clearance_um"] == pytest.approx(state.radial_clearance * 1e6, rel=1e-9, abs=0.0)
-    assert row["spool_diameter_mm"] == pytest.approx(state.spool_diameter * 1e3, rel=1e-9, abs=0.0)
-    assert row["sleeve_ovality_um"] == pytest.approx(1.0, rel=1e-9, abs=0.0)
-    assert row["min_clearance_um"] - 1e-9 <= row["radial_clearance_um"] <= row["max_clearance_um"] + 1e-9
+    assert row["clearance"] == pytest.approx(state.radial_clearance * 1e6, rel=1e-9, abs=0.0)
+    assert row["spool_diameter"] == pytest.approx(state.spool_diameter * 1e3, rel=1e-9, abs=0.0)
+    assert row["sleeve_ovality"] == pytest.approx(1.0, rel=1e-9, abs=0.0)
+    assert row["clearance_least"] - 1e-9 <= row["clearance"] <= row["clearance_largest"] + 1e-9
 
 
 def test_what_was_not_measured_says_so_and_has_no_range(worn: Diagnosis) -> None:
-    row = clearance_rows(worn.lands)[-1]
-    assert row["status"] == "not measured"
-    assert row["wear_percent"] is row["max_clearance_um"] is row["spool_ovality_um"] is None
-    assert row["radial_clearance_um"] == pytest.approx(row["mounting_clearance_um"], rel=1e-9, abs=0.0)
+    row = rows_of(worn)[-1]
+    assert row["measured_parts"] == "not measured"
+    assert row["wear"] is row["clearance_largest"] is row["spool_ovality"] is None
+    assert row["clearance"] == pytest.approx(row["mounting"], rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_column_has_its_heading_and_what_tells_pairs_apart_comes_first(worn: Diagnosis, language: str) -> None:
+    say = wording(language)
+    headings = [column.heading(say) for column in CLEARANCE_COLUMNS]
+    assert len(set(headings)) == len(headings)
+    assert {column.key for column in CLEARANCE_COLUMNS} == set(rows_of(worn)[0])
+    widths = [column.width or 0 for column in CLEARANCE_COLUMNS[:3]]
+    assert [column.key for column in CLEARANCE_COLUMNS[:3]] == ["verdict", "component", "land"]
+    assert sum(widths) <= 360  # pixels of a phone's table
 
 
 @pytest.mark.parametrize("entry", controllers(), ids=lambda entry: entry.id)

@@ -16,9 +16,9 @@ from atleak.history.land_wear import WearHistory, wear_over_mileage
 from atleak.history.totals import totals_over_mileage
 from atleak.history.visits import Visit
 from atleak.readings import Readings
-from atleak.verdicts import Band
-from atleak.views.history_rows import NO_WEAR, land_name, soonest_first, total_rows, wear_rows
-from atleak.wording import signed
+from atleak.verdicts import Band, Verdict
+from atleak.views.history_rows import land_name, soonest_first, total_rows, wear_rows
+from atleak.wording import signed, wording
 
 REGULATOR, SECOND, TCC, SOLENOID = (
     ("pressure_regulator", 1),
@@ -31,7 +31,7 @@ VISITS = (  # year, mileage, clearances [µm]
     (2024, 100_000.0, {REGULATOR: 20.0, TCC: 17.2, SECOND: 19.0, SOLENOID: 25.0}),
     (2026, 160_000.0, {REGULATOR: 26.0, TCC: 17.1, SECOND: 19.6, SOLENOID: 28.0}),
 )
-WATCH, REPLACE = f"{signed('watch')} at", f"{signed('replace')} at"
+WATCH, REPLACE, ENGLISH = Verdict.WATCH, Verdict.REPLACE, wording("en")
 
 
 @pytest.fixture(scope="module")
@@ -53,16 +53,17 @@ def test_every_land_has_its_rate_and_when_it_reaches_each_level(
     unit: tuple[WearHistory, Diagnosis], minimal: Controller
 ) -> None:
     history, _ = unit
-    rows = {row["Pair"].split(" ")[0]: row for row in wear_rows(history, minimal)}
+    rows = {row["pair"].split(" ")[0]: row for row in wear_rows(history, minimal, ENGLISH)}
     worn = rows["pressure_regulator/1"]
-    assert worn["µm per 10 000 km"].startswith("1.00 (0.")
-    assert (worn[WATCH], worn["Visits"], worn["Since"]) == ("reached", 2, "2022-05-01: repaired")
+    assert worn["rate"].startswith("1.00 (0.")
+    assert (worn[WATCH], worn["visits"], worn["since"]) == ("reached", 2, "2022-05-01: repaired")
     assert worn[REPLACE].replace("\u00a0", " ").startswith("170 000 km (")
     assert rows["solenoid_modulator/1"][REPLACE] == "reached"
     unworn = rows["tcc_regulator/1"]
-    assert unworn["µm per 10 000 km"].startswith(f"{NO_WEAR} (−0.")
+    assert unworn["rate"].startswith("no wear that can be told from measurement: ")
+    assert "(−0." in unworn["rate"]
     assert unworn[REPLACE].startswith(("not before", "not foreseeable"))
-    assert unworn["Since"] is None
+    assert unworn["since"] is None
 
 
 def test_what_is_past_a_limit_comes_first_and_what_nobody_can_tell_last(unit: tuple[WearHistory, Diagnosis]) -> None:
@@ -71,24 +72,24 @@ def test_what_is_past_a_limit_comes_first_and_what_nobody_can_tell_last(unit: tu
 
 
 def test_a_lands_name_begins_with_its_number(minimal: Controller) -> None:
-    assert land_name(minimal, TCC).startswith("tcc_regulator/1 ")
-    assert land_name(minimal, ("gone", 2)) == "gone/2"
+    assert land_name(minimal, TCC, ENGLISH).startswith("tcc_regulator/1 ")
+    assert land_name(minimal, ("gone", 2), ENGLISH) == "gone/2"
 
 
 def test_totals_stand_with_the_mileage_of_each_band(unit: tuple[WearHistory, Diagnosis]) -> None:
     totals = totals_over_mileage(*unit)
-    rows = total_rows(totals.totals)
-    assert [row["Condition"] for row in rows] == [each.condition.label for each in unit[1].projections]
-    [ahead] = [name for name in rows[0] if name.startswith("At 360")]
-    low, high = rows[0][ahead].split("(")[1].removesuffix(")").split(" to ")
-    assert float(low) < float(rows[0][ahead].split(" ")[0]) < float(high)
-    assert f"{signed(Band.AMBER)} at" in rows[0]
+    rows = total_rows(totals.totals, ENGLISH)
+    assert [row["condition"] for row in rows] == [each.condition.label for each in unit[1].projections]
+    low, high = rows[0]["ahead"].split("(")[1].removesuffix(")").split(" to ")
+    assert float(low) < float(rows[0]["ahead"].split(" ")[0]) < float(high)
+    assert totals.totals[0].mileages[-1] == 360_000.0
+    assert Band.AMBER in rows[0]
 
 
 def test_the_figure_of_a_land_shows_its_points_its_band_and_its_limits(unit: tuple[WearHistory, Diagnosis]) -> None:
     history, _ = unit
     land = history.land(REGULATOR)
-    figure = figures.clearance_over_mileage(land, history.visits, history.present)
+    figure = figures.clearance_over_mileage(land, history.visits, history.present, ENGLISH)
     traces = {trace.name: trace for trace in figure.data}
     assert list(traces["measured"].x) == [100_000.0, 160_000.0]
     assert list(traces["measured"].y) == pytest.approx([20.0, 26.0], abs=1e-6)
@@ -98,7 +99,7 @@ def test_the_figure_of_a_land_shows_its_points_its_band_and_its_limits(unit: tup
     )
     assert traces["line"].y[0] == pytest.approx(20.0, abs=1e-6)
     end = traces["line"].x[-1]
-    band = traces["90% of the line"]
+    band = traces["90\u00a0% of the line"]
     assert band.y[40] == pytest.approx(land.line.band(end)[1] * 1e6, abs=1e-6)
     said = [each.text for each in figure.layout.annotations]
     assert said == [f"{signed('watch')}: 22.0 µm", f"{signed('replace')}: 27.0 µm"]
@@ -106,7 +107,7 @@ def test_the_figure_of_a_land_shows_its_points_its_band_and_its_limits(unit: tup
 
 def test_the_figure_of_a_total_has_the_limits_that_are_near(unit: tuple[WearHistory, Diagnosis]) -> None:
     total = totals_over_mileage(*unit).totals[0]
-    figure = figures.total_over_mileage(total)
+    figure = figures.total_over_mileage(total, ENGLISH)
     line = next(trace for trace in figure.data if trace.name == "total share")
     assert list(line.y) == pytest.approx([100.0 * each for each in total.median], abs=1e-9)
     near = [limit for limit in total.limits if limit.share <= 1.5 * max(total.high)]
@@ -114,7 +115,19 @@ def test_the_figure_of_a_total_has_the_limits_that_are_near(unit: tuple[WearHist
 
 
 def test_a_pareto_chart_counts_units_and_what_they_make_up() -> None:
-    figure = figures.pareto(["a/1", "b/2"], [6, 2], 9, "flagged")
+    figure = figures.pareto(["a/1", "b/2"], [6, 2], 9, "flagged", ENGLISH)
     [bar] = figure.data
     assert list(bar.text) == ["6 of 9", "2 of 9"]
     assert list(bar.customdata) == [75.0, 100.0]
+
+
+def test_a_rate_stands_in_the_readers_units(unit: tuple[WearHistory, Diagnosis], minimal: Controller) -> None:
+    """1.00 µm per 10 000 km is 0.634 times 0.0001 in per 10 000 mi."""
+    us = wording("de", "us")
+    rows = {row["pair"].split(" ")[0]: row for row in wear_rows(unit[0], minimal, us)}
+    assert rows["pressure_regulator/1"]["rate"].startswith("0,634 (")
+    figure = figures.clearance_over_mileage(unit[0].land(REGULATOR), unit[0].visits, unit[0].present, us)
+    assert figure.layout.xaxis.title.text == "Laufleistung [mi]"
+    measured = next(trace for trace in figure.data if trace.name == "gemessen")
+    assert list(measured.x) == pytest.approx([62137.119, 99419.391], abs=1e-3)
+    assert list(measured.y) == pytest.approx([7.874016, 10.236220], abs=1e-6)

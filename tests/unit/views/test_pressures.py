@@ -48,7 +48,7 @@ def falling(three_circuits: Controller, hipol: Fluid, limits: Limits, readings_o
 def test_they_are_those_of_the_engine_with_interval_new_and_repair(worn_clutch: Diagnosis) -> None:
     plan = plan_repairs(worn_clutch)
     for number, projection in enumerate(worn_clutch.projections):
-        at = pressures_at(worn_clutch, projection, plan)
+        at = pressures_at(worn_clutch, projection, plan.ends)
         new, end = worn_clutch.new_projections[number], plan.ends[number]
         total = worn_clutch.uncertainty.total(projection.condition.name)
         assert (at.line.now, at.line.new) == (projection.main_pressure_held, new.main_pressure_held)
@@ -176,7 +176,7 @@ def test_a_circuit_says_what_it_holds_and_which_lands_cost_it_that(worn_clutch: 
     said = plainly(circuit_sentence(worn_clutch, clutch, SAY))
     assert said.startswith(f"clutch C1 holds {clutch.now / 1e3:.0f} of {clutch.new / 1e3:.0f} kPa (")
     first, second = (f"{loss / 1e3:.0f} kPa" for _, loss in clutch.costly)
-    name = land_in_words(worn_clutch, ("2", 1))
+    name = land_in_words(worn_clutch, ("2", 1), SAY)
     assert said.endswith(f": ■ replace; {name} costs {first}; {name.replace('/1', '/2')} costs {second}")
     assert plainly(circuit_sentence(worn_clutch, lock_up, SAY)) == "lock-up holds 150 of 150 kPa: ● ok"
 

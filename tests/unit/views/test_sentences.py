@@ -17,7 +17,7 @@ from atleak.diagnosis import Diagnosis, LandDiagnosis, diagnose
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
 from atleak.views.diagnosis_record import diagnosis_record, to_json
-from atleak.views.sentences import replace_at, tighter_than_new
+from atleak.views.sentences import readings_in_doubt, replace_at
 from atleak.wear_line import Crossing
 from atleak.wording import wording
 
@@ -99,9 +99,9 @@ def test_a_verdict_on_pairs_tighter_than_new_says_so_at_once(
     }
     tight = diagnose(four_speed, hipol, limits, readings=readings_of(four_speed, half))
     said = "47 measured lands are tighter than new ones, which wear cannot do: they are not passed."
-    assert (tighter_than_new(tight, wording("en")) or "").startswith(said)
-    assert "47" in (tighter_than_new(tight, wording("de")) or "")
+    assert (readings_in_doubt(tight, wording("en")) or "").startswith(said)
+    assert "47" in (readings_in_doubt(tight, wording("de")) or "")
     print_diagnosis(tight)
     head = " ".join(capsys.readouterr().out.split())
     assert head.index("unit: ● ok") < head.index(said) < head.index("driving in second")
-    assert tighter_than_new(sample, wording("en")) is None
+    assert readings_in_doubt(sample, wording("en")) is None

@@ -87,6 +87,16 @@ def mean(values):
     return sum(values) / len(values)
 
 
+def counted(part, repeats):
+    """Of repeats more than 5 µm apart: those on which most agree, else the widest with what agrees with it."""
+    if max(repeats) - min(repeats) <= 5:
+        return repeats
+    ends = sorted(set(repeats), reverse=part == "sleeve")
+    agreeing = [[each for each in repeats if 0 <= (each - end) * (1 if part == "spool" else -1) <= 5] for end in ends]
+    most = [group for group in agreeing if 2 * len(group) > len(repeats)]
+    return max(most or agreeing[:1], key=len)
+
+
 @given(rows=sheets())
 def test_clearances_are_means_of_means_in_thousandths(controller, rows):
     """Compare with means computed from whole micrometres: over repeats, then directions, then planes."""
@@ -98,7 +108,8 @@ def test_clearances_are_means_of_means_in_thousandths(controller, rows):
                 mine = [row for row in rows if row[:3] == (gap.land.component, part, plane)]
                 angles = sorted({row[3] for row in mine})
                 if angles:
-                    planes.append(mean([mean([row[5] for row in mine if row[3] == angle]) for angle in angles]))
+                    places = [[row[5] for row in mine if row[3] == angle] for angle in angles]
+                    planes.append(mean([mean(counted(part, repeats)) for repeats in places]))
             if planes:
                 part_means[part] = mean(planes)
         assert gap.measured == bool(part_means)

@@ -46,8 +46,8 @@ def test_without_readings_every_land_is_at_its_mounting_clearance(controller):
 def test_mean_over_repeats_then_directions_then_planes(controller):
     # unequal numbers of repeats and directions must not weigh
     spool = readings(
-        *one("8", "spool", "1", 0.0, 9.990, 9.990, 9.996),  # 9.992
-        *one("8", "spool", "1", 90.0, 9.998),  # plane 1: 9.995
+        *one("8", "spool", "1", 0.0, 9.990, 9.990, 9.993),  # 9.991
+        *one("8", "spool", "1", 90.0, 9.999),  # plane 1: 9.995
         *one("8", "spool", "2", 0.0, 9.985),  # plane 2
         *one("8", "sleeve", "1", 0.0, 10.050),
         *one("8", "sleeve", "1", 90.0, 10.060),

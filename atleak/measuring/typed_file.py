@@ -1,0 +1,167 @@
+"""Typed entries as the measuring sheet in which a job keeps them: text, every sign as it was typed.
+
+`atleak.intake.readings.read_readings` reads it as any other sheet. A column says of every row whether it counts, so
+that nothing that cannot be a reading enters a verdict, and nothing typed is lost.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import json
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import asdict, replace
+from typing import Any
+
+from atleak.catalogue.controller import Controller
+from atleak.intake.units import unit, unit_names
+from atleak.measuring.plan import MOST_DIRECTIONS, MOST_REPEATS, PARTS, Cell, Order, Plan
+from atleak.measuring.typed import Entry, Typed, cell_of, in_mm
+from atleak.readings import TYPED_MARK, Readings
+
+TYPED_FILE = "typed readings.csv"
+_KEYS = ("No.", "Part", "Plane", "Direction", "Repeat")
+_COORDINATES = ("Coordinate x1 [mm]", "Coordinate x2 [mm]")
+_LAST = ("Counts", "Taken at")
+_UNWORN = "unworn end"
+_MM = unit("mm", "length")
+_OF_LANDS = ("No.", "Land", "Contact length [mm]", "Position from left end [mm]", "Fitted repair")
+
+
+def written(typed: Typed, counting: Collection[Cell], controller: Controller) -> bytes | None:
+    """Return the file; None where nothing was typed.
+
+    Parameters
+    ----------
+    typed
+        all entries.
+    counting
+        the cells of which the readings count.
+    controller
+        whose lands they are of.
+    """
+    if not typed.entries:
+        return None
+    target = io.StringIO(newline="")
+    rows = csv.writer(target, delimiter=";", lineterminator="\r\n")
+    rows.writerow([TYPED_MARK, json.dumps(asdict(typed.plan))])
+    rows.writerow([f"Controller {controller.id}"])
+    rows.writerows(_head(typed.sheet))
+    rows.writerow(_headings(typed.unit))
+    for cell in typed.plan.in_order(controller, typed.entries):
+        rows.writerow([*_labels(cell), *_values(typed.entries[cell]), "yes" if cell in counting else "no", ""])
+    for reading in typed.sheet.unworn if typed.sheet else ():
+        size = f"{in_mm(reading.diameter)} mm"
+        rows.writerow([*_labels(cell_of(reading)), *_values(Entry(size, reading.coordinates)), "yes", _UNWORN])
+    rows.writerows(_of_lands(typed.sheet))
+    return target.getvalue().encode()
+
+
+def _headings(unit: str) -> list[str]:
+    return [*_KEYS, *_COORDINATES, f"Diameter [{unit}]", *_LAST]
+
+
+def _labels(cell: Cell) -> list[str]:
+    direction = "" if cell.direction is None else f"{cell.direction:.12g}"
+    return [cell.component, cell.part, cell.plane, direction, str(cell.repeat)]
+
+
+def _values(entry: Entry) -> list[str]:
+    if entry.coordinates is None:
+        return ["", "", entry.text]
+    return [*map(in_mm, entry.coordinates), ""]
+
+
+def _head(sheet: Readings | None) -> Iterator[list[str]]:
+    """Yield what the sheet that is gone on from states of the measurement as a whole."""
+    if sheet is None:
+        return
+    if sheet.temperature is not None:
+        yield ["Measuring temperature", f"{sheet.temperature:.12g} °C"]
+    if sheet.date is not None:
+        yield ["Date", sheet.date.isoformat()]
+    for name, um in zip(("side", "tip"), sheet.pump.um, strict=True):
+        if um is not None:
+            yield [f"Pump {name} clearance [µm]", f"{um:.12g}"]
+
+
+def _of_lands(sheet: Readings | None) -> Iterator[list[str]]:
+    """Yield, as a table of its own, what that sheet states of lands themselves."""
+    if sheet is None or not (sheet.own_lands.lengths or sheet.own_lands.fitted):
+        return
+    yield []
+    yield [*_OF_LANDS]
+    for each in sheet.own_lands.lengths:
+        sizes = (each.contact_length, each.position)
+        yield [each.component, str(each.land), *("" if size is None else in_mm(size) for size in sizes), ""]
+    for fitted in sheet.own_lands.fitted:
+        yield [fitted.component, "", "", "", fitted.repair]
+
+
+def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed | None:
+    """Return the entries of a file that `written` gave; None for any other file, and for another valve body's.
+
+    Parameters
+    ----------
+    content
+        of the file.
+    sheet
+        what `read_readings` reads of that same file.
+    controller
+        whose lands it names.
+    """
+    try:
+        rows = list(csv.reader(io.StringIO(content.decode(), newline=""), delimiter=";"))
+        if not rows or rows[0][:1] != [TYPED_MARK]:
+            return None
+        plan = _plan(json.loads(rows[0][1]))
+        units = {tuple(_headings(name)): name for name in unit_names("length")}
+        head = next(number for number, row in enumerate(rows) if tuple(row) in units)
+        entries = dict(_entries(rows[head + 1 :]))
+    except (
+        ValueError,
+        LookupError,
+        TypeError,
+        StopIteration,
+        csv.Error,
+    ):  # somebody has edited it
+        return None
+    if any(controller.land_of_plane(cell.component, cell.plane) is None for cell in entries):
+        return None
+    return Typed(entries, plan, units[tuple(rows[head])], sheet=replace(sheet, readings=()))
+
+
+def _plan(record: dict[str, Any]) -> Plan:
+    """Return the plan of a file's first row.
+
+    Raises
+    ------
+    ValueError, KeyError, TypeError
+        where it is none.
+    """
+    planes, lands = record["planes"], tuple((str(component), int(land)) for component, land in record["lands"])
+    directions, repeats = int(record["directions"]), int(record["repeats"])
+    if not (1 <= directions <= MOST_DIRECTIONS and 1 <= repeats <= MOST_REPEATS):
+        raise ValueError("no such plan")
+    return Plan(Order(record["order"]), directions, repeats, None if planes is None else max(int(planes), 1), lands)
+
+
+def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[Cell, Entry]]:
+    """Yield the entries of the table that begins here.
+
+    Raises
+    ------
+    ValueError
+        where it is not as `written` gave it.
+    """
+    for row in itertools.takewhile(bool, rows):
+        component, part, plane, direction, repeat, first, second, text, _, taken_at = row
+        if taken_at:
+            continue
+        cell = Cell(component, PARTS[PARTS.index(part)], plane, float(direction) if direction else None, int(repeat))
+        if text:
+            yield cell, Entry(text)
+        else:
+            ends = _MM.to_si(float(first)), _MM.to_si(float(second))
+            yield cell, Entry(in_mm(abs(ends[0] - ends[1])), ends)

@@ -1,0 +1,97 @@
+"""Say a diagnosis in one sentence: how it stands, by what, what it leaks, what is not measured, what is in doubt."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.rules import Rule
+from atleak.verdicts import FLAGGED, Verdict
+from atleak.views.measured_words import measured_sentence
+from atleak.views.pressures import worst_pressure
+from atleak.views.repair_words import Named, label_of
+from atleak.views.rule_words import rule_reached
+from atleak.views.sentences import because_of, land_in_words
+from atleak.wording import Wording
+
+NAMED = 4  # lands that the sentence names one by one: choice of this project
+
+
+def shown_verdict(diagnosis: Diagnosis) -> Verdict:
+    """Return the verdict that a page may show: a unit of which anything is open or in doubt is not ok."""
+    if diagnosis.verdict == Verdict.OK and not diagnosis.passed:
+        return Verdict.NOT_MEASURED
+    return diagnosis.verdict
+
+
+def first_sentence(diagnosis: Diagnosis, say: Wording, named: Named = label_of) -> str:
+    """Return the sentence without the verdict's sign and word, which stand before it."""
+    return f"{'; '.join(part.removesuffix('.') for part in _parts(diagnosis, say, named))}."
+
+
+def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
+    measured = measured_sentence(diagnosis, say)
+    if measured is not None:
+        yield measured
+    if diagnosis.without_sheet:
+        yield say("findings.alone")
+        return
+    yield from _lands(diagnosis, say)
+    decided_by = diagnosis.decided_by
+    if isinstance(decided_by, LandDiagnosis):
+        rule = decided_by.deciding
+        reached = "" if rule is None else rule_reached(rule, say, named)
+        yield say("diagnosis.decides", land=land_in_words(diagnosis, decided_by.key), rule=reached)
+        pressure = worst_pressure(diagnosis)
+        if pressure is not None:
+            yield f"{say.signed(pressure.verdict)} {because_of(diagnosis, pressure, say, named) or ''}".rstrip()
+    elif isinstance(decided_by, Rule) and measured is None:
+        because = because_of(diagnosis, decided_by, say, named)
+        yield because or say("diagnosis.by_rule", rule=rule_reached(decided_by, say, named))
+    yield from _open(diagnosis, say)
+    yield _total(diagnosis, say, named)
+
+
+def _lands(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
+    """Say how many of the measured lands are past a limit."""
+    counts = {level: sum(land.verdict == level for land in diagnosis.lands) for level in reversed(FLAGGED)}
+    flagged = [f"{count} {say.signed(level)}" for level, count in counts.items() if count]
+    if flagged:
+        yield say("diagnosis.flagged", flagged=", ".join(flagged), measured=diagnosis.judged)
+    elif diagnosis.passed:
+        yield say("diagnosis.all_within", measured=diagnosis.judged)
+    elif diagnosis.judged:
+        yield say("diagnosis.none_past", measured=diagnosis.judged)
+    else:
+        yield say("diagnosis.nothing_measured")
+
+
+def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
+    """Name what was not measured, or on one part only, and what contradicts itself."""
+    half = [land for land in diagnosis.unmeasured if land.state.measured]
+    none = [land for land in diagnosis.unmeasured if not land.state.measured]
+    if diagnosis.judged and none:
+        yield say("diagnosis.unmeasured", count=len(none), lands=len(diagnosis.lands), named=_named(none, say))
+    if half:
+        yield say("diagnosis.half_measured", count=len(half), named=_named(half, say))
+    if diagnosis.in_doubt:
+        yield say("diagnosis.in_doubt", count=len(diagnosis.in_doubt), named=_named(diagnosis.in_doubt, say))
+
+
+def _named(lands: Iterable[LandDiagnosis], say: Wording) -> str:
+    names = [f"{land.key[0]}/{land.key[1]}" for land in lands]
+    more = len(names) - NAMED
+    said = ", ".join(names[:NAMED])
+    return said if more <= 0 else say("diagnosis.and_more", named=said, count=more)
+
+
+def _total(diagnosis: Diagnosis, say: Wording, named: Named) -> str:
+    """Say what the unit leaks where that is worst, and which band that is."""
+    worst = diagnosis.worst
+    band, condition = diagnosis.band(worst), named(worst.condition)
+    if not math.isfinite(worst.share):
+        return say("diagnosis.no_delivery", condition=condition)
+    key = "as_new" if band is None else "leaks" if diagnosis.passed or band.verdict.flagged else "leaks_open"
+    sign = "" if band is None else say.signed(band)
+    return say(f"diagnosis.{key}", share=say.percent(worst.share), condition=condition, band=sign)

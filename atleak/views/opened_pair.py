@@ -1,0 +1,177 @@
+"""Say everything that is known of one component's lands: the pair that was opened in the valve body's picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from atleak.catalogue.section_pressures import Pressure
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.rules import Rule
+from atleak.verdicts import Verdict, worst
+from atleak.views.condition_matrix import MatrixRow
+from atleak.views.pair_table import Cell, Row, Table, clearance, decision, share_cell, why
+from atleak.views.repair_words import Named, label_of
+from atleak.views.rule_words import rule_name, rule_value
+from atleak.wording import Wording, isolated
+from atleak.workshop_units import KPA, MM, UM
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One fact of a land: what it is, and its value in words."""
+
+    name: str
+    value: str
+
+
+@dataclass(frozen=True)
+class OpenedLand:
+    """One land in a reader's words."""
+
+    land: LandDiagnosis
+    verdict: Cell
+    why: tuple[str, ...]  # the verdict: what decided, what is missing, what contradicts itself
+    facts: tuple[Fact, ...]
+    shares: Table  # at every condition
+    rules: Table  # every limit that judges it
+    does: tuple[str, ...]  # from where to where it leaks, and which complaints it can cause
+
+
+def component_verdict(diagnosis: Diagnosis, component: str) -> Verdict:
+    """Return the worst verdict of a component's lands; one that is open before one that is ok."""
+    levels = [land.verdict for land in diagnosis.lands if land.key[0] == component]
+    flagged = [level for level in levels if level.flagged]
+    if flagged or all(level == Verdict.OK for level in levels):
+        return worst(levels)
+    return Verdict.NOT_MEASURED
+
+
+def components_worst_first(diagnosis: Diagnosis) -> list[str]:
+    """Return the components that have lands, those with flagged lands first, the worst of them leading."""
+    first = [land.key[0] for land in diagnosis.flagged]
+    others = [name for name in diagnosis.controller.components if diagnosis.controller.lands_of(name)]
+    return list(dict.fromkeys([*first, *others]))
+
+
+def opened_lands(diagnosis: Diagnosis, component: str, say: Wording, named: Named = label_of) -> tuple[OpenedLand, ...]:
+    """Return every land of a component, in its order along the spool."""
+    lands = [land for land in diagnosis.lands if land.key[0] == component]
+    return tuple(_opened(diagnosis, land, say, named) for land in lands)
+
+
+def _opened(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording, named: Named) -> OpenedLand:
+    return OpenedLand(
+        land=land,
+        verdict=Cell(say.signed(land.verdict), land.verdict),
+        why=_why(land, say, named),
+        facts=tuple(_facts(land, say)),
+        shares=_shares(diagnosis, land, say, named),
+        rules=_rules(land, say, named),
+        does=tuple(_does(diagnosis, land, say)),
+    )
+
+
+def _why(land: LandDiagnosis, say: Wording, named: Named) -> tuple[str, ...]:
+    said = tuple(why(land, say, named)) or (say("diagnosis.within_limits"),)
+    return (say("diagnosis.nearest_limit", rule=said[0]), *said[1:]) if land.verdict == Verdict.OK else said
+
+
+def _facts(land: LandDiagnosis, say: Wording) -> Iterator[Fact]:
+    state = land.state
+
+    def micrometres(value: float | None) -> str:
+        return "–" if value is None else say.quantity(value * UM, "clearance")
+
+    def fact(name: str, value: str) -> Fact:
+        return Fact(say(f"diagnosis.{name}"), value)
+
+    if not state.measured:
+        yield fact("clearance", say("diagnosis.taken_as_new", value=micrometres(state.radial_clearance)))
+        return
+    yield fact("clearance", clearance(land, say))
+    low, high = state.land.mounting_range
+    yield fact(
+        "when_new", micrometres(low) if low == high else f"{say.value(low * UM, 'clearance')}–{micrometres(high)}"
+    )
+    yield fact("wear", "–" if land.wear is None else say.percent(land.wear, 0))
+    for part, ovality, taper in (
+        ("spool", state.spool_ovality, state.spool_taper),
+        ("sleeve", state.sleeve_ovality, state.sleeve_taper),
+    ):
+        if ovality is not None:
+            yield fact(f"ovality_{part}", micrometres(ovality))
+        if taper is not None:
+            yield fact(f"taper_{part}", micrometres(taper))
+    if state.worst_direction is not None:
+        value = micrometres(state.max_clearance)
+        yield fact("widest", say("diagnosis.widest_at", value=value, direction=say.plain(state.worst_direction)))
+    sizes = (say.quantity(size * MM, "length") for size in (state.spool_diameter, state.sleeve_diameter))
+    yield fact("diameters", " / ".join(sizes))
+    if land.decision is not None:
+        yield fact("decision", decision(land, say))
+
+
+def _shares(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording, named: Named) -> Table:
+    row = MatrixRow.of(land, diagnosis, diagnosis.presented)
+    costs = any(cell.loss for cell in row.cells)
+    rows = []
+    for cell in row.cells:
+        limit = "–" if cell.rule is None else rule_value(cell.rule, cell.rule.limit, say)
+        cells = [Cell(named(cell.projection.condition)), share_cell(cell, say), Cell(limit)]
+        if costs:
+            cells.append(Cell(say.quantity(cell.loss * KPA, "pressure") if cell.loss else "–"))
+        rows.append(Row(land.key, tuple(cells)))
+    names = ("condition", "share_of_pump", "limit", "costs")
+    return Table(_headings(names if costs else names[:-1], say), tuple(rows))
+
+
+def _rules(land: LandDiagnosis, say: Wording, named: Named) -> Table:
+    worst_first = sorted(land.rules, key=lambda rule: (-rule.verdict.rank, -rule.severity))
+    of_share = [rule for rule in worst_first if rule.condition is not None]
+    kept = [rule for rule in worst_first if rule.condition is None or rule is of_share[0]]  # others stand with shares
+    rows = tuple(
+        Row(
+            land.key,
+            (
+                Cell(rule_name(rule, say, named)),
+                Cell(rule_value(rule, rule.value, say), rule.verdict),
+                Cell("; ".join(_levels(rule, say))),
+                Cell(say.get("origins", rule.origin)),
+            ),
+        )
+        for rule in kept
+    )
+    return Table(_headings(("rule", "value", "limits", "limit_is"), say), rows)
+
+
+def _levels(rule: Rule, say: Wording) -> Iterator[str]:
+    for level, limit in rule.steps.levels:
+        yield say("rules.level", level=say.signed(level), limit=rule_value(rule, limit, say))
+
+
+def _headings(names: Iterable[str], say: Wording) -> tuple[str, ...]:
+    return tuple(say(f"diagnosis.column_{name}") for name in names)
+
+
+def _does(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Iterator[str]:
+    """Say from where to where the land leaks, and which complaints of the valve body's file that can cause."""
+    controller = diagnosis.controller
+    names = {each.id: isolated(each.name) for each in controller.circuits}
+
+    def written(pressure: Pressure) -> str:
+        if pressure.section is None:
+            return say.quantity(pressure.constant * KPA, "pressure") if pressure.constant else say("diagnosis.sump")
+        name = names.get(pressure.section) or say.get("pressures", pressure.section)
+        if pressure.coefficient == 1.0:
+            return name
+        return say("diagnosis.part_of", part=say.percent(pressure.coefficient, 0), pressure=name)
+
+    for gap in controller.gaps:
+        if gap.key == land.key:
+            gears = ", ".join(map(str, sorted(gap.gears)))
+            yield say("diagnosis.leaks_to", high=written(gap.high), low=written(gap.low), gears=gears)
+    leaking = {each.condition.name for each in diagnosis.projections if each.leakage_of(land.key) > 0.0}
+    for complaint in controller.complaints:
+        if land.key in complaint.lands or (not complaint.lands and leaking & set(complaint.conditions)):
+            yield say("diagnosis.can_cause", complaint=isolated(complaint.label))

@@ -1,0 +1,101 @@
+"""Say what a set of repairs brings at every condition: share, pressure held and reserve, before and after."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Sequence
+
+from atleak.catalogue.limits import RuleKind
+from atleak.diagnosis import Diagnosis
+from atleak.engine.line import LINE
+from atleak.repair import MoveKey, OfferedRepair, OfferedRepairs, RepairedAt, Total
+from atleak.verdicts import Verdict
+from atleak.views.pair_table import Cell, Row, Table
+from atleak.views.repair_words import Named, label_of
+from atleak.views.rule_words import rule_reached
+from atleak.views.sentences import land_in_words
+from atleak.wording import Wording, isolated
+from atleak.workshop_units import KPA
+
+
+def effect_table(effect: Sequence[RepairedAt], say: Wording, named: Named = label_of) -> Table:
+    """Return every condition with what the unit leaks and holds there, as measured and with the repairs."""
+    circuits = any(_worst_circuit(at.after) for at in effect)
+    names = ["condition", "share", "share_then", "line", "line_then", "reserve", "reserve_then"]
+    names += ["worst_circuit"] if circuits else []
+    rows = []
+    for at in effect:
+        cells = [Cell(named(at.condition)), *_both(at, say)]
+        cells += [Cell(_circuit(at, say))] if circuits else []
+        rows.append(Row(None, tuple(cells)))
+    return Table(tuple(say(f"repair_plan.column_{name}") for name in names), tuple(rows))
+
+
+def _both(at: RepairedAt, say: Wording) -> Iterator[Cell]:
+    for total in (at.before, at.after):
+        yield Cell(f"{_share(total, say)} {say.signed(total.band)}", total.band)
+    for total in (at.before, at.after):
+        yield Cell(say.quantity(total.pressures[LINE] * KPA, "pressure"), _level(total, RuleKind.PERMISSIBLE_PRESSURE))
+    for total in (at.before, at.after):
+        yield Cell(say.number(total.reserve, 2), _level(total, RuleKind.RESERVE))
+
+
+def _share(total: Total, say: Wording, digits: int = 1) -> str:
+    return say.percent(total.share, digits) if math.isfinite(total.share) else say("diagnosis.no_flow")
+
+
+def _level(total: Total, kind: RuleKind) -> Verdict | None:
+    """Return the verdict of a pressure past its limit; None where it is within, or nothing judges it."""
+    rule = next((rule for rule in total.pressure_rules if rule.kind is kind), None)
+    return rule.verdict if rule is not None and rule.verdict.flagged else None
+
+
+def _worst_circuit(total: Total) -> str | None:
+    """Return the circuit whose pressure is farthest from that when new."""
+    rules = [rule for rule in total.pressure_rules if rule.circuit is not None]
+    worst = max(rules, key=lambda rule: rule.value, default=None)
+    return worst.circuit.id if worst is not None and worst.circuit is not None else None
+
+
+def _circuit(at: RepairedAt, say: Wording) -> str:
+    worst = _worst_circuit(at.before)
+    if worst is None:
+        return "–"
+    name = next(each.circuit.name for each in at.before.projection.circuits if each.circuit.id == worst)
+    before, after = (say.quantity(total.pressures[worst] * KPA, "pressure") for total in (at.before, at.after))
+    return say("repair_plan.circuit_holds", circuit=isolated(name), before=before, after=after)
+
+
+def effect_sentences(
+    repairs: OfferedRepairs,
+    keys: Collection[MoveKey],
+    effect: Sequence[RepairedAt],
+    say: Wording,
+    named: Named = label_of,
+) -> Iterator[str]:
+    """Say whether everything is within its limits then, what stays past one, and which flagged lands are left."""
+    past = [rule for at in effect for rule in at.after.past]
+    chosen = repairs.chosen(keys)
+    if past:
+        yield say("repair_plan.stays", rules="; ".join(rule_reached(rule, say, named) for rule in past))
+    else:
+        yield say("repair_plan.all_within", count=len(chosen))
+    mended = {key for move in chosen for key in move.lands}
+    left = [f"{land.key[0]}/{land.key[1]}" for land in repairs.diagnosis.flagged if land.key not in mended]
+    if left:
+        yield say("repair_plan.flagged_left", lands=", ".join(left))
+
+
+def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, named: Named = label_of) -> str:
+    """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most."""
+    first = each.lands[0]
+    others = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in each.lands[1:])
+    lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key), others)))
+    option = each.move.option
+    work = say("repair_plan.as_new") if option is None else option.repair.label
+    at = each.best_at
+    alone = say("repair_plan.no_help")
+    if at.saving > 0.0:
+        before, after = _share(at.before, say, 2), _share(at.after, say, 2)
+        alone = say("repair_plan.alone", before=before, after=after, condition=named(at.condition))
+    return f"{say.signed(first.verdict)} · {lands}: {work} ({alone})"

@@ -1,0 +1,41 @@
+"""Say a rule in a reader's language and units: what it limits, its value, the limit it reached."""
+
+from __future__ import annotations
+
+import math
+
+from atleak.rules import Rule
+from atleak.views.repair_words import Named, label_of
+from atleak.wording import Wording, isolated
+
+_KINDS = {"µm": "clearance", "kPa": "pressure"}  # kind of quantity by the unit in which rules are recorded
+
+
+def rule_value(rule: Rule, value: float, say: Wording) -> str:
+    """Return a value of a rule, in SI or as a fraction, in the reader's unit."""
+    unit = rule.kind.unit
+    if unit in _KINDS:
+        return say.quantity(value * rule.kind.factor, _KINDS[unit])
+    return say.percent(value) if unit else say.number(value, 2)
+
+
+def rule_name(rule: Rule, say: Wording, named: Named = label_of) -> str:
+    """Return what a rule limits, of which circuit and at which condition."""
+    return ", ".join(filter(None, (_limited(rule, say), *_where(rule, named))))
+
+
+def rule_reached(rule: Rule, say: Wording, named: Named = label_of) -> str:
+    """Return a rule with its value, the limit and where that was: ``wear 60.1 % (limit 30 %)``."""
+    value = rule_value(rule, rule.value, say) if math.isfinite(rule.value) else say.number(rule.value, 0)
+    limit = rule_value(rule, rule.limit, say)
+    reached = say("rules.reached_short", rule=_limited(rule, say), value=value, limit=limit)
+    return ", ".join(filter(None, (reached, *_where(rule, named))))
+
+
+def _limited(rule: Rule, say: Wording) -> str:
+    circuit = isolated(rule.circuit.name) if rule.circuit else ""
+    return ", ".join(filter(None, (say(f"rules.{rule.kind}"), circuit)))
+
+
+def _where(rule: Rule, named: Named) -> tuple[str, str]:
+    return "" if rule.condition is None else named(rule.condition), rule.where

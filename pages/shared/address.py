@@ -1,0 +1,42 @@
+"""Keep small choices of the job that is shown in the session and in the page's address, so that a reload keeps them."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from pages.shared.state import session
+
+
+def kept(name: str) -> str:
+    """Return what was kept under a name for the job that is shown; after a reload what the address has; else ""."""
+    choices = _choices()
+    key = name, _job()
+    if key not in choices:
+        first = not any(other == name for other, _ in choices)
+        choices[key] = st.query_params.get(name, "") if first else ""
+    _write(name, choices[key])  # the browser drops it from the address where another page is chosen
+    return choices[key]
+
+
+def keep(name: str, value: str) -> None:
+    """Keep a value under a name for the job that is shown; an empty one is forgotten."""
+    _choices()[name, _job()] = value
+    _write(name, value)
+
+
+def _write(name: str, value: str) -> None:
+    if value and st.query_params.get(name) != value:
+        st.query_params[name] = value
+    elif not value and name in st.query_params:
+        del st.query_params[name]
+
+
+def _choices() -> dict[tuple[str, tuple[str, int]], str]:
+    choices: dict[tuple[str, tuple[str, int]], str] = st.session_state.setdefault("in-address", {})
+    return choices
+
+
+def _job() -> tuple[str, int]:
+    now = session()
+    chosen = now.good.controller
+    return chosen if isinstance(chosen, str) else chosen.name, now.generation

@@ -1,0 +1,184 @@
+"""Show the grid into which readings are typed. What is typed is the job's measuring sheet, sign for sign."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import streamlit as st
+
+from atleak.diagnosis import Diagnosis
+from atleak.errors import AtleakError
+from atleak.intake.gauge_table.typed import TYPED_FILE as TYPED_GAUGES
+from atleak.intake.gauge_table.typed import TypedGauges
+from atleak.intake.units import unit_names
+from atleak.job.case import SourceFile
+from atleak.measuring.doubts import Judged, judge
+from atleak.measuring.plan import MOST_DIRECTIONS, MOST_REPEATS, Order
+from atleak.measuring.record import Grid, grid_record
+from atleak.measuring.typed import Typed
+from atleak.measuring.typed_file import TYPED_FILE, typed_in, written
+from pages.shared import book, fields, reader, show, words
+from pages.shared.cases import PageCase, controller_of, diagnosis_of, instruments_of, readings_of
+from pages.shared.state import new_job, put_file, remember, session
+
+_HERE = Path(__file__).parent
+_GRID = st.components.v2.component(
+    "atleak_measuring",
+    html=(_HERE / "measuring.html").read_text(encoding="utf-8"),
+    css=(_HERE / "measuring.css").read_text(encoding="utf-8"),
+    js=(_HERE / "measuring.js").read_text(encoding="utf-8"),
+)
+_WORDS = (
+    *("hint", "back", "next", "undo", "repeat", "kept", "under_way", "doubtful", "counts_not"),
+    *("land", "clearance", "wear", "ovality", "verdict"),
+)
+_TYPED_UNITS = ("mm", "µm", "inch")
+_UNITS = {"metric": "mm", "metric_bar": "mm", "us": "inch"}  # typed in, unless another is chosen
+
+
+def draw(case: PageCase, diagnosis: Diagnosis) -> None:
+    """Draw the choices of what is measured, and the grid; the sample's can only be looked at."""
+    say, typed = reader.say(), _typed(case)
+    if case.sample:
+        with st.container(horizontal=True, vertical_alignment="center"):
+            st.info(say("measuring.sample"))
+            st.button(say("measuring.begin"), on_click=new_job, key="measuring-begin")
+    _choices(typed, diagnosis)
+    key = f"measuring-{session().generation}"
+    grid = Grid(typed.plan.cells(diagnosis.controller, typed.entries), typed, _judged(typed, case), diagnosis)
+    said = {name: say(f"measuring.{'land_head' if name == 'land' else name}") for name in _WORDS}
+    data = {
+        **grid_record(grid, say, dark=show.dark()),
+        "words": said,
+        "readonly": case.sample,
+        "job": book.job_id(),
+        "answer": st.session_state.get(f"{key}-answer"),
+    }
+    _GRID(key=key, data=data, on_batch_change=lambda: _take(key))
+
+
+def _take(key: str) -> None:
+    """Take a batch of what was typed, once, and answer it; for the grid's callback."""
+    batch = st.session_state[key]["batch"]
+    name = batch["page"], batch["number"]
+    if st.session_state.get(f"{key}-taken") == name:
+        return  # sent once more, before the answer arrived
+    st.session_state[f"{key}-taken"] = name
+    case, answer = session().case, {"page": name[0], "number": name[1], "at": None}
+    st.session_state[f"{key}-answer"] = answer
+    if case.sample:
+        return
+    typed = _typed(case)
+    controller = diagnosis_of(session().good).controller
+    done = typed.after(batch["steps"], typed.plan.cells(controller, typed.entries))
+    _put(done.typed)
+    answer["at"] = None if done.at is None else list(done.at.key)
+    if done.left_over:
+        st.toast(reader.say()("measuring.left_over", count=done.left_over))
+
+
+def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
+    """Ask what is measured, in which order, and in which unit it is typed."""
+    say, controller, plan = reader.say(), diagnosis.controller, typed.plan
+    owner = f"plan{session().generation}-{controller.sha256[:12]}"
+
+    def chosen(name: str) -> None:
+        now, picked = _typed(session().case), st.session_state[f"{owner}-{name}"]
+        plan = replace(now.plan, lands=tuple(picked)) if name == "lands" else replace(now.plan, **{name: picked})
+        _put(replace(now, plan=plan))
+
+    def ask(place: Any, name: str, options: list[Any], shown: Any = str) -> None:
+        place.selectbox(
+            say(f"measuring.{name}"),
+            options,
+            options.index(getattr(plan, name)),
+            shown,
+            key=f"{owner}-{name}",
+            on_change=chosen,
+            args=(name,),
+        )
+
+    with fields.fold(say("measuring.choices"), key=f"{owner}-fold"):
+        places = st.columns(4)
+        ask(places[0], "order", list(Order), lambda order: say(f"measuring.order_{order}"))
+        ask(places[1], "directions", list(range(1, MOST_DIRECTIONS + 1)))
+        ask(places[2], "repeats", list(range(1, MOST_REPEATS + 1)))
+        units = [name for name in unit_names("length") if name in _TYPED_UNITS]
+        places[3].selectbox(
+            say("measuring.unit"),
+            units,
+            units.index(typed.unit),
+            key=f"{owner}-unit",
+            on_change=lambda: _put(_typed(session().case).in_unit(st.session_state[f"{owner}-unit"])),
+        )
+        most = max(len(land.planes) for land in controller.lands)
+        if most > 1:
+            ask(
+                st,
+                "planes",
+                [None, *range(1, most)],
+                lambda count: say("measuring.all") if count is None else str(count),
+            )
+        st.multiselect(
+            say("measuring.lands"),
+            [land.key for land in controller.lands],
+            [*plan.lands],
+            lambda key: words.pair(controller, *key),
+            key=f"{owner}-lands",
+            on_change=chosen,
+            args=("lands",),
+            placeholder=say("measuring.all"),
+        )
+
+
+def _judged(typed: Typed, case: PageCase) -> Judged:
+    diagnosis = diagnosis_of(session().good)
+    return judge(typed, diagnosis.controller, temperature=case.measuring_temperature, instruments=instruments_of(case))
+
+
+def _typed(case: PageCase) -> Typed:
+    """Return what was typed so far: of the job's sheet, or before it holds anything."""
+    file = _file(case)
+    name = session().generation, None if file is None else file.sha256
+    kept = st.session_state.get("measuring")
+    if kept is None or kept[0] != name:
+        kept = st.session_state["measuring"] = name, _opened(case, file)
+    typed: Typed = kept[1]
+    return typed
+
+
+def _file(case: PageCase) -> SourceFile | None:
+    """Return the job's sheet, or the typed one where that was refused: nothing typed is lost by it."""
+    refused = session().refused.get("readings")
+    typed = refused is not None and refused.file is not None and refused.file.name == TYPED_FILE
+    return refused.file if refused is not None and typed else case.readings
+
+
+def _opened(case: PageCase, file: SourceFile | None) -> Typed:
+    """Return what a job's sheet holds as typed entries; none where it cannot be read."""
+    fresh = Typed(unit=_UNITS[reader.say().units])
+    if file is None:
+        return fresh
+    try:
+        sheet = readings_of(case, file)
+    except AtleakError:
+        return fresh
+    return typed_in(file.content, sheet, controller_of(case)) or Typed.going_on_from(sheet)
+
+
+def _put(typed: Typed) -> None:
+    """Put what was typed into the job: as its measuring sheet, in place of the one that it goes on from."""
+    case = session().case
+    before = _file(case)
+    content = written(typed, _judged(typed, case).counting, controller_of(case))
+    file = None if content is None else SourceFile(TYPED_FILE, content)
+    if before is not None and before.name != TYPED_FILE:
+        remember(f"readings of {before.name} gone on with by typing")
+        gauges = None if typed.sheet is None else typed.sheet.pressures
+        if gauges is not None and case.pressures is None:
+            put_file("pressures", SourceFile(TYPED_GAUGES, TypedGauges.going_on_from(gauges).written()))
+    if file != before:
+        put_file("readings", file)
+    st.session_state["measuring"] = (session().generation, None if file is None else file.sha256), typed

@@ -1,0 +1,158 @@
+"""Show a valve body's components as a picture to press, one opened pair, and tables that a phone can show as cards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import streamlit as st
+
+from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.look import look_of
+from atleak.views.drawing import component_svgs, on_dark, spool_svg
+from atleak.views.opened_pair import OpenedLand, component_verdict, components_worst_first, opened_lands
+from atleak.views.pair_table import Cell, Table, pair_table
+from atleak.views.repair_words import Named
+from atleak.wording import Wording
+from pages.shared import address, reader, show
+from pages.shared.state import session
+
+OPENED = "pair"  # the opened component's name in the address
+_HERE = Path(__file__).parent
+_HTML = st.components.v2.component(
+    "atleak_pairs",
+    html='<div class="pairs"></div>',
+    css=(_HERE / "pairs.css").read_text(encoding="utf-8"),
+    js=(_HERE / "pairs.js").read_text(encoding="utf-8"),
+)
+
+
+@st.fragment
+def section(diagnosis: Diagnosis, named: Named, advised: Callable[[LandDiagnosis], str]) -> None:
+    """Show the picture, the opened pair and the flagged pairs; opening one computes nothing else of the page again."""
+    say = reader.say()
+    picture(diagnosis, say)
+    choice(diagnosis, say)
+    opened_pair(diagnosis, say, named, advised)
+    st.subheader(say("diagnosis.flagged_pairs"), anchor="flagged-pairs")
+    if diagnosis.flagged:
+        table(pair_table(diagnosis, diagnosis.flagged, say, named), "flagged", pressable=True)
+        show.what_is_shown(diagnosis)
+    else:
+        st.write(say("diagnosis.none_flagged"))
+
+
+def opened(diagnosis: Diagnosis) -> str | None:
+    """Return the component whose pair is open; None where none is."""
+    name = address.kept(OPENED)
+    return name if name in components_worst_first(diagnosis) else None
+
+
+def picture(diagnosis: Diagnosis, say: Wording) -> None:
+    """Show every component as a button with its spool, in the colours of its lands' verdicts."""
+    verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
+    drawings = component_svgs(diagnosis.controller, verdicts)
+    buttons = []
+    for name, drawing in drawings.items():
+        level = component_verdict(diagnosis, name)
+        edge = look_of(level).screen
+        words = f"<small><b>{escape(name)}</b> {escape(diagnosis.controller.components[name])}</small>"
+        buttons.append(
+            f'<button data-pair="{escape(name)}" style="border-left-color:{edge}">{words}{_themed(drawing)}'
+            f"{_level(Cell(say.signed(level), level))}</button>"
+        )
+    mount(f'<div class="grid">{"".join(buttons)}</div>', key="picture", pressed=opened(diagnosis), on_pair=_open)
+
+
+def choice(diagnosis: Diagnosis, say: Wording) -> None:
+    """Offer the same components in a list, for the keyboard."""
+    names = diagnosis.controller.components
+    key = f"open-pair-{diagnosis.controller.id}-{session().generation}"
+    st.session_state[key] = opened(diagnosis)
+    st.selectbox(
+        say("diagnosis.open_pair"),
+        components_worst_first(diagnosis),
+        index=None,
+        format_func=lambda name: f"{name} · {names[name]}",
+        placeholder=say("diagnosis.no_pair"),
+        key=key,
+        on_change=lambda: address.keep(OPENED, st.session_state[key] or ""),
+    )
+
+
+def opened_pair(diagnosis: Diagnosis, say: Wording, named: Named, advised: Callable[[LandDiagnosis], str]) -> None:
+    """Show everything that is known of the opened component; nothing where none is open."""
+    name = opened(diagnosis)
+    if name is None:
+        return
+    verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
+    drawing = _themed(spool_svg(diagnosis.controller, name, verdicts))
+    lands = "".join(_land(each, say, advised(each.land)) for each in opened_lands(diagnosis, name, say, named))
+    with st.container(border=True, key="opened-pair"):
+        mount(f'<div class="drawing">{drawing}</div><div class="lands">{lands}</div>', key=f"opened-{name}")
+
+
+def table(content: Table, key: str, *, pressable: bool = False) -> None:
+    """Show a table; on a phone each row is a card. ``pressable`` opens a row's pair by its second cell."""
+    mount(table_html(content, pressable=pressable, cards=True), key=key, on_pair=_open if pressable else None)
+
+
+def table_html(content: Table, *, pressable: bool = False, cards: bool = False) -> str:
+    """Return a table as HTML, every text escaped."""
+    heads = "".join(f"<th>{escape(heading)}</th>" for heading in content.headings)
+    rows = []
+    for row in content.rows:
+        cells = []
+        for number, (heading, cell) in enumerate(zip(content.headings, row.cells, strict=True)):
+            text = _level(cell)
+            if pressable and number == 1 and row.key is not None:
+                text = f'<button data-pair="{escape(row.key[0])}">{text}</button>'
+            head = ' class="head"' if number < 1 + pressable else ""
+            cells.append(f'<td{head} data-label="{escape(heading)}">{text}</td>')
+        rows.append(f"<tr>{''.join(cells)}</tr>")
+    kind = ' class="cards"' if cards else ""
+    return f"<table{kind}><thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+
+
+def mount(html: str, *, key: str, pressed: str | None = None, on_pair: Callable[[str], None] | None = None) -> None:
+    """Show escaped HTML in the page's theme; ``on_pair`` is called with the name on a button that is pressed."""
+    own = f"{key}-{session().generation}"
+
+    def pair_pressed() -> None:
+        name: Any = st.session_state[own].get("pair")
+        if name and on_pair is not None:
+            on_pair(str(name))
+
+    _HTML(key=own, data={"html": html, "opened": pressed or ""}, on_pair_change=pair_pressed)
+
+
+def _open(name: str) -> None:
+    """Open a component's pair, or close it where it is the one that is open."""
+    address.keep(OPENED, "" if address.kept(OPENED) == name else name)
+
+
+def _level(cell: Cell) -> str:
+    if cell.level is None:
+        return escape(cell.text)
+    look = look_of(cell.level)
+    sign = "" if look.sign in cell.text else f"{look.sign} "
+    style = f' style="background:{look.screen};color:{look.on_screen}"' if look.on_screen else ""
+    return f'<span class="level{"" if style else " plain"}"{style}>{sign}{escape(cell.text)}</span>'
+
+
+def _themed(drawing: str) -> str:
+    return on_dark(drawing) if show.dark() else drawing
+
+
+def _land(each: OpenedLand, say: Wording, advice: str) -> str:
+    """Return one land; of one that is not flagged numbers and limits are folded."""
+    _, number = each.land.key
+    facts = "".join(f"<div><dt>{escape(fact.name)}</dt><dd>{escape(fact.value)}</dd></div>" for fact in each.facts)
+    said = "".join(f"<li>{escape(line)}</li>" for line in filter(None, (*each.why, advice, *each.does)))
+    tables = "".join(map(table_html, (each.shares, each.rules) if each.rules.rows else (each.shares,)))
+    heading = f"<h4>{escape(say('diagnosis.land', land=number))} {_level(each.verdict)}</h4>"
+    opened = " open" if each.land.verdict.flagged else ""
+    fold = f"<details{opened}><summary>{escape(say('diagnosis.numbers'))}</summary><dl>{facts}</dl>{tables}</details>"
+    return f"<section>{heading}<ul>{said}</ul>{fold}</section>"

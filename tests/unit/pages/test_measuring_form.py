@@ -1,0 +1,134 @@
+"""What the grid sends is put into the job, once; a browser stands in for itself here, as far as the server sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from atleak.catalogue.controller import Controller
+from atleak.intake.readings import read_readings
+from atleak.job.case import SourceFile
+
+from .conftest import ROOT
+
+SCRIPT = """
+import streamlit as st
+from pages.shared import measuring_form
+from pages.shared.cases import PageCase, diagnosis_of
+from pages.shared.state import current_diagnosis, session
+
+def browser(*, key, data, on_batch_change):
+    st.session_state["seen"] = data
+    if (batch := st.session_state.pop("sent", None)) is not None:
+        st.session_state[key] = {"batch": batch}
+        on_batch_change()
+
+measuring_form._GRID = browser
+if st.session_state.setdefault("first", START) is not None:
+    now = session()
+    now.case, st.session_state["first"] = st.session_state["first"], None
+current_diagnosis()
+measuring_form.draw(session().good, diagnosis_of(session().good))
+"""
+FIRST = ["pressure_regulator", "spool", "1", 0, 1]
+SECOND = ["pressure_regulator", "spool", "1", 0, 2]
+Opened = Callable[[str], AppTest]
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Opened:
+    """Draws the grid of a job, given as the Python that makes it."""
+    monkeypatch.syspath_prepend(str(ROOT))
+    monkeypatch.setenv("ATLEAK_HOME", str(tmp_path / "home"))
+
+    def draw(start: str) -> AppTest:
+        script = tmp_path / "grid.py"
+        script.write_text(f"from atleak.job.case import SourceFile\n{SCRIPT.replace('START', start)}", encoding="utf-8")
+        drawn = AppTest.from_file(str(script), default_timeout=240).run()
+        assert not drawn.exception
+        return drawn
+
+    return draw
+
+
+def send(app: AppTest, number: int, *steps: dict[str, Any], page: str = "a") -> AppTest:
+    app.session_state["sent"] = {"page": page, "number": number, "steps": list(steps), "again": 0}
+    app.run()
+    assert not app.exception
+    return app.run()  # as the browser's message starts another run
+
+
+def shown(app: AppTest) -> dict[tuple, str]:
+    return {tuple(cell["key"]): cell["text"] for cell in app.session_state["seen"]["cells"] if cell["text"]}
+
+
+def sheet_of(app: AppTest) -> SourceFile | None:
+    return app.session_state["atleak"].good.readings
+
+
+def put(cell: list, text: str) -> dict[str, Any]:
+    return {"do": "put", "cell": cell, "text": text}
+
+
+def test_what_was_typed_is_the_jobs_measuring_sheet(opened: Opened, minimal: Controller) -> None:
+    app = opened("PageCase(controller='minimal_example')")
+    assert (shown(app), sheet_of(app)) == ({}, None)
+    send(app, 1, put(FIRST, "15,001"), put(SECOND, "150,02"))
+    assert shown(app) == {tuple(FIRST): "15,001", tuple(SECOND): "150,02"}
+    assert app.session_state["seen"]["answer"] == {"page": "a", "number": 1, "at": None}
+    readings = read_readings(sheet_of(app).content, minimal, name="typed.csv")
+    assert [reading.diameter for reading in readings.readings] == [pytest.approx(15.001e-3, abs=1e-9)]
+    doubts = {tuple(cell["key"]): cell["counts"] for cell in app.session_state["seen"]["cells"] if cell["doubt"]}
+    assert doubts == {tuple(SECOND): False}
+    send(app, 1, {"do": "undo"})  # the same number: sent again before the answer arrived
+    assert len(shown(app)) == 2
+    send(app, 2, {"do": "undo"})
+    assert shown(app) == {tuple(FIRST): "15,001"}
+    send(app, 1, {"do": "undo"}, page="b")  # the page was loaded anew
+    assert (shown(app), sheet_of(app)) == ({}, None)
+
+
+def test_a_plan_that_changes_keeps_what_was_typed(opened: Opened) -> None:
+    app = opened("PageCase(controller='minimal_example')")
+    send(app, 1, put(FIRST, "15,001"), put(SECOND, "15,002"))
+    repeats = next(widget for widget in app.selectbox if widget.label == "Repeats")
+    repeats.set_value(1).run()
+    assert not app.exception
+    cells = app.session_state["seen"]["cells"]
+    assert len(cells) == 20 + 1  # the second repeat that was measured stays
+    assert len(shown(app)) == 2
+    unit = next(widget for widget in app.selectbox if widget.label == "Unit of what is typed")
+    unit.set_value("inch").run()
+    assert shown(app)[tuple(FIRST)] == "15,001 mm"
+
+
+def test_a_sheet_that_was_given_is_gone_on_from_with_its_gauge_readings(opened: Opened, four_speed: Controller) -> None:
+    from atleak.pressure_table import Cell, Engine, GaugeReading, PressureTable
+    from atleak.readings import Reading
+    from atleak.report.measuring_sheet import write_readings
+
+    one = Reading("8", "spool", "1", 0.0, 1, 10e-3)
+    gauges = PressureTable("", "", None, ("kPa",), (GaugeReading(Cell("D", Engine.SLOW_IDLE), 450e3),))
+    content = write_readings(four_speed, [one], pressures=gauges)
+    app = opened(f"PageCase(controller='four_speed_2023', readings=SourceFile('mine.xlsx', {content!r}))")
+    assert shown(app) == {("8", "spool", "1", 0.0, 1): "10"}
+    send(app, 1, put(["8", "spool", "1", 0, 2], "10,001"))
+    assert shown(app) == {("8", "spool", "1", 0.0, 1): "10", ("8", "spool", "1", 0.0, 2): "10,001"}
+    case = app.session_state["atleak"].good
+    assert case.readings.name == "typed readings.csv"
+    assert b"D;slow idle;line;450;" in case.pressures.content
+    assert app.session_state["atleak"].undo[-1].case.readings.name == "mine.xlsx"
+
+
+def test_the_samples_readings_can_only_be_looked_at(opened: Opened) -> None:
+    app = opened("None")
+    assert app.session_state["seen"]["readonly"]
+    assert len(shown(app)) == 376
+    before = sheet_of(app)
+    send(app, 1, put(["5", "spool", "1", 0, 1], "1"))
+    assert sheet_of(app) == before
+    assert app.button[0].label == "Begin an empty job"

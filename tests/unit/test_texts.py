@@ -1,0 +1,143 @@
+"""Every language has every text, every text that the code asks for is there, and none stands unused."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from atleak.catalogue.controller_reading import load_controller
+from atleak.catalogue.entries import shipped_files
+from atleak.unit_systems import SYSTEMS
+from atleak.wording import languages, wording
+
+ROOT = Path(__file__).resolve().parents[2]
+CODE = [ROOT / "app.py", *(ROOT / "pages").rglob("*.py"), *(ROOT / "atleak").rglob("*.py")]
+ENGLISH = wording("en").texts
+KEYS = {f"{table}.{key}" for table, texts in ENGLISH.items() if isinstance(texts, dict) for key in texts}
+DOTTED = re.compile(r"\w+\..+")
+
+
+def _written(node: ast.expr) -> str | None:
+    """A string of the code as a pattern, with anything in the place of what is put into it; None for no string."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return re.escape(node.value)
+    if isinstance(node, ast.JoinedStr):
+        return "".join(_written(part) or ".*" for part in node.values)
+    return None
+
+
+def _says(call: ast.Call) -> bool:
+    """Whether a call asks for a text: ``say(…)``, ``self.say(…)``, ``reader.say()(…)``, ``wording("en")(…)``."""
+    asked = call.func
+    if isinstance(asked, ast.Call):
+        named = asked.func
+        name = named.attr if isinstance(named, ast.Attribute) else getattr(named, "id", "")
+        return name in ("say", "wording")
+    return (asked.attr if isinstance(asked, ast.Attribute) else getattr(asked, "id", "")) == "say"
+
+
+NODES = {path: list(ast.walk(ast.parse(path.read_text(encoding="utf-8")))) for path in CODE}
+
+
+def _asked() -> Iterator[tuple[str, str]]:
+    for path, nodes in NODES.items():
+        for node in nodes:
+            if isinstance(node, ast.Call) and node.args and _says(node):
+                pattern = _written(node.args[0])
+                if pattern is not None and DOTTED.fullmatch(pattern.replace("\\", "")):
+                    yield f"{path.relative_to(ROOT).as_posix()}:{node.lineno}", pattern
+
+
+def test_every_text_that_is_asked_for_is_there() -> None:
+    missing = [
+        (place, pattern)
+        for place, pattern in _asked()
+        if pattern.replace("\\", "") not in KEYS and not any(re.fullmatch(pattern, key) for key in KEYS)
+    ]
+    assert not missing
+
+
+def test_every_column_has_its_heading() -> None:
+    named = [
+        (path.name, node.args[0].value)
+        for path, nodes in NODES.items()
+        if "from atleak.views.columns import" in path.read_text(encoding="utf-8")
+        for node in nodes
+        if isinstance(node, ast.Call)
+        and getattr(node.func, "id", "") == "Column"
+        and node.args
+        and isinstance(node.args[0], ast.Constant)
+        and not any(keyword.arg == "words" for keyword in node.keywords)
+    ]
+    assert named
+    assert [each for each in named if f"columns.{each[1]}" not in KEYS] == []
+    assert set(ENGLISH["column_help"]) <= set(ENGLISH["columns"])
+
+
+def test_every_page_and_unit_has_its_name() -> None:
+    pages = {path.stem.partition("_")[2] for path in (ROOT / "pages").glob("[0-9]*_*.py")}
+    assert pages <= set(ENGLISH["pages"])
+    assert set(ENGLISH["unit_systems"]) == set(SYSTEMS)
+
+
+def test_no_text_stands_unused() -> None:
+    """One is used by its key, or by what makes its key, or with its whole table; a heading by its column's name."""
+    strings: set[str] = set()
+    patterns: set[str] = set()
+    whole = {"verdicts", "bands", "pages", "column_help"}  # by `Wording.level`, the menu, and each column
+    for nodes in NODES.values():
+        for node in nodes:
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                strings.add(node.value)
+            elif isinstance(node, ast.JoinedStr):
+                pattern = _written(node) or ""
+                if DOTTED.fullmatch(pattern.replace("\\", "")):
+                    patterns.add(pattern)
+            elif isinstance(node, ast.Subscript) and getattr(node.value, "attr", "") == "texts":
+                whole |= {node.slice.value} if isinstance(node.slice, ast.Constant) else set()
+            elif isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "get" and len(node.args) == 2:
+                first = node.args[0]
+                whole |= {first.value} if isinstance(first, ast.Constant) else set()
+    made = re.compile("|".join(sorted(patterns)))
+
+    def is_used(key: str) -> bool:
+        table, _, name = key.partition(".")
+        by_name = table in ("columns", "unit_systems") and name in strings
+        return table in whole or by_name or key in strings or made.fullmatch(key) is not None
+
+    assert sorted(key for key in KEYS if not is_used(key)) == []
+
+
+@pytest.mark.parametrize("language", [each for each in languages() if each != "en"])
+def test_a_language_is_no_copy_of_english(language: str) -> None:
+    """What was forgotten to be translated is the same sentence in both: four words and more are never."""
+    texts, alike = wording(language).texts, {"texts.source_study", "conditions.at"}  # a citation; places alone
+    same = [
+        key
+        for key in KEYS - alike
+        for table, _, name in [key.partition(".")]
+        if ENGLISH[table][name] == texts[table][name] and len(re.findall(r"[a-z]{3,}", ENGLISH[table][name])) > 3
+    ]
+    assert same == []
+
+
+def test_every_name_of_a_shipped_valve_body_is_translated() -> None:
+    shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
+    names = {
+        name
+        for controller in shipped
+        for name in (
+            *controller.components.values(),
+            *(each.name for each in controller.circuits),
+            *(each.label for each in (*controller.operating_points, *controller.complaints)),
+        )
+    }
+    assert len(shipped) > 8
+    assert set(ENGLISH["names"]) == names
+    assert all(wording("en").name(name) == name for name in names)
+    assert wording("de").name("main pressure valve") == "Hauptdruckventil"
+    assert wording("de").name("valve of a workshop's own file") == "valve of a workshop's own file"

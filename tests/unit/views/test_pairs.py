@@ -1,0 +1,125 @@
+"""Tables of lands, the opened pair and the effect of repairs, in words and units of the reader."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import pytest
+
+from atleak.catalogue.controller_reading import load_controller
+from atleak.diagnosis import Diagnosis
+from atleak.look import LOOKS
+from atleak.repair import OfferedRepairs
+from atleak.verdicts import Verdict
+from atleak.views.drawing import component_svgs
+from atleak.views.opened_pair import component_verdict, components_worst_first, opened_lands
+from atleak.views.pair_table import pair_table
+from atleak.views.repair_effect import effect_sentences, effect_table, offered_words
+from atleak.wording import languages, wording
+from atleak.workshop_units import PERCENT, UM
+
+EN = wording("en")
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def test_each_flagged_land_stands_with_its_share_at_every_condition_that_reports_show(worn: Diagnosis) -> None:
+    table = pair_table(worn, worn.flagged, EN)
+    shown = [f"Share, {each.condition.label}" for each in worn.reported]
+    assert list(table.headings) == ["Verdict", "Pair", *shown, "Clearance", "Wear", "Decided by", "How sure"]
+    assert [row.key for row in table.rows] == [land.key for land in worn.flagged]
+    for row, land in zip(table.rows, worn.flagged, strict=True):
+        assert len(row.cells) == len(table.headings)
+        assert row.cells[0].text == EN.signed(land.verdict)
+        assert row.cells[1].text.startswith(f"{land.key[0]}/{land.key[1]} ")
+        for at, cell in zip(worn.reported, row.cells[2:], strict=False):
+            if at.leakage_of(land.key) > 0.0:
+                assert cell.text == f"{EN.number(at.share_drawn_by(land.key) * PERCENT, 2)}\u00a0%"
+            else:
+                assert (cell.text, cell.level) == ("–", None)
+
+
+def test_a_share_stands_in_the_colour_of_its_own_verdict_not_of_the_land(worn: Diagnosis) -> None:
+    rows = pair_table(worn, worn.flagged, EN).rows
+    own = {(row.cells[0].level, cell.level) for row in rows for cell in row.cells[2 : 2 + len(worn.reported)]}
+    assert (Verdict.REPLACE, Verdict.OK) in own
+
+
+@pytest.mark.parametrize("units", ["metric", "us"])
+def test_the_opened_pair_shows_clearance_ovality_shares_and_limits_in_the_readers_units(
+    worn: Diagnosis, units: str
+) -> None:
+    say = wording("en", units)
+    component = worn.flagged[0].key[0]
+    opened = opened_lands(worn, component, say)
+    assert [each.land.key for each in opened] == [land.key for land in worn.controller.lands_of(component)]
+    first = next(each for each in opened if each.land.verdict.flagged)
+    facts = {fact.name: fact.value for fact in first.facts}
+    state = first.land.state
+    assert facts["Radial clearance, 95 %"].startswith(say.quantity(state.radial_clearance * UM, "clearance"))
+    assert facts["Ovality of the bore"] == say.quantity((state.sleeve_ovality or 0.0) * UM, "clearance")
+    assert [row.cells[0].text for row in first.shares.rows] == [each.condition.label for each in worn.presented]
+    assert first.rules.rows[0].cells[1].level == first.land.verdict
+    assert first.why[0].startswith(EN(f"rules.{first.land.deciding.kind}"))  # type: ignore[union-attr]
+
+
+def test_the_opened_pair_says_which_complaints_it_can_cause_and_where_it_leaks(worn: Diagnosis) -> None:
+    (first, *_) = opened_lands(worn, worn.flagged[0].key[0], EN)
+    leaking = {at.condition.name for at in worn.projections if at.leakage_of(first.land.key) > 0.0}
+    causes = [
+        each.label
+        for each in worn.controller.complaints
+        if first.land.key in each.lands or (not each.lands and leaking & set(each.conditions))
+    ]
+    assert causes
+    assert [line for line in first.does if line.startswith("can cause")] == [f"can cause: {each}" for each in causes]
+    assert any(line.startswith("leaks from ") for line in first.does)
+
+
+def test_a_component_with_a_land_that_was_not_measured_is_not_ok(worn: Diagnosis) -> None:
+    last = worn.controller.lands[-1].key[0]
+    assert component_verdict(worn, last) == Verdict.NOT_MEASURED or any(
+        land.verdict.flagged for land in worn.lands if land.key[0] == last
+    )
+    order = components_worst_first(worn)
+    assert order[0] == worn.flagged[0].key[0]
+    assert len(order) == len(set(order)) == len({land.key[0] for land in worn.lands})
+
+
+def test_every_component_is_drawn_by_itself_in_the_shade_of_its_lands():
+    controller = load_controller("four_speed_2023")
+    key = controller.lands[0].key
+    drawings = component_svgs(controller, {key: Verdict.CRITICAL})
+    assert list(drawings) == [name for name in controller.components if controller.lands_of(name)]
+    fills = {
+        name: [each.attrib["fill"] for each in ElementTree.fromstring(svg).iter(f"{SVG}rect")]
+        for name, svg in drawings.items()
+    }
+    assert [name for name, found in fills.items() if LOOKS[Verdict.CRITICAL].fill in found] == [key[0]]
+    for svg in drawings.values():
+        width = float(ElementTree.fromstring(svg).attrib["width"])
+        for rectangle in ElementTree.fromstring(svg).iter(f"{SVG}rect"):
+            assert float(rectangle.attrib["x"]) >= 0.0
+            assert float(rectangle.attrib["x"]) + float(rectangle.attrib["width"]) <= width
+
+
+@pytest.mark.parametrize("language", languages())
+def test_what_ticked_repairs_bring_is_said_at_every_condition(worn: Diagnosis, language: str) -> None:
+    say, repairs = wording(language), OfferedRepairs(worn)
+    keys = {each.key for each in repairs.all if each.called_for}
+    effect = repairs.effect(keys)
+    table = effect_table(effect, say)
+    assert [row.cells[0].text for row in table.rows] == [at.condition.label for at in effect]
+    for row, at in zip(table.rows, effect, strict=True):
+        assert row.cells[1].text == f"{say.percent(at.before.share)} {say.signed(at.before.band)}"
+        assert row.cells[2].text == f"{say.percent(at.after.share)} {say.signed(at.after.band)}"
+    assert not any("{" in sentence for sentence in effect_sentences(repairs, keys, effect, say))
+    left = list(effect_sentences(repairs, set(), repairs.effect(set()), say))
+    assert all(f"{land.key[0]}/{land.key[1]}" in left[-1] for land in worn.flagged)
+
+
+def test_an_offered_repair_says_its_land_and_what_it_brings_alone(worn: Diagnosis) -> None:
+    first = OfferedRepairs(worn).all[0]
+    words = offered_words(worn, first, EN)
+    assert words.startswith(f"{EN.signed(first.lands[0].verdict)} · {first.lands[0].key[0]}/{first.lands[0].key[1]} ")
+    at = first.best_at
+    assert f"{EN.percent(at.before.share, 2)} → {EN.percent(at.after.share, 2)}" in words
