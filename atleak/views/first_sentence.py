@@ -42,7 +42,7 @@ def _parts(diagnosis: Diagnosis, say: Wording, named: Named) -> Iterator[str]:
     if isinstance(decided_by, LandDiagnosis):
         rule = decided_by.deciding
         reached = "" if rule is None else rule_reached(rule, say, named)
-        yield say("diagnosis.decides", land=land_in_words(diagnosis, decided_by.key), rule=reached)
+        yield say("diagnosis.decides", land=land_in_words(diagnosis, decided_by.key, say), rule=reached)
         pressure = worst_pressure(diagnosis)
         if pressure is not None:
             yield f"{say.signed(pressure.verdict)} {because_of(diagnosis, pressure, say, named) or ''}".rstrip()

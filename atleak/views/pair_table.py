@@ -69,7 +69,7 @@ def _cells(
     diagnosis: Diagnosis, land: LandDiagnosis, at: Sequence[Projection], say: Wording, named: Named
 ) -> Iterable[Cell]:
     yield Cell(say.signed(land.verdict), land.verdict)
-    yield Cell(land_in_words(diagnosis, land.key))
+    yield Cell(land_in_words(diagnosis, land.key, say))
     for cell in MatrixRow.of(land, diagnosis, at).cells:
         yield share_cell(cell, say)
     yield Cell(clearance(land, say))

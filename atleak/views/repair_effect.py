@@ -90,7 +90,7 @@ def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, named
     """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most."""
     first = each.lands[0]
     others = ", ".join(f"{land.key[0]}/{land.key[1]}" for land in each.lands[1:])
-    lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key), others)))
+    lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key, say), others)))
     option = each.move.option
     work = say("repair_plan.as_new") if option is None else option.repair.label
     at = each.best_at

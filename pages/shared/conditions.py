@@ -40,7 +40,7 @@ def complaint(diagnosis: Diagnosis) -> None:
     shows = ", ".join(f"**{plain(named(each.condition))}**" for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
     lines = [
-        f"- **{plain(land_in_words(diagnosis, each.land.key))}**: {plain(reason(each, say, named))}" for each in ranked
+        f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say, named))}" for each in ranked
     ]
     st.subheader(say("diagnosis.complaint", label=plain(diagnosis.complaint.label)))
     said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(head(ranked, say))}"
@@ -91,7 +91,7 @@ def matrix(diagnosis: Diagnosis) -> None:
     frame = pd.DataFrame(
         [
             {
-                _PAIR: land_in_words(diagnosis, row.land.key),
+                _PAIR: land_in_words(diagnosis, row.land.key, say),
                 **{
                     name: cell.share * PERCENT if math.isfinite(cell.share) else math.nan
                     for name, cell in zip(names, row.cells, strict=True)
@@ -167,7 +167,7 @@ def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> pd.DataFrame
         at = step.at
         return {
             "number": str(number),
-            "pair": land_in_words(diagnosis, step.land.key),
+            "pair": land_in_words(diagnosis, step.land.key, say),
             "before": _share(at.before, say) if step.helps else None,
             "after": _share(at.after, say) if step.helps else None,
             "then": say.signed(at.after.band) if step.helps else None,
@@ -224,7 +224,7 @@ def _steps_at_conditions(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -
     before = _totals((each.before for each in first.conditions), say)
     rows: list[dict[str, Any]] = [{_STEP: say("repair_plan.as_measured"), **before}]
     for number, step in enumerate(plan.steps, start=1):
-        name = f"{number}. {land_in_words(diagnosis, step.land.key)}"
+        name = f"{number}. {land_in_words(diagnosis, step.land.key, say)}"
         rows.append({_STEP: name, **_totals((each.after for each in step.conditions), say)})
     config = _condition_columns(diagnosis, say, "diagnosis.matrix_help")
     config[_STEP] = st.column_config.TextColumn(say("repair_plan.after_step"), width=PAIR_WIDTH, pinned=True)

@@ -145,7 +145,7 @@ def _within(interval: tuple[float, float] | None, say: Wording) -> str | None:
 def _held_row(diagnosis: Diagnosis, held: HeldPressure, say: Wording) -> dict[str, Any]:
     low, high = held.interval or (None, None)
     costs = "; ".join(
-        f"{land_in_words(diagnosis, key)}: {say.quantity(loss * KPA, 'pressure')}" for key, loss in held.costly
+        f"{land_in_words(diagnosis, key, say)}: {say.quantity(loss * KPA, 'pressure')}" for key, loss in held.costly
     )
     decided = None if held.decided is None else held.decided.decision
     return {
