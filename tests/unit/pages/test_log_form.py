@@ -223,6 +223,8 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     ).run()
     next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
     assert not app.exception
+    table = next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
+    assert table["At the second cursor"]["engine speed, after.csv"] != table["At the second cursor"]["engine speed"]
     go(app, "2_Readings")
     go(app, "3_Road_test")
     assert "after.csv" in texts(app)

@@ -105,3 +105,10 @@ def test_a_commanded_pressure_is_not_asked_about_where_it_is_stated_that_none_wa
     log = b"time [s];commanded line pressure [kPa]\n" + b"".join(b"%d;%d\n" % (step, 600 + step) for step in range(60))
     assert [each.quantity for each in understand(log, name="a.csv").ambiguous] == ["main_pressure"]
     assert not understand(log, name="a.csv", mapping={"main_pressure": NOT_LOGGED}).ambiguous
+
+
+def test_a_mapping_counts_as_used_only_where_every_column_gave_its_quantity() -> None:
+    good, wrong = {"engine_speed": "AAA"}, {"engine_speed": "AAA", "atf_temperature": "line pressure [bar]"}
+    assert understand(LOG, name="a.csv", mapping=good, units={"engine_speed": "rpm"}).uses(good)
+    assert not understand(LOG, name="a.csv", mapping=wrong, units={"engine_speed": "rpm"}).uses(wrong)
+    assert understand(LOG, name="a.csv", mapping={"gear": NOT_LOGGED}).uses({"gear": NOT_LOGGED})
