@@ -40,7 +40,8 @@ def complaint(diagnosis: Diagnosis) -> None:
     shows = ", ".join(f"**{plain(named(each.condition))}**" for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
     lines = [
-        f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say, named))}" for each in ranked
+        f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say, named))}"
+        for each in ranked
     ]
     st.subheader(say("diagnosis.complaint", label=plain(diagnosis.complaint.label)))
     said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(head(ranked, say))}"
