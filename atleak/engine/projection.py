@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -97,7 +98,14 @@ class Projection:
 
     def gaps_of(self, key: tuple[str, int]) -> tuple[GapLeakage, ...]:
         """Return the gaps of one land."""
-        return tuple(gap for gap in self.gaps if gap.gap.key == key)
+        return self._gaps_by_land.get(key, ())
+
+    @cached_property
+    def _gaps_by_land(self) -> dict[tuple[str, int], tuple[GapLeakage, ...]]:
+        by_land: dict[tuple[str, int], tuple[GapLeakage, ...]] = {}
+        for gap in self.gaps:
+            by_land[gap.gap.key] = (*by_land.get(gap.gap.key, ()), gap)
+        return by_land
 
     def leakage_of(self, key: tuple[str, int]) -> float:
         """Return the leakage through every gap of one land [m³/s], whether or not it counts as drawn from the pump."""
@@ -124,7 +132,7 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     where = (condition.main_pressure, condition.temperature)
     sections = controller.section_pressures(condition.main_pressure, condition.converter_pressure)
     demanded = network.balance(sections)
-    gaps = model.gaps(condition, demanded.pressures)
+    gaps = model.gaps(condition, demanded.pressures, network)
     drawn = [gap for gap in gaps if gap.drawn_from_pump]
     leaks, relieved = _leak_flows(network, demanded), float(sum(demanded.relief.values()))
     other = sum(each.flow for each in leaks if each.drawn_from_pump) + relieved
@@ -221,15 +229,16 @@ def stated_condition(
     temperature: float | None = None,
     engine_speed: float | None = None,
     gear: int | None = None,
+    base: OperatingPoint | None = None,
 ) -> OperatingPoint:
-    """Return the controller's first operating point, with the given values in place of its own.
+    """Return an operating point, the controller's first unless given, with the given values in place of its own.
 
     Raises
     ------
     InputError
         a gear the controller does not have, or a speed that is not positive.
     """
-    point = controller.operating_points[0]
+    point = controller.operating_points[0] if base is None else base
     if temperature is None and engine_speed is None and gear is None:
         return point
     if gear is not None and gear not in controller.gears:
@@ -288,10 +297,8 @@ def project_beside(model: LeakageModel, now: Projection) -> Projection:
     return replace(project(model, now.condition), pump_capacity=now.pump_capacity)
 
 
-def project_unworn(
-    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
-) -> tuple[Projection, ...]:
-    """Project the same unit with every land as wide as it may have been when new, given its reading.
+def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
+    """Return the model of the same unit with every land as wide as it may have been when new, given its reading.
 
     This is what growth is judged against: where only a range or a type's value is known of new pairs, a reading within
     it is no wear. Where each pair's own clearance is known, it is the unit of `model_new`.
@@ -303,7 +310,14 @@ def project_unworn(
         for state in states
     )
     clearances = tuple(replace(state, stations=()) for state in unworn)
-    other = replace(model, controller=model.controller.with_new_pump, clearances=clearances)
+    return replace(model, controller=model.controller.with_new_pump, clearances=clearances)
+
+
+def project_unworn(
+    states: Iterable[LandClearance], model: LeakageModel, projections: Iterable[Projection]
+) -> tuple[Projection, ...]:
+    """Project the unit of `model_unworn` beside the same unit as it is."""
+    other = model_unworn(states, model)
     return tuple(project_beside(other, each) for each in projections)
 
 

@@ -9,20 +9,21 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import plotly.graph_objects as go
 
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis import Diagnosis, LandDiagnosis
+from atleak.figures.figure import Figure
 from atleak.figures.frame import by_land, error_bars, framed
 from atleak.look import HATCHING, SCREEN, look_of
 from atleak.rules import Rule
 from atleak.uncertainty import TotalUncertainty
 from atleak.verdicts import VERDICTS, Band
-from atleak.wording import signed
+from atleak.wording import signed, wording
 from atleak.workshop_units import DM3_MIN, PERCENT, UM
 
 POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
+_NEAR = 0.08  # part of the axis within which a word centred on its mark would be cut by the axis
 _HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 
 
@@ -32,7 +33,7 @@ def land_name(land: LandDiagnosis) -> str:
     return f"{component} · {number}"
 
 
-def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
+def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> Figure:
     """Draw the lands by leakage at the stated condition, the largest on top, by verdict, with 95 % intervals.
 
     Parameters
@@ -41,7 +42,7 @@ def leakage_ranking(diagnosis: Diagnosis, lands: int = 20) -> go.Figure:
         how many of the largest are drawn.
     """
     ranked = diagnosis.ranked[:lands]
-    figure = go.Figure()
+    figure = Figure()
     for verdict in VERDICTS:
         leaking = [land for land in ranked if land.verdict == verdict]
         if not leaking:
@@ -83,7 +84,7 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
     return land.uncertainty.leakage_interval if land.uncertainty else None
 
 
-def total_share(diagnosis: Diagnosis) -> go.Figure:
+def total_share(diagnosis: Diagnosis) -> Figure:
     """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
 
     An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the
@@ -102,7 +103,7 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
     ends = [
         end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
     ]
-    figure = go.Figure()
+    figure = Figure()
     right = _bands(figure, rules if diagnosis.judged else [], max(ends, default=0.0))
     new = [
         (point.condition.label, rule.new)
@@ -116,7 +117,7 @@ def total_share(diagnosis: Diagnosis) -> go.Figure:
         mode="markers+text",
         marker={"symbol": "diamond", "size": 14, "color": SCREEN.leakage, "line": {"width": 1.5, "color": "white"}},
         text=[f"<b>{share * PERCENT:.1f} %</b>" for _, share, _, _ in shown],
-        textposition="top center",
+        textposition=["top right" if share * PERCENT < _NEAR * right else "top center" for _, share, _, _ in shown],
         error_x=error_bars([share for _, share, _, _ in shown], [end for _, _, end, _ in shown], PERCENT),
         customdata=[likely for _, _, _, likely in shown],
         hovertemplate="%{y}: %{x:.2f} %<br>%{customdata}<extra></extra>",
@@ -147,7 +148,7 @@ def _likely_bands(total: TotalUncertainty | None) -> str:
     return ", ".join(f"{band} {PERCENT * p:.0f} %" for band, p in total.band_probabilities if p >= 0.005)
 
 
-def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
+def _bands(figure: Figure, rules: Sequence[Rule], largest: float) -> float:
     """Draw each condition's own bands behind its bar, with signs and words; return the right end of the axis [%]."""
     limits = [[min(limit, 10.0) * PERCENT for _, limit in rule.steps.levels] for rule in rules]
     right = max([1.1 * largest, *(1.2 * edge for edges in limits for edge in edges)])
@@ -160,21 +161,21 @@ def _bands(figure: go.Figure, rules: Sequence[Rule], largest: float) -> float:
             look = look_of(name)
             figure.add_shape(
                 type="rect", x0=low, x1=high, y0=place - 0.45, y1=place + 0.45,
-                fillcolor=look.screen, opacity=0.28, line_width=0, layer="below",
+                fillcolor=look.screen, opacity=0.28, line={"width": 0}, layer="below",
             )  # fmt: skip
             figure.add_annotation(
-                x=low, y=place + 0.45, xanchor="left", yanchor="bottom", showarrow=False, xshift=2,
+                x=low, y=place + 0.45, xanchor="left", yanchor="bottom", xshift=2,
                 text=f"{look.sign} {name}" if high - low > _NAMED * right else look.sign, font={"size": 10},
             )  # fmt: skip
     return right
 
 
-def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> go.Figure:
+def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> Figure:
     """Draw the wear of every measured land against the limits that apply to it, the most worn on top."""
     chosen = diagnosis.lands if lands is None else lands
     worn = [(land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
-    figure = go.Figure()
+    figure = Figure()
     for verdict in VERDICTS:
         these = [(wear, land) for wear, land in worn if land.verdict == verdict]
         if these:
@@ -182,7 +183,7 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None) -> 
                 x=[wear * PERCENT for wear, _ in these],
                 y=[land_name(land) for _, land in these],
                 mode="markers",
-                name=signed(verdict),
+                name=wording("en").level(verdict),
                 marker={"color": look_of(verdict).screen, "symbol": look_of(verdict).marker, "size": 11},
                 hovertemplate="%{y}: %{x:.1f} %<extra></extra>",
             )

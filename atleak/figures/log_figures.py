@@ -8,13 +8,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from atleak.catalogue.limits import Limits
 from atleak.channel_formulas import FormulaChannel, formula_scale
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.events import Event
+from atleak.figures.figure import Figure
 from atleak.figures.frame import framed
 from atleak.look import CURVES, SCREEN, SUSPECT, look_of
 from atleak.road_test import Channel, RoadTest
@@ -63,7 +62,7 @@ def log_channels(
     formulas: Sequence[FormulaChannel] = (),
     over: LaidOver | None = None,
     points: int = POINTS,
-) -> go.Figure:
+) -> Figure:
     """Draw the events and the channels of a log one above the other, suspect samples crossed, breaks dotted.
 
     Parameters
@@ -85,10 +84,7 @@ def log_channels(
     lane = 1 if inside else 0
     rows = lane + len(channels) + len(formulas)
     heights = [_LANE * len(kinds) + 18] * lane + [_ROW] * (rows - lane)
-    figure = make_subplots(
-        rows=max(rows, 1), cols=1, shared_xaxes=True, vertical_spacing=min(0.02, 0.2 / max(rows, 1)),
-        row_heights=heights or None,
-    )  # fmt: skip
+    figure = Figure(max(rows, 1), min(0.02, 0.2 / max(rows, 1)), heights or None)
     drawing = _Drawing(figure, test, points)
     if inside:
         _lane(figure, inside, kinds, test, say)
@@ -109,7 +105,7 @@ def log_channels(
             drawing.curve(laid.time, laid.values, computed.name, unit, convert, row, over)
         drawing.title(computed.name, unit, row)
     _mark(figure, test, inside, say)
-    figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=max(rows, 1), col=1)
+    figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=max(rows, 1))
     return framed(figure, 70 + sum(heights), hovermode="x unified", showlegend=False)
 
 
@@ -121,13 +117,13 @@ def _as_it_is(value: Any) -> Any:
 class _Drawing:
     """The figure of one log, and how its curves are drawn into it."""
 
-    figure: go.Figure
+    figure: Figure
     test: RoadTest
     points: int
 
     def title(self, label: str, unit: str, row: int) -> None:
         words = label.replace(" (", "<br>(")
-        self.figure.update_yaxes(title=f"{words}<br>[{unit}]" if unit else words, row=row, col=1)
+        self.figure.update_yaxes(title=f"{words}<br>[{unit}]" if unit else words, row=row)
 
     def channel(
         self,
@@ -161,18 +157,15 @@ class _Drawing:
             return
         keep = thinned([values], self.points)
         look = {"color": SCREEN.leakage} if over is None else {"color": SCREEN.share, "dash": "dash"}
-        self.figure.add_trace(
-            go.Scatter(
-                x=time[keep] + (0.0 if over is None else over.shift),
-                y=convert(values[keep]),
-                name=label if over is None else f"{label}, {over.test.file}",
-                mode="lines",
-                line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
-                connectgaps=False,
-                hovertemplate=f"%{{y:.5~g}} {unit}",
-            ),
+        self.figure.add_scatter(
+            x=time[keep] + (0.0 if over is None else over.shift),
+            y=convert(values[keep]),
+            name=label if over is None else f"{label}, {over.test.file}",
+            mode="lines",
+            line={"width": 1.6, "shape": "hv" if steps else "linear", **look},
+            connectgaps=False,
+            hovertemplate=f"%{{y:.5~g}} {unit}",
             row=row,
-            col=1,
         )
 
     def doubtful(self, channel: Channel, convert: Callable[[Any], Any], row: int, name: str) -> None:
@@ -181,21 +174,18 @@ class _Drawing:
         if not len(doubtful) or channel.source == "constant":
             return
         shown = doubtful[:: len(doubtful) // MARKED + 1]
-        self.figure.add_trace(
-            go.Scatter(
-                x=channel.time[shown],
-                y=convert(channel.values[shown]),
-                name=name,
-                mode="markers",
-                marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
-                hovertemplate=f"{name}: %{{y:.5~g}}",
-            ),
+        self.figure.add_scatter(
+            x=channel.time[shown],
+            y=convert(channel.values[shown]),
+            name=name,
+            mode="markers",
+            marker={"symbol": "x-thin", "size": 7, "line": {"width": 1.5, "color": SUSPECT}},
+            hovertemplate=f"{name}: %{{y:.5~g}}",
             row=row,
-            col=1,
         )
 
 
-def _lane(figure: go.Figure, inside: Sequence[Event], kinds: Sequence[str], test: RoadTest, say: Wording) -> None:
+def _lane(figure: Figure, inside: Sequence[Event], kinds: Sequence[str], test: RoadTest, say: Wording) -> None:
     """Draw a bar for every event in a lane above the channels, one line for each kind."""
     nearest = (float(test.time[-1]) - float(test.time[0])) / _FINEST
     colours = list(CURVES.values())
@@ -206,22 +196,19 @@ def _lane(figure: go.Figure, inside: Sequence[Event], kinds: Sequence[str], test
         for first, last, text in _merged([each for each in inside if each.kind == kind], nearest, say):
             x += [first, last, None]
             words += [text, text, ""]
-        figure.add_trace(
-            go.Scatter(
-                x=x,
-                y=[label] * len(x),
-                name=label,
-                mode="lines+markers",
-                line={"width": 9, "color": colours[number % len(colours)]},
-                marker={"symbol": "line-ns", "size": 9, "line": {"width": 2, "color": colours[number % len(colours)]}},
-                connectgaps=False,
-                customdata=words,
-                hovertemplate="%{customdata}<extra></extra>",
-            ),
+        figure.add_scatter(
+            x=x,
+            y=[label] * len(x),
+            name=label,
+            mode="lines+markers",
+            line={"width": 9, "color": colours[number % len(colours)]},
+            marker={"symbol": "line-ns", "size": 9, "line": {"width": 2, "color": colours[number % len(colours)]}},
+            connectgaps=False,
+            customdata=words,
+            hovertemplate="%{customdata}<extra></extra>",
             row=1,
-            col=1,
         )
-    figure.update_yaxes(type="category", categoryarray=[say(f"events.{kind}") for kind in kinds[::-1]], row=1, col=1)
+    figure.update_yaxes(type="category", categoryarray=[say(f"events.{kind}") for kind in kinds[::-1]], row=1)
 
 
 def _merged(events: Sequence[Event], nearest: float, say: Wording) -> list[tuple[float, float, str]]:
@@ -243,7 +230,7 @@ def _bar_words(events: Sequence[Event], begin: float, end: float, say: Wording) 
     return say("road_test.from_to", what=name, first=first, last=last)
 
 
-def _mark(figure: go.Figure, test: RoadTest, inside: Sequence[Event], say: Wording) -> None:
+def _mark(figure: Figure, test: RoadTest, inside: Sequence[Event], say: Wording) -> None:
     """Mark breaks, and a few events, over the whole height, all in one call: plotly is slow to add single ones."""
     first, last = float(test.time[0]), float(test.time[-1])
     upright = {"type": "line", "xref": "x", "yref": "paper", "y0": 0.0, "y1": 1.0}
@@ -269,43 +256,40 @@ def _mark(figure: go.Figure, test: RoadTest, inside: Sequence[Event], say: Wordi
     figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
 
 
-def road_leakage(road: RoadLeakage, limits: Limits, say: Wording, points: int = LEAKAGE_POINTS) -> go.Figure:
+def road_leakage(road: RoadLeakage, limits: Limits, say: Wording, points: int = LEAKAGE_POINTS) -> Figure:
     """Draw leakage, pump flow and share with the edges of its bands over a log, one above the other.
 
     Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
     """
     series = road_series(road, points)
     with_share = "share_percent" in series.columns
-    figure = make_subplots(rows=3 if with_share else 1, cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    figure = Figure(3 if with_share else 1, 0.06)
     curves = [("leakage_dm3_min", "leakage_row", "flow", SCREEN.leakage, "solid")]
     if with_share:
         curves.append(("pump_capacity_dm3_min", "pump_flow", "flow", SCREEN.pump, "dash"))
         curves.append(("share_percent", "share", "percent", SCREEN.share, "dashdot"))
     for row, (column, name, kind, colour, dash) in enumerate(curves, start=1):
         label, unit = say(f"road_test.{name}"), say.unit(kind)
-        figure.add_trace(
-            go.Scatter(
-                x=series.columns["time_s"],
-                y=say.convert(series.columns[column], kind),
-                name=label,
-                mode="lines",
-                line={"color": colour, "dash": dash, "width": 2},
-                connectgaps=False,
-                hovertemplate=f"%{{y:.2f}} {unit}",
-            ),
+        figure.add_scatter(
+            x=series.columns["time_s"],
+            y=say.convert(series.columns[column], kind),
+            name=label,
+            mode="lines",
+            line={"color": colour, "dash": dash, "width": 2},
+            connectgaps=False,
+            hovertemplate=f"%{{y:.2f}} {unit}",
             row=row,
-            col=1,
         )
-        figure.update_yaxes(title=f"{label}<br>[{unit}]", row=row, col=1)
+        figure.update_yaxes(title=f"{label}<br>[{unit}]", row=row)
     if with_share:
         _band_edges(figure, limits, float(np.nanmax(series.columns["share_percent"], initial=0.0)), say)
     _instants(figure, series, say)
     figure.update_yaxes(rangemode="tozero")
-    figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=len(curves), col=1)
+    figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=len(curves))
     return framed(figure, 620 if with_share else 320, hovermode="x unified")
 
 
-def _band_edges(figure: go.Figure, limits: Limits, top: float, say: Wording) -> None:
+def _band_edges(figure: Figure, limits: Limits, top: float, say: Wording) -> None:
     """Draw the edges of the bands near the log's values: a high limit must not squeeze a low curve."""
     for number, (band, level) in enumerate(limits.fixed_bands):
         edge = level * PERCENT
@@ -313,37 +297,34 @@ def _band_edges(figure: go.Figure, limits: Limits, top: float, say: Wording) -> 
             break
         text = say("road_test.band_from", band=say.level(band), edge=say.plain(edge))
         figure.add_hline(
-            y=edge, line={"color": look_of(band).screen, "dash": "dot", "width": 1.5}, row=3, col=1,
-            annotation={"text": text, "font": {"size": 11}}, annotation_position="top right",
+            y=edge, line={"color": look_of(band).screen, "dash": "dot", "width": 1.5}, row=3,
+            text=text, font={"size": 11},
         )  # fmt: skip
 
 
-def _instants(figure: go.Figure, series: RoadSeries, say: Wording) -> None:
+def _instants(figure: Figure, series: RoadSeries, say: Wording) -> None:
     for row in series.instants:
         instant, share = row.instant, row.name in _OF_SHARE
         value = instant.share if share else instant.leakage
         if value is None:
             continue
-        figure.add_trace(
-            go.Scatter(
-                x=[instant.time],
-                y=[value * PERCENT if share else say.convert(value * DM3_MIN, "flow")],
-                name=f"{row.label(say)}, {say.number(instant.time, 2)} s",
-                mode="markers",
-                marker={
-                    "symbol": _SYMBOLS[row.name],
-                    "size": 12,
-                    "color": SCREEN.share if share else SCREEN.leakage,
-                    "line": {"width": 1.5},
-                },
-                hovertemplate="%{y:.2f}",
-            ),
+        figure.add_scatter(
+            x=[instant.time],
+            y=[value * PERCENT if share else say.convert(value * DM3_MIN, "flow")],
+            name=f"{row.label(say)}, {say.number(instant.time, 2)} s",
+            mode="markers",
+            marker={
+                "symbol": _SYMBOLS[row.name],
+                "size": 12,
+                "color": SCREEN.share if share else SCREEN.leakage,
+                "line": {"width": 1.5},
+            },
+            hovertemplate="%{y:.2f}",
             row=3 if share else 1,
-            col=1,
         )
 
 
-def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say: Wording) -> go.Figure:
+def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say: Wording) -> Figure:
     """Draw the share over engine speed and temperature, with the time in each cell; without a share the time alone.
 
     Parameters
@@ -378,40 +359,39 @@ def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say:
         ]
         for row in range(driven.shape[0])
     ]
-    figure = go.Figure(
-        go.Heatmap(
-            x=cells.speeds,
-            y=cells.temperatures,
-            z=np.where(driven, shown, np.nan),
-            text=[[_seconds(value, say) if value > 0.0 else "" for value in row] for row in cells.seconds],
-            texttemplate="%{text}",
-            customdata=hover,
-            hovertemplate="%{customdata}<extra></extra>",
-            colorscale="YlOrRd" if cells.share is not None else "Blues",
-            colorbar={"title": {"text": f"{label} [{unit}]", "side": "right"}},
-            xgap=1,
-            ygap=1,
-        )
+    figure = Figure()
+    figure.add(
+        "heatmap",
+        x=cells.speeds,
+        y=cells.temperatures,
+        z=np.where(driven, shown, np.nan),
+        text=[[_seconds(value, say) if value > 0.0 else "" for value in row] for row in cells.seconds],
+        texttemplate="%{text}",
+        customdata=hover,
+        hovertemplate="%{customdata}<extra></extra>",
+        colorscale="YlOrRd" if cells.share is not None else "Blues",
+        colorbar={"title": {"text": f"{label} [{unit}]", "side": "right"}},
+        xgap=1,
+        ygap=1,
     )
     figure.update_xaxes(title=f"{say('log_quantities.engine_speed')} [{speed}]")
     figure.update_yaxes(title=f"{say('log_quantities.atf_temperature')} [{temperature}]")
     return framed(figure, 150 + 34 * max(driven.shape[0], 4))
 
 
-def histogram_figure(bars: Histogram, label: str, unit: str, say: Wording) -> go.Figure:
+def histogram_figure(bars: Histogram, label: str, unit: str, say: Wording) -> Figure:
     """Draw how long a channel had its values."""
-    figure = go.Figure(
-        go.Bar(
-            x=(bars.edges[:-1] + bars.edges[1:]) / 2.0,
-            y=bars.seconds,
-            width=np.diff(bars.edges),
-            marker={"color": SCREEN.leakage, "line": {"width": 1, "color": SCREEN.soft}},
-            customdata=[
-                f"{_span(bars.edges, number, unit, say)}: {say.number(seconds, 1)} s"
-                for number, seconds in enumerate(bars.seconds)
-            ],
-            hovertemplate="%{customdata}<extra></extra>",
-        )
+    figure = Figure()
+    figure.add_bar(
+        x=(bars.edges[:-1] + bars.edges[1:]) / 2.0,
+        y=bars.seconds,
+        width=np.diff(bars.edges),
+        marker={"color": SCREEN.leakage, "line": {"width": 1, "color": SCREEN.soft}},
+        customdata=[
+            f"{_span(bars.edges, number, unit, say)}: {say.number(seconds, 1)} s"
+            for number, seconds in enumerate(bars.seconds)
+        ],
+        hovertemplate="%{customdata}<extra></extra>",
     )
     figure.update_xaxes(title=f"{label} [{unit}]" if unit else label)
     figure.update_yaxes(title=f"{say('operating_map.time')} [s]", rangemode="tozero")

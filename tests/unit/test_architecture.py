@@ -41,6 +41,7 @@ FLOORS = (
         "system.home",
         "system.shipped",
         "system.marks",
+        "system.memory",
         "look",
         "paper",
         "unit_systems",
@@ -60,7 +61,7 @@ FLOORS = (
     ("uncertainty", "variants"),
     ("sheet_checks", "provisional", "replace_mileage", "result_messages", "road_findings", "gauges", "learning"),
     ("diagnosis",),
-    ("repair", "next_checks", "comparison", "history"),
+    ("repair", "next_checks", "comparison", "history", "what_if"),
     ("views", "intake"),
     ("channel_formulas",),
     (
@@ -77,7 +78,7 @@ FLOORS = (
     ),
     ("job.decisions", "job.kinds", "job.steps"),
     ("job.estimate",),
-    ("report.estimate_words", "job.repair_set"),
+    ("report.estimate_words", "report.pictures", "job.repair_set"),
     (
         "job.parts",
         "report.pdf",

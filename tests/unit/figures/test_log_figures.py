@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-import plotly.graph_objects as go
 import pytest
 
 from atleak.channel_formulas import formula_channel
 from atleak.events import Event
+from atleak.figures.figure import Figure
 from atleak.figures.log_figures import (
     LINES,
     LaidOver,
@@ -22,7 +24,7 @@ SAY = wording("en")
 KPA = {"main_pressure": ("kPa", lambda value: value / 1e3)}
 
 
-def curve(figure: go.Figure, name: str) -> go.Scatter:
+def curve(figure: Figure, name: str) -> Any:
     return next(one for one in figure.data if one.name == name)
 
 
