@@ -32,6 +32,9 @@ LABELLED = 20  # with more shifts the figure is too narrow for their gears
 MARKED = 800  # most suspect samples and breaks of a log that are marked
 _FINEST = 1500  # parts of the time shown: events of a kind that lie nearer together are drawn as one
 _ROW, _LANE = 130, 22  # pixels
+# from little to much; spelled out, since plotly's named scales run the other way in the browser
+_OF_SHARES = [[0.0, "#ffffcc"], [0.5, "#fd8d3c"], [1.0, "#800026"]]
+_OF_TIME = [[0.0, "#deebf7"], [1.0, "#08519c"]]
 _STEPS = frozenset({"gear", "selector", "lock_up"})
 
 
@@ -369,7 +372,7 @@ def operating_map_figure(cells: OperatingMap, speed: str, temperature: str, say:
         texttemplate="%{text}",
         customdata=hover,
         hovertemplate="%{customdata}<extra></extra>",
-        colorscale="YlOrRd" if cells.share is not None else "Blues",
+        colorscale=_OF_TIME if cells.share is None else _OF_SHARES,
         colorbar={"title": {"text": f"{label} [{unit}]", "side": "right"}},
         xgap=1,
         ygap=1,

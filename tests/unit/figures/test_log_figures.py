@@ -108,6 +108,8 @@ def test_the_map_writes_the_time_into_every_cell_that_was_driven(log_of) -> None
     (heat,) = figure.data
     assert sorted(text for row in heat.text for text in row if text) == ["10\u00a0s".replace("\u00a0", " "), "21 s"]
     assert np.isfinite(np.asarray(heat.z, dtype=float)).sum() == 2
+    lightness = [sum(int(colour[place : place + 2], 16) for place in (1, 3, 5)) for _, colour in heat.colorscale]
+    assert lightness == sorted(lightness, reverse=True)  # much is dark, in the browser too
     assert "[°C]" in figure.layout.yaxis.title.text
 
 
